@@ -28,7 +28,7 @@ module mesh_domain
 contains
 
    !> Integrals over one cell of the lower and upper function of a direction [m], with the radius
-   !! as weight along x in axisymmetry [m2]. A missing direction has one function, 1.
+   !! as weight along x in axisymmetry [m2]. An inactive direction has one function, 1.
    pure function domain_line_weight(self, direction, cell) result(weight)
       class(domain_t), intent(in) :: self
       integer, intent(in) :: direction               !! 1 to 3

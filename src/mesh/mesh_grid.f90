@@ -14,8 +14,9 @@ module mesh_grid
    public :: grid_t
 
    integer, parameter, public :: lanes = 8                     !! Nodes of a cell
-   !> Bit of a direction in the number of a lane: missing directions have the high bits, so that the
-   !! lanes that carry weight come first.
+   !> Bit of a direction in the number of a lane: inactive directions have the high bits, so that
+   !! the
+   !! lanes with weight come first.
    integer, parameter, public :: lane_bit(3) = [0, 2, 1]
    integer, parameter :: least_width = 4                       !! Layers of cells before the halo
    integer, parameter :: default_width(3) = [64, 5, 6]         !! Cells along a tile, by dimensions
@@ -100,7 +101,7 @@ contains
    !! a periodic direction the last tile must not be thinner than that.
    pure integer function tile_width(cells, periodic, wish, least) result(width)
       integer, intent(in) :: cells                   !! Cells along the direction
-      logical, intent(in) :: periodic                !! Does it close on itself?
+      logical, intent(in) :: periodic                !! Is the direction periodic?
       integer, intent(in) :: wish                    !! Preferred width
       integer, intent(in) :: least                   !! Layers that the halo needs
       integer :: trial, rest
@@ -119,7 +120,7 @@ contains
 
    !> Cells of one tile along each direction; the last tile may be thinner than the others.
    pure function grid_tile_extent(self, coordinate) result(extent)
-      class(grid_t), intent(in) :: self              !! The grid
+      class(grid_t), intent(in) :: self
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer :: extent(3)
 
@@ -128,7 +129,7 @@ contains
 
    !> Lower corner of a tile [m].
    pure function grid_tile_corner(self, coordinate) result(corner)
-      class(grid_t), intent(in) :: self              !! The grid
+      class(grid_t), intent(in) :: self
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp) :: corner(3)
 
@@ -137,7 +138,7 @@ contains
 
    !> Tables of the cells of a tile.
    pure subroutine number_cells(grid)
-      class(grid_t), intent(inout) :: grid           !! The grid
+      class(grid_t), intent(inout) :: grid
       integer :: cell
 
       if (allocated(grid%first_node)) deallocate (grid%first_node, grid%cell_position)
@@ -154,7 +155,7 @@ contains
 
    !> Place of a node in its tile along each direction, 0 on the lower face, less in the margin.
    pure function grid_node_position(self, node) result(position)
-      class(grid_t), intent(in) :: self              !! The grid
+      class(grid_t), intent(in) :: self
       integer, intent(in) :: node                    !! Node of a tile, counted from 1
       integer :: position(3)
       integer :: direction
@@ -167,9 +168,9 @@ contains
       end do
    end function grid_node_position
 
-   !> Volume that belongs to each node of a tile: the integral of its function over the box [m3].
+   !> Volume that belongs to each node of a tile: the integral of its function over the domain [m3].
    pure subroutine grid_node_volume(self, coordinate, volume)
-      class(grid_t), intent(in) :: self              !! The grid
+      class(grid_t), intent(in) :: self
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), intent(out) :: volume(:)             !! (node of the tile) [m3]
       real(wp) :: line(-self%margin:maxval(self%width) + self%margin, 3), weight(0:1), area

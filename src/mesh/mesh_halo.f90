@@ -43,7 +43,7 @@ contains
    !> Send the patches of border tiles and make those that arrive ghosts of this rank.
    subroutine exchange_patches(communicator, grid, tiles, halo, patch)
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets ghosts
       type(halo_t), intent(inout) :: halo            !! Who gets what; brought up to date
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
@@ -57,7 +57,7 @@ contains
    subroutine halo_plan(self, communicator, grid, tiles)
       class(halo_t), intent(inout) :: self           !! The plan
       type(communicator_t), intent(in) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       integer :: ranks(neighbors, tiles%own), number(tiles%own), tile
 
@@ -123,11 +123,11 @@ contains
       if (.not. first) first = list(entry) /= list(entry - 1)
    end function starts
 
-   !> Other ranks that own a place around a tile, each once. A place that holds an own tile needs
+   !> Other ranks that own a neighbour of a tile, each once. A neighbour that is an own tile needs
    !! no search.
    pure subroutine ranks_around(communicator, grid, tiles, tile, ranks, number)
       type(communicator_t), intent(in) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       integer, intent(in) :: tile                    !! Whose surroundings
       integer, intent(out) :: ranks(neighbors)       !! Without this rank
@@ -174,9 +174,9 @@ contains
       call send_words(self, communicator, words)
    end subroutine halo_post
 
-   !> Make room for words to be sent.
+   !> Reserve memory for words to be sent.
    pure subroutine ensure_outgoing(self, words)
-      type(halo_t), intent(inout) :: self            !! Gets room
+      type(halo_t), intent(inout) :: self            !! Gets the memory
       integer, intent(in) :: words                   !! How many
 
       if (allocated(self%posted%outgoing)) then
@@ -204,7 +204,7 @@ contains
    subroutine halo_post_packed(self, communicator, grid, tiles, boxes, packed)
       class(halo_t), intent(inout) :: self           !! The plan
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       type(node_boxes_t), intent(in) :: boxes             !! Their boxes
       type(packed_patch_t), intent(in) :: packed(:)        !! What is sent
@@ -232,7 +232,7 @@ contains
    subroutine halo_complete_packed(self, communicator, grid, tiles, boxes, packed)
       class(halo_t), intent(inout) :: self           !! The plan
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       type(node_boxes_t), intent(inout) :: boxes          !! Get those of the ghosts, whole tiles
       type(packed_patch_t), intent(inout) :: packed(:)     !! Get those of the ghosts
@@ -291,7 +291,7 @@ contains
    subroutine halo_complete(self, communicator, grid, tiles, patch)
       class(halo_t), intent(inout) :: self           !! The plan
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       real(wp), allocatable :: larger(:, :, :)
@@ -315,7 +315,7 @@ contains
 
    !> Make the tiles of these keys the ghosts, if they are not already.
    subroutine set_ghosts(grid, tiles, key)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       integer(int64), intent(in) :: key(:)           !! In the order of arrival
       integer(int64), allocatable :: own(:)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Rigid regions: bodies without particles that rule the velocity of the nodes inside of them.
+!> Rigid regions: bodies without particles that set the velocity of the nodes inside of them.
 module mesh_rigid
    use base_kinds, only: int64, wp
    use mesh_boundary, only: boundary_t
@@ -24,7 +24,7 @@ module mesh_rigid
    type :: rigid_t
       type(wall_t), allocatable :: wall(:)           !! The regions, the later ones winning
       type(held_t), allocatable :: held(:)           !! (tile) The nodes in them
-      logical :: switched = .true.                   !! Has one come or gone since the last look?
+      logical :: switched = .true. !! Has one begun or ceased to act since nodes were found?
       real(wp) :: kick = 0.0_wp                      !! Time that forces act in this step [s]
       integer(int64) :: looked = -1                  !! Step for which the nodes were found
    contains
@@ -34,7 +34,7 @@ module mesh_rigid
       procedure :: holds => rigid_holds              !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
       procedure :: keep => rigid_keep                !! Hold nodes that were held in the step
-      procedure :: rub => rigid_rub                  !! Regions that press and rub
+      procedure :: rub => rigid_rub                  !! Friction of regions
       procedure :: take => rigid_take                !! Take what they hold from a change
    end type rigid_t
 
@@ -59,7 +59,7 @@ contains
    pure subroutine rigid_advance(self, time, lag, kick)
       class(rigid_t), intent(inout) :: self          !! The regions
       real(wp), intent(in) :: time                   !! Of the positions [s]
-      real(wp), intent(in) :: lag                    !! By which velocities are behind them [s]
+      real(wp), intent(in) :: lag                    !! Of velocities behind positions [s]
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
       logical :: acted
       integer :: n
@@ -75,11 +75,11 @@ contains
    !> Find the nodes of a tile in the regions, unless they are known and cannot have changed.
    pure subroutine rigid_hold(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self             !! The regions
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! Its faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       type(held_t), intent(inout) :: held            !! Those found before
-      real(wp), parameter :: near = 4.0_wp           ! farther no surface is looked for [cells]
+      real(wp), parameter :: near = 4.0_wp           ! maximum search distance [cells]
       real(wp) :: low(3), high(3)
       logical :: moves, meets
       integer :: n
@@ -108,8 +108,8 @@ contains
    !> Nodes of a tile in the regions, and the directions out.
    pure subroutine find_nodes(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self             !! The regions
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! Its faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       type(held_t), intent(inout) :: held            !! Gets them
       integer :: owner(grid%tile_nodes), node, count
@@ -134,7 +134,7 @@ contains
    !> The last region that holds a node, 0 = none.
    pure integer function owner_of(self, grid, place) result(owner)
       class(rigid_t), intent(in) :: self             !! The regions
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
 
       do owner = size(self%wall), 1, -1
@@ -143,17 +143,17 @@ contains
       owner = 0
    end function owner_of
 
-   !> Direction out of the regions at a node. On a face that keeps matter in it lies in the face:
-   !! both conditions hold there.
+   !> Direction out of the regions at a node. On a closed boundary it lies in the boundary: both
+   !! conditions hold there.
    pure subroutine find_normal(self, grid, boundary, coordinate, node, place, normal)
       class(rigid_t), intent(in) :: self             !! The regions
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! Its faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer, intent(in) :: node                    !! Node of the tile
       real(wp), intent(in) :: place(3)               !! Of the node [m]
       real(wp), intent(out) :: normal(3)             !! Of length one, or 0 if the node sticks [1]
-      real(wp), parameter :: least = 1.0e-3_wp       ! a face and a region side by side
+      real(wp), parameter :: least = 1.0e-3_wp       ! a boundary and a region side by side
       integer :: k, wall, face, global(3)
       logical :: found
 
@@ -217,7 +217,7 @@ contains
       end associate
    end subroutine rigid_constrain
 
-   !> Regions that press after Coulomb, as faces with friction do: see there. The velocities are
+   !> Friction of regions after Coulomb, as of boundaries: see boundary_friction. The velocities are
    !! those that the region sees. Equations (R.2) and (R.3).
    pure subroutine rigid_rub(self, tile, dt, share, free, velocity, acceleration)
       class(rigid_t), intent(in) :: self             !! The regions
@@ -292,7 +292,7 @@ contains
       class(rigid_t), intent(in) :: self             !! The regions
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
-      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where faces hold, else 1
+      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where boundaries hold, else 1
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) Without that [m/s]
       real(wp), parameter :: least = 1.0e-6_wp       ! of a normal, beyond what rounding leaves
       real(wp) :: normal(3), length
@@ -306,7 +306,7 @@ contains
                change(:, node) = 0.0_wp
             else if (stays(self%wall(held%wall(n))%condition%velocity, held%normal(:, n), &
                velocity(:, node))) then
-               ! with what faces hold, a projection on what is left to both
+               ! with what boundaries hold, a projection on what both leave free
                normal = held%normal(:, n)*open(:, node)
                length = norm2(normal)
                if (.not. length > least) cycle

@@ -11,7 +11,7 @@ module mesh_wall
 
    public :: node_place, wall_t
 
-   !> A boundary condition with the place where it holds and the time for which it does.
+   !> A boundary condition with where it holds, how it moves, and from when to when it acts.
    type :: wall_t
       character(len=64) :: name = ""                 !! Of its region, for pictures
       integer :: face = 0                            !! Boundary of the domain, 0 = a rigid region

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What lies beyond absorbing faces, and how fast they slow their nodes: from the speeds of waves in
-!! what touches them at the start.
+!> Dashpots of absorbing boundaries, from the wave speeds of the materials that touch them at the
+!! start.
 module scene_absorbing
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -66,7 +66,7 @@ contains
       end do
    end subroutine set_dashpots
 
-   !> Complain of a material without a speed of waves, at the &boundary of the face.
+   !> Report a material without a wave speed, at the &boundary.
    subroutine refuse(deck, face, material)
       type(deck_t), intent(inout) :: deck            !! The deck, collects the complaint
       integer, intent(in) :: face                    !! 1 to 6
@@ -86,9 +86,9 @@ contains
       end do
    end subroutine refuse
 
-   !> Area of the face that belongs to a node on it over the volume that does [1/m].
+   !> Area of the boundary that belongs to a node on it over the volume of the node [1/m].
    pure real(wp) function share_of_face(grid, face, at_wall) result(share)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: face                    !! 1 to 6
       real(wp), intent(in) :: at_wall                !! Integral of its function [cells]
       real(wp) :: weight(0:1), area
@@ -108,10 +108,10 @@ contains
       end associate
    end function share_of_face
 
-   !> Numbers of the materials that reach the nodes of a face at the start: those of the cells
+   !> Indices of the materials that reach the nodes of a boundary at the start: those of the cells
    !! beside it; 0 where there is none.
    subroutine find_beyond(grid, bodies, face, beyond)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer, intent(in) :: face                    !! 1 to 6
       integer, allocatable, intent(out) :: beyond(:, :, :) !! (x, y, z) From 0
@@ -139,9 +139,9 @@ contains
       end do
    end subroutine find_beyond
 
-   !> Mark the cells beside a face whose middle is in a body, or that hold a particle of a list.
+   !> Mark the cells beside a boundary whose middle is in a body, or that hold a particle of a list.
    subroutine find_beside(grid, body, face, beside)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body               !! The body
       integer, intent(in) :: face                    !! 1 to 6
       integer, intent(inout) :: beside(0:, 0:, 0:)   !! (x, y, z) Gets the material of the body

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Walls on the nodes of a tile: faces of the box and rigid regions.
+!> Walls on the nodes of a tile: boundaries of the domain and rigid regions.
 module step_walls
    use base_kinds, only: wp
    use mesh_rigid, only: held_t
@@ -11,10 +11,10 @@ module step_walls
 
 contains
 
-   !> Bring walls that move, or come and go, to the time of the step, and find the nodes in rigid
-   !! regions. Nothing is done where no wall needs it.
+   !> Set walls that move, or act for a time, at the time of the step, and find the nodes in rigid
+   !! regions.
    subroutine stand_walls(simulation, kick)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
       real(wp) :: lag
       logical :: switched
@@ -33,7 +33,7 @@ contains
 
    !> Find the nodes in rigid regions.
    subroutine find_held(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run with rigid regions
+      type(simulation_t), intent(inout) :: simulation !! Has rigid regions
       type(held_t), allocatable :: longer(:)
       integer :: tile
 
@@ -54,10 +54,10 @@ contains
       simulation%rigid%switched = .false.
    end subroutine find_held
 
-   !> True if a wall rules some node of a tile.
+   !> True if a wall acts on some node of a tile.
    pure logical function walls_touch(simulation, tile) result(touch)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
 
       touch = simulation%boundary%touches(simulation%grid, simulation%tiles%coordinate(:, tile))
       if (touch .or. .not. allocated(simulation%rigid)) return
@@ -69,8 +69,8 @@ contains
    !! (L.3) of doc/theory/ledger.md.
    pure subroutine impose_walls(simulation, tile, dt, velocity, acceleration, push, &
       work)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -106,10 +106,10 @@ contains
 
    !> Where a wall with friction, or a rigid region, held a node in the step, let it hold the
    !! velocity after the step that strains: one that may leave the wall but not enter it would
-   !! lift pressed matter by the noise of particles, step by step.
+   !! lift pressed material by the noise of particles, step by step.
    pure subroutine keep_at_walls(simulation, tile, velocity)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
       real(wp) :: ended(3, size(velocity, 2))
 
@@ -125,8 +125,8 @@ contains
 
    !> Impose the walls on velocities as they are after the step, and take away what changes them.
    pure subroutine stop_at_walls(simulation, tile, velocity, change)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :)   !! (3, node) [m/s2] or [m/s]
 
@@ -137,10 +137,10 @@ contains
    end subroutine stop_at_walls
 
    !> Take from a change of node velocities the components that walls held before the forces act,
-   !! or changed: an orthogonal projection. Walls that hold a node in the step do so from its begin.
+   !! or changed: an orthogonal projection. Walls that hold a node in a step do so from its start.
    pure subroutine take_held(simulation, tile, velocity, change)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) With walls, before [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
       real(wp) :: moved(3, size(change, 2)), open(3, size(change, 2))
