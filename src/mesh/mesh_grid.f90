@@ -2,36 +2,27 @@
 !> The uniform Cartesian grid: cells, tiles of cells, and the constants of a cell's nodes.
 !!
 !! One code serves one, two and three dimensions: a cell always has eight lanes, one a node, the
-!! number of a lane less 1 holding one bit a direction. A direction that the scene lacks has one
-!! layer
-!! of cells and nodes; its upper lanes carry weight zero and fall on the lower ones.
+!! number of a lane less 1 holding one bit a direction. An inactive direction has one layer of cells
+!! and nodes; its upper lanes have weight zero and coincide with the lower ones.
 module mesh_grid
    use base_constants, only: pi
-   use base_kinds, only: int64, wp
+   use base_kinds, only: wp
+   use mesh_domain, only: domain_t
    implicit none
    private
 
    public :: grid_t
 
    integer, parameter, public :: lanes = 8                     !! Nodes of a cell
-   !> Bit of a direction in the number of a lane: missing directions have the high bits, so that the
-   !! lanes that carry weight come first.
+   !> Bit of a direction in the number of a lane: inactive directions have the high bits, so that
+   !! the
+   !! lanes with weight come first.
    integer, parameter, public :: lane_bit(3) = [0, 2, 1]
    integer, parameter :: least_width = 4                       !! Layers of cells before the halo
    integer, parameter :: default_width(3) = [64, 5, 6]         !! Cells along a tile, by dimensions
 
-   !> The grid. In two dimensions the active directions are x and z, in axisymmetry radius and axis.
-   type :: grid_t
-      integer :: dimensions = 3                      !! Active directions
-      logical :: axisymmetric = .false.              !! x is the radius, z the axis
-      logical :: active(3) = .true.                  !! Directions that the scene has
-      logical :: periodic(3) = .false.               !! Directions that close on themselves
-      logical :: wall(6) = .false.                   !! (face) Faces that no function reaches across
-      real(wp) :: lower(3) = 0.0_wp                  !! Lower corner [m]
-      real(wp) :: upper(3) = 0.0_wp                  !! Upper corner [m]
-      real(wp) :: spacing = 0.0_wp                   !! Edge of a cell [m]
-      real(wp) :: depth = 1.0_wp                     !! Extent of missing directions [m, m2, rad]
-      integer :: cells(3) = 1                        !! Cells along each direction
+   !> The grid: the domain, its tiles, and the tables of a tile.
+   type, extends(domain_t) :: grid_t
       integer :: width(3) = 1                        !! Cells along a tile
       integer :: tiles(3) = 1                        !! Tiles along each direction
       integer :: tile_cells = 1                      !! Cells of a tile
@@ -52,10 +43,7 @@ module mesh_grid
       procedure :: tile_extent => grid_tile_extent   !! Cells of one tile along each direction
       procedure :: tile_corner => grid_tile_corner   !! Lower corner of a tile
       procedure :: node_position => grid_node_position !! Place of a node in its tile
-      procedure :: line_weight => grid_line_weight   !! Integrals of the two functions of a line
-      procedure :: mass_weight => grid_mass_weight   !! Integrals of their products
       procedure :: node_volume => grid_node_volume   !! Volume around each node of a tile
-      procedure :: cell_count => grid_cell_count     !! Cells of the whole box
    end type grid_t
 
 contains
@@ -113,7 +101,7 @@ contains
    !! a periodic direction the last tile must not be thinner than that.
    pure integer function tile_width(cells, periodic, wish, least) result(width)
       integer, intent(in) :: cells                   !! Cells along the direction
-      logical, intent(in) :: periodic                !! Does it close on itself?
+      logical, intent(in) :: periodic                !! Is the direction periodic?
       integer, intent(in) :: wish                    !! Preferred width
       integer, intent(in) :: least                   !! Layers that the halo needs
       integer :: trial, rest
@@ -132,7 +120,7 @@ contains
 
    !> Cells of one tile along each direction; the last tile may be thinner than the others.
    pure function grid_tile_extent(self, coordinate) result(extent)
-      class(grid_t), intent(in) :: self              !! The grid
+      class(grid_t), intent(in) :: self
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer :: extent(3)
 
@@ -141,7 +129,7 @@ contains
 
    !> Lower corner of a tile [m].
    pure function grid_tile_corner(self, coordinate) result(corner)
-      class(grid_t), intent(in) :: self              !! The grid
+      class(grid_t), intent(in) :: self
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp) :: corner(3)
 
@@ -150,7 +138,7 @@ contains
 
    !> Tables of the cells of a tile.
    pure subroutine number_cells(grid)
-      class(grid_t), intent(inout) :: grid           !! The grid
+      class(grid_t), intent(inout) :: grid
       integer :: cell
 
       if (allocated(grid%first_node)) deallocate (grid%first_node, grid%cell_position)
@@ -167,7 +155,7 @@ contains
 
    !> Place of a node in its tile along each direction, 0 on the lower face, less in the margin.
    pure function grid_node_position(self, node) result(position)
-      class(grid_t), intent(in) :: self              !! The grid
+      class(grid_t), intent(in) :: self
       integer, intent(in) :: node                    !! Node of a tile, counted from 1
       integer :: position(3)
       integer :: direction
@@ -180,53 +168,9 @@ contains
       end do
    end function grid_node_position
 
-   !> Integrals over one cell of the lower and upper function of a direction [m], with the radius
-   !! as weight along x in axisymmetry [m2]. A missing direction has one function, 1.
-   pure function grid_line_weight(self, direction, cell) result(weight)
-      class(grid_t), intent(in) :: self              !! The grid
-      integer, intent(in) :: direction               !! 1 to 3
-      integer, intent(in) :: cell                    !! Cell of the box along it, from 0
-      real(wp) :: weight(0:1)
-      real(wp) :: radius
-
-      if (.not. self%active(direction)) then
-         weight = [1.0_wp, 0.0_wp]
-      else if (self%axisymmetric .and. direction == 1) then
-         radius = self%lower(1) + real(cell, wp)*self%spacing
-         weight = self%spacing*(0.5_wp*radius + self%spacing*[1.0_wp/6.0_wp, 1.0_wp/3.0_wp])
-      else
-         weight = 0.5_wp*self%spacing
-      end if
-   end function grid_line_weight
-
-   !> Integrals over one cell of the products of the functions of a direction, weights as above.
-   pure function grid_mass_weight(self, direction, cell) result(weight)
-      class(grid_t), intent(in) :: self              !! The grid
-      integer, intent(in) :: direction               !! 1 to 3
-      integer, intent(in) :: cell                    !! Cell of the box along it, from 0
-      real(wp) :: weight(0:1, 0:1)
-      real(wp) :: radius
-
-      weight = 0.0_wp
-      if (.not. self%active(direction)) then
-         weight(0, 0) = 1.0_wp
-      else if (self%axisymmetric .and. direction == 1) then
-         radius = self%lower(1) + real(cell, wp)*self%spacing
-         weight(0, 0) = self%spacing*(radius/3.0_wp + self%spacing/12.0_wp)
-         weight(1, 1) = self%spacing*(radius/3.0_wp + self%spacing/4.0_wp)
-         weight(0, 1) = self%spacing*(radius/6.0_wp + self%spacing/12.0_wp)
-         weight(1, 0) = weight(0, 1)
-      else
-         weight(0, 0) = self%spacing/3.0_wp
-         weight(1, 1) = weight(0, 0)
-         weight(0, 1) = self%spacing/6.0_wp
-         weight(1, 0) = weight(0, 1)
-      end if
-   end function grid_mass_weight
-
-   !> Volume that belongs to each node of a tile: the integral of its function over the box [m3].
+   !> Volume that belongs to each node of a tile: the integral of its function over the domain [m3].
    pure subroutine grid_node_volume(self, coordinate, volume)
-      class(grid_t), intent(in) :: self              !! The grid
+      class(grid_t), intent(in) :: self
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), intent(out) :: volume(:)             !! (node of the tile) [m3]
       real(wp) :: line(-self%margin:maxval(self%width) + self%margin, 3), weight(0:1), area
@@ -264,11 +208,4 @@ contains
          end do
       end do
    end subroutine grid_node_volume
-
-   !> Cells of the whole box.
-   pure integer(int64) function grid_cell_count(self) result(cells)
-      class(grid_t), intent(in) :: self              !! The grid
-
-      cells = product(int(self%cells, int64))
-   end function grid_cell_count
 end module mesh_grid

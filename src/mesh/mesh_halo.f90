@@ -34,8 +34,8 @@ module mesh_halo
       procedure :: plan => halo_plan                 !! Work out who gets what
       procedure :: post => halo_post                 !! Send
       procedure :: complete => halo_complete         !! Receive
-      procedure :: post_pieces => halo_post_pieces   !! Send what is kept as pieces
-      procedure :: complete_pieces => halo_complete_pieces !! Receive that
+      procedure :: post_packed => halo_post_packed   !! Send packed patches
+      procedure :: complete_packed => halo_complete_packed !! Receive them
    end type halo_t
 
 contains
@@ -43,7 +43,7 @@ contains
    !> Send the patches of border tiles and make those that arrive ghosts of this rank.
    subroutine exchange_patches(communicator, grid, tiles, halo, patch)
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets ghosts
       type(halo_t), intent(inout) :: halo            !! Who gets what; brought up to date
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
@@ -57,7 +57,7 @@ contains
    subroutine halo_plan(self, communicator, grid, tiles)
       class(halo_t), intent(inout) :: self           !! The plan
       type(communicator_t), intent(in) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       integer :: ranks(neighbors, tiles%own), number(tiles%own), tile
 
@@ -123,11 +123,11 @@ contains
       if (.not. first) first = list(entry) /= list(entry - 1)
    end function starts
 
-   !> Other ranks that own a place around a tile, each once. A place that holds an own tile needs
+   !> Other ranks that own a neighbour of a tile, each once. A neighbour that is an own tile needs
    !! no search.
    pure subroutine ranks_around(communicator, grid, tiles, tile, ranks, number)
       type(communicator_t), intent(in) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       integer, intent(in) :: tile                    !! Whose surroundings
       integer, intent(out) :: ranks(neighbors)       !! Without this rank
@@ -174,9 +174,9 @@ contains
       call send_words(self, communicator, words)
    end subroutine halo_post
 
-   !> Make room for words to be sent.
+   !> Reserve memory for words to be sent.
    pure subroutine ensure_outgoing(self, words)
-      type(halo_t), intent(inout) :: self            !! Gets room
+      type(halo_t), intent(inout) :: self            !! Gets the memory
       integer, intent(in) :: words                   !! How many
 
       if (allocated(self%posted%outgoing)) then
@@ -198,49 +198,50 @@ contains
       self%words = self%words + int(words, int64)*size(self%tile)
    end subroutine send_words
 
-   !> Send key and pieces of each border tile once to every rank that sees it, as whole patches: the
+   !> Send key and packed patches of each border tile once to every rank that sees it, as whole
+   !! patches: the
    !! boxes of tiles at a border change from step to step, and the length of a message does not.
-   subroutine halo_post_pieces(self, communicator, grid, tiles, boxes, pieces)
+   subroutine halo_post_packed(self, communicator, grid, tiles, boxes, packed)
       class(halo_t), intent(inout) :: self           !! The plan
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       type(node_boxes_t), intent(in) :: boxes             !! Their boxes
-      type(packed_patch_t), intent(in) :: pieces(:)        !! What is sent
+      type(packed_patch_t), intent(in) :: packed(:)        !! What is sent
       real(wp), allocatable :: patch(:, :)
       integer :: entry, words, at, n
 
       if (communicator%size == 1) return
-      words = 1 + sum(pieces%rows)*grid%tile_nodes
+      words = 1 + sum(packed%rows)*grid%tile_nodes
       call ensure_outgoing(self, words*size(self%tile))
-      do n = 1, size(pieces)
-         allocate (patch(pieces(n)%rows, grid%tile_nodes))
+      do n = 1, size(packed)
+         allocate (patch(packed(n)%rows, grid%tile_nodes))
          do entry = 1, size(self%tile)
             at = (entry - 1)*words
             self%posted%outgoing(at + 1) = tiles%key(self%tile(entry))
-            call pieces(n)%get(grid, boxes, self%tile(entry), patch)
+            call packed(n)%get(grid, boxes, self%tile(entry), patch)
             call as_words(size(patch), patch, self%posted%outgoing(at + 2 &
-               + sum(pieces(:n - 1)%rows)*grid%tile_nodes))
+               + sum(packed(:n - 1)%rows)*grid%tile_nodes))
          end do
          deallocate (patch)
       end do
       call send_words(self, communicator, words)
-   end subroutine halo_post_pieces
+   end subroutine halo_post_packed
 
-   !> Receive pieces, make their tiles ghosts and put them behind the own ones.
-   subroutine halo_complete_pieces(self, communicator, grid, tiles, boxes, pieces)
+   !> Receive packed patches, make their tiles ghosts and put them behind the own ones.
+   subroutine halo_complete_packed(self, communicator, grid, tiles, boxes, packed)
       class(halo_t), intent(inout) :: self           !! The plan
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       type(node_boxes_t), intent(inout) :: boxes          !! Get those of the ghosts, whole tiles
-      type(packed_patch_t), intent(inout) :: pieces(:)     !! Get those of the ghosts
+      type(packed_patch_t), intent(inout) :: packed(:)     !! Get those of the ghosts
       real(wp), allocatable :: patch(:, :)
       integer :: words, length, message, at, n, tile, margin(3)
 
       if (communicator%size == 1) return
       call communicator%complete(self%posted, self%incoming, length)
-      words = 1 + sum(pieces%rows)*grid%tile_nodes
+      words = 1 + sum(packed%rows)*grid%tile_nodes
       call set_ghosts(grid, tiles, self%incoming(1:length:words))
       call boxes%ensure(tiles%all)
       margin = merge(grid%margin, 0, grid%active)
@@ -249,18 +250,18 @@ contains
          boxes%box(:, 2, tile) = extent_of(grid, tiles, tile) + margin
       end do
       call boxes%line_up(grid, tiles)
-      do n = 1, size(pieces)
-         call pieces(n)%grow(boxes%nodes())
-         allocate (patch(pieces(n)%rows, grid%tile_nodes))
+      do n = 1, size(packed)
+         call packed(n)%grow(boxes%nodes())
+         allocate (patch(packed(n)%rows, grid%tile_nodes))
          do message = 1, length/words
             at = (message - 1)*words
             call as_numbers(size(patch), self%incoming(at + 2 &
-               + sum(pieces(:n - 1)%rows)*grid%tile_nodes), patch)
-            call pieces(n)%put(grid, boxes, tiles%table%find(self%incoming(at + 1)), 1, patch)
+               + sum(packed(:n - 1)%rows)*grid%tile_nodes), patch)
+            call packed(n)%put(grid, boxes, tiles%table%find(self%incoming(at + 1)), 1, patch)
          end do
          deallocate (patch)
       end do
-   end subroutine halo_complete_pieces
+   end subroutine halo_complete_packed
 
    !> Copy numbers to words of the same bits.
    pure subroutine as_words(number, values, words)
@@ -290,7 +291,7 @@ contains
    subroutine halo_complete(self, communicator, grid, tiles, patch)
       class(halo_t), intent(inout) :: self           !! The plan
       type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       real(wp), allocatable :: larger(:, :, :)
@@ -314,7 +315,7 @@ contains
 
    !> Make the tiles of these keys the ghosts, if they are not already.
    subroutine set_ghosts(grid, tiles, key)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       integer(int64), intent(in) :: key(:)           !! In the order of arrival
       integer(int64), allocatable :: own(:)

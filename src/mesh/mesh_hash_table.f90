@@ -23,7 +23,7 @@ module mesh_hash_table
       integer(int64), allocatable :: key(:)          !! (0:mask) Key in a slot
       integer, allocatable :: value(:)               !! (0:mask) Value in a slot
    contains
-      procedure :: clear => table_clear              !! Empty it and make room
+      procedure :: clear => table_clear              !! Empty it and set its capacity
       procedure :: count => table_count              !! Number of keys
       procedure :: find => table_find                !! Value of a key
       procedure :: insert => table_insert            !! Add a key or change its value
@@ -31,7 +31,7 @@ module mesh_hash_table
 
 contains
 
-   !> Forget all keys and make room for some.
+   !> Forget all keys and set the capacity.
    pure subroutine table_clear(self, capacity)
       class(key_table_t), intent(inout) :: self      !! The table
       integer, intent(in) :: capacity                !! Keys to expect; more make the table grow
@@ -65,7 +65,7 @@ contains
    pure subroutine table_insert(self, key, value)
       class(key_table_t), intent(inout) :: self      !! The table
       integer(int64), intent(in) :: key              !! 0 or more
-      integer, intent(in) :: value                   !! Not 0, which stands for absent
+      integer, intent(in) :: value                   !! Not 0, which means absent
       integer(int64) :: slot
 
       if (key < 0) return

@@ -13,7 +13,7 @@ module mesh_hilbert
    public :: hilbert_coordinate, hilbert_key
 
    integer, parameter, public :: curve_bits = 21     !! Coordinates lie in 0 to 2^21 - 1
-   !> Masks that spread bits over every second and over every third place, step by step.
+   !> Masks that spread bits over every second and over every third bit, step by step.
    integer(int64), parameter :: second(5) = [int(z"0000ffff0000ffff", int64), &
       int(z"00ff00ff00ff00ff", int64), int(z"0f0f0f0f0f0f0f0f", int64), &
       int(z"3333333333333333", int64), int(z"5555555555555555", int64)]
@@ -39,7 +39,7 @@ contains
       end select
    end function hilbert_key
 
-   !> The tile at a place on the curve; the inverse of hilbert_key.
+   !> The tile at a position on the curve; the inverse of hilbert_key.
    pure function hilbert_coordinate(key, dimensions) result(coordinate)
       integer(int64), intent(in) :: key              !! Place on the curve
       integer, intent(in) :: dimensions              !! 1 of x, 2 of x and z, or 3
@@ -155,7 +155,7 @@ contains
       levels = max(bit_size(bits) - leadz(bits), 1)
    end function levels_used
 
-   !> Move three numbers round to the left by some places.
+   !> Rotate three numbers to the left.
    pure subroutine move_round(a, b, c, places)
       integer, intent(inout) :: a, b, c              !! The numbers
       integer, intent(in) :: places                  !! 0 to 2
@@ -213,7 +213,7 @@ contains
       parity = ieor(parity, shiftr(parity, 16))
    end function parity_above
 
-   !> Bits moved to every second place.
+   !> Bits moved to every second bit.
    pure integer(int64) function spread_second(bits) result(spaced)
       integer, intent(in) :: bits                    !! 21 bits
 
@@ -225,7 +225,7 @@ contains
       spaced = iand(ior(spaced, shiftl(spaced, 1)), second(5))
    end function spread_second
 
-   !> Bits moved to every third place.
+   !> Bits moved to every third bit.
    pure integer(int64) function spread_third(bits) result(spaced)
       integer, intent(in) :: bits                    !! 21 bits
 

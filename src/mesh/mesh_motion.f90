@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How a wall moves, and while it is there. Its place follows from the time alone, so nothing of it
-!! needs to be kept for a restart.
+!> How a wall moves, and from when to when it acts. Its position follows from the time alone, so a
+!! restart needs nothing of it.
 module mesh_motion
    use base_kinds, only: wp
    implicit none
@@ -11,21 +11,21 @@ module mesh_motion
    !> A constant velocity, and one from a table that is added to it.
    type :: motion_t
       real(wp) :: steady(3) = 0.0_wp                 !! Constant velocity [m/s]
-      real(wp) :: begin = 0.0_wp                     !! The wall is there from this time on [s]
-      real(wp) :: end = huge(1.0_wp)                 !! It is gone from this time on [s]
+      real(wp) :: begin = 0.0_wp                     !! The wall acts from this time on [s]
+      real(wp) :: end = huge(1.0_wp)                 !! It ceases to act at this time [s]
       real(wp), allocatable :: time(:)               !! Times of the table, ascending [s]
       real(wp), allocatable :: speed(:, :)           !! (3, entry) Velocities at these times [m/s]
    contains
-      procedure :: acts => motion_acts               !! Is the wall there?
+      procedure :: acts => motion_acts               !! Does the wall act?
       procedure :: velocity => motion_velocity       !! At a time
-      procedure :: shift => motion_shift             !! Way since the wall began
+      procedure :: shift => motion_shift             !! Displacement since the wall began
       procedure :: mean => motion_mean               !! Mean velocity of some time
       procedure :: moves => motion_moves             !! Does it move at all?
    end type motion_t
 
 contains
 
-   !> Whether the wall is there.
+   !> Whether the wall acts.
    elemental logical function motion_acts(self, time) result(acts)
       class(motion_t), intent(in) :: self            !! The motion
       real(wp), intent(in) :: time                   !! [s]
@@ -55,7 +55,8 @@ contains
       velocity = velocity + value_at(self, entry, time)
    end function motion_velocity
 
-   !> Way from the time at which the wall began, or from 0, to another time: the integral of the
+   !> Displacement from the time at which the wall began, or from 0, to another time: the integral
+   !! of the
    !! velocity, exact but for rounding [m]. Equation (R.4) of doc/theory/rigid.md.
    pure function motion_shift(self, time) result(shift)
       class(motion_t), intent(in) :: self            !! The motion
@@ -71,7 +72,7 @@ contains
       if (allocated(self%time)) shift = shift + table_way(self, from, until)
    end function motion_shift
 
-   !> Mean of the velocity over some time, whether the wall is there or not: the integral of the
+   !> Mean of the velocity over some time, whether the wall acts or not: the integral of the
    !! straight lines by its length [m/s].
    pure function motion_mean(self, from, length) result(mean)
       class(motion_t), intent(in) :: self            !! The motion
@@ -83,7 +84,7 @@ contains
       if (allocated(self%time)) mean = mean + table_way(self, from, from + length)/length
    end function motion_mean
 
-   !> Way by the velocity of the table alone [m].
+   !> Displacement by the velocity of the table alone [m].
    pure function table_way(self, from, until) result(way)
       class(motion_t), intent(in) :: self            !! The motion
       real(wp), intent(in) :: from                   !! [s]
@@ -93,7 +94,7 @@ contains
       integer :: entry
 
       way = 0.0_wp
-      ! the pieces before the first entry, between entries, and after the last one
+      ! the intervals before the first entry, between entries, and after the last one
       do entry = 0, size(self%time)
          left = from
          right = until

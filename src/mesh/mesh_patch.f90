@@ -2,8 +2,8 @@
 !> Node fields as private patches of tiles, and their sum over the tiles around a node.
 !!
 !! Each tile holds values of all its nodes, those on its faces included. What its particles gave
-!! to them stands in a patch; the sum of the patches of all tiles that share a node, taken in the
-!! order of the places of the tiles, is the same to the last bit on every tile, thread and rank.
+!! to them is a patch; the sum of the patches of all tiles that share a node, taken in the
+!! order of the neighbours, is the same to the last bit on every tile, thread and rank.
 !! The components of a node lie together, because whole nodes are added to whole nodes.
 module mesh_patch
    use base_kinds, only: wp
@@ -17,7 +17,7 @@ module mesh_patch
 
 contains
 
-   !> Make room for the patches of all tiles.
+   !> Reserve memory for the patches of all tiles.
    pure subroutine ensure_patch(patch, components, nodes, tiles)
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       integer, intent(in) :: components              !! Fields
@@ -32,7 +32,7 @@ contains
       allocate (patch(components, nodes, tiles + tiles/32))
    end subroutine ensure_patch
 
-   !> Make room for the weights of the cells of all tiles.
+   !> Reserve memory for the weights of the cells of all tiles.
    pure subroutine ensure_weights(weight, cells, tiles)
       real(wp), allocatable, intent(inout) :: weight(:, :) !! (cell, tile)
       integer, intent(in) :: cells                   !! Cells of a tile
@@ -56,7 +56,7 @@ contains
 
    !> Widen a box of nodes by those of some cells of a tile.
    pure subroutine widen_box(grid, used, box)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       logical, intent(in) :: used(0:)                !! (cell) Which cells
       integer, intent(inout) :: box(3, 2)            !! Lowest and highest node, from 0
       integer :: cell, upper(3), margin(3)
@@ -143,7 +143,7 @@ contains
 
    !> Sum the patches that touch the nodes of one tile, its margin included.
    pure subroutine assemble(grid, tiles, patch, tile, total)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Contributions
       integer, intent(in) :: tile                    !! Whose nodes
@@ -163,7 +163,7 @@ contains
 
    !> Greatest values of the patches that touch the nodes of one tile, its margin included.
    pure subroutine assemble_greatest(grid, tiles, patch, tile, greatest)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Values
       integer, intent(in) :: tile                    !! Whose nodes
@@ -188,9 +188,9 @@ contains
    end subroutine assemble_greatest
 
    !> The box of nodes that a tile has in common with one around it, margins included.
-   ! gate: long kernel because a box is told by two corners and its lengths
+   ! gate: long kernel because a box needs two corners and its lengths
    pure subroutine common_box(grid, tiles, tile, other, place, mine, theirs, length)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       integer, intent(in) :: tile                    !! Whose nodes
       integer, intent(in) :: other                   !! The tile around it
@@ -216,7 +216,7 @@ contains
 
    !> Cells of a tile along the active directions.
    pure function extent_of(grid, tiles, index) result(cells)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles             !! The tiles
       integer, intent(in) :: index                   !! Which tile
       integer :: cells(3)

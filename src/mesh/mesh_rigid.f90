@@ -1,12 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Rigid regions: bodies without particles that rule the velocity of the nodes inside of them.
+!> Rigid regions: bodies without particles that set the velocity of the nodes inside of them.
 module mesh_rigid
    use base_kinds, only: int64, wp
-   use mesh_boundary, only: boundary_t, lets_out
+   use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
    use mesh_surface_normal, only: find_surface_normal, touches
-   use mesh_wall, only: face_friction, face_periodic, face_slip, face_stick, face_symmetry, &
-      face_velocity, node_place, wall_t
+   use mesh_wall, only: node_place, wall_t
    implicit none
    private
 
@@ -25,26 +24,42 @@ module mesh_rigid
    type :: rigid_t
       type(wall_t), allocatable :: wall(:)           !! The regions, the later ones winning
       type(held_t), allocatable :: held(:)           !! (tile) The nodes in them
-      logical :: switched = .true.                   !! Has one come or gone since the last look?
+      logical :: switched = .true. !! Has one begun or ceased to act since nodes were found?
       real(wp) :: kick = 0.0_wp                      !! Time that forces act in this step [s]
       integer(int64) :: looked = -1                  !! Step for which the nodes were found
    contains
+      procedure :: add => rigid_add                  !! Add a region
       procedure :: advance => rigid_advance          !! Bring the regions to a time
       procedure :: hold => rigid_hold                !! Find the nodes of a tile in them
       procedure :: holds => rigid_holds              !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
       procedure :: keep => rigid_keep                !! Hold nodes that were held in the step
-      procedure :: rub => rigid_rub                  !! Regions that press and rub
+      procedure :: rub => rigid_rub                  !! Friction of regions
       procedure :: take => rigid_take                !! Take what they hold from a change
    end type rigid_t
 
 contains
 
+   !> Add a region.
+   pure subroutine rigid_add(self, wall)
+      class(rigid_t), intent(inout) :: self
+      type(wall_t), intent(in) :: wall
+      type(wall_t), allocatable :: longer(:)
+      integer :: n
+
+      allocate (longer(size(self%wall) + 1))
+      do n = 1, size(self%wall)
+         longer(n) = self%wall(n)
+      end do
+      longer(size(longer)) = wall
+      call move_alloc(longer, self%wall)
+   end subroutine rigid_add
+
    !> Bring the regions to a time.
    pure subroutine rigid_advance(self, time, lag, kick)
       class(rigid_t), intent(inout) :: self          !! The regions
       real(wp), intent(in) :: time                   !! Of the positions [s]
-      real(wp), intent(in) :: lag                    !! By which velocities are behind them [s]
+      real(wp), intent(in) :: lag                    !! Of velocities behind positions [s]
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
       logical :: acted
       integer :: n
@@ -60,11 +75,11 @@ contains
    !> Find the nodes of a tile in the regions, unless they are known and cannot have changed.
    pure subroutine rigid_hold(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self             !! The regions
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! Its faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       type(held_t), intent(inout) :: held            !! Those found before
-      real(wp), parameter :: near = 4.0_wp           ! farther no surface is looked for [cells]
+      real(wp), parameter :: near = 4.0_wp           ! maximum search distance [cells]
       real(wp) :: low(3), high(3)
       logical :: moves, meets
       integer :: n
@@ -93,8 +108,8 @@ contains
    !> Nodes of a tile in the regions, and the directions out.
    pure subroutine find_nodes(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self             !! The regions
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! Its faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       type(held_t), intent(inout) :: held            !! Gets them
       integer :: owner(grid%tile_nodes), node, count
@@ -111,17 +126,15 @@ contains
       held%normal = 0.0_wp
       do node = 1, count
          place = node_place(grid, coordinate, held%node(node))
-         associate (kind => self%wall(held%wall(node))%kind)
-            if (kind == face_slip .or. kind == face_friction) call find_normal(self, grid, &
-               boundary, coordinate, held%node(node), place, held%normal(:, node))
-         end associate
+         if (self%wall(held%wall(node))%condition%slides()) call find_normal(self, grid, &
+            boundary, coordinate, held%node(node), place, held%normal(:, node))
       end do
    end subroutine find_nodes
 
    !> The last region that holds a node, 0 = none.
    pure integer function owner_of(self, grid, place) result(owner)
       class(rigid_t), intent(in) :: self             !! The regions
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
 
       do owner = size(self%wall), 1, -1
@@ -130,18 +143,18 @@ contains
       owner = 0
    end function owner_of
 
-   !> Direction out of the regions at a node. On a face that keeps matter in it lies in the face:
-   !! both conditions hold there.
+   !> Direction out of the regions at a node. On a closed boundary it lies in the boundary: both
+   !! conditions hold there.
    pure subroutine find_normal(self, grid, boundary, coordinate, node, place, normal)
       class(rigid_t), intent(in) :: self             !! The regions
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(boundary_t), intent(in) :: boundary       !! Its faces
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer, intent(in) :: node                    !! Node of the tile
       real(wp), intent(in) :: place(3)               !! Of the node [m]
       real(wp), intent(out) :: normal(3)             !! Of length one, or 0 if the node sticks [1]
-      real(wp), parameter :: least = 1.0e-3_wp       ! a face and a region side by side
-      integer :: k, kind, face, global(3)
+      real(wp), parameter :: least = 1.0e-3_wp       ! a boundary and a region side by side
+      integer :: k, wall, face, global(3)
       logical :: found
 
       call find_surface_normal(self%wall, grid, place, normal, found)
@@ -153,10 +166,11 @@ contains
          if (global(k) == 0) face = 2*k - 1
          if (global(k) == grid%cells(k)) face = 2*k
          if (face == 0) cycle
-         kind = boundary%kind_at(face, place)
-         if (lets_out(kind) .or. kind == face_periodic) cycle
+         wall = boundary%wall_at(face, place)
+         if (wall == 0) cycle
+         if (.not. boundary%wall(wall)%condition%is_closed()) cycle
          normal(k) = 0.0_wp
-         if (kind == face_stick .or. kind == face_velocity) normal = 0.0_wp
+         if (.not. boundary%wall(wall)%condition%slides()) normal = 0.0_wp
       end do
       if (norm2(normal) > least) then
          normal = normal/norm2(normal)
@@ -188,22 +202,22 @@ contains
       associate (held => self%held(tile))
          do n = 1, size(held%node)
             node = held%node(n)
-            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+            associate (wall => self%wall(held%wall(n))%condition, normal => held%normal(:, n))
                wall_velocity = wall%velocity
-               if (at_end) wall_velocity = wall_velocity + self%kick*wall%gain
+               if (at_end) wall_velocity = wall_velocity + self%kick*wall%acceleration
                if (maxval(abs(normal)) > 0.0_wp) then
                   into = dot_product(velocity(:, node) - wall_velocity, normal)
                   if (into < 0.0_wp) velocity(:, node) = velocity(:, node) - into*normal
                else
                   velocity(:, node) = wall_velocity
-                  acceleration(:, node) = merge(0.0_wp, wall%gain, at_end)
+                  acceleration(:, node) = merge(0.0_wp, wall%acceleration, at_end)
                end if
             end associate
          end do
       end associate
    end subroutine rigid_constrain
 
-   !> Regions that press after Coulomb, as faces with friction do: see there. The velocities are
+   !> Friction of regions after Coulomb, as of boundaries: see boundary_friction. The velocities are
    !! those that the region sees. Equations (R.2) and (R.3).
    pure subroutine rigid_rub(self, tile, dt, share, free, velocity, acceleration)
       class(rigid_t), intent(in) :: self             !! The regions
@@ -220,10 +234,10 @@ contains
       associate (held => self%held(tile))
          do n = 1, size(held%node)
             node = held%node(n)
-            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+            associate (wall => self%wall(held%wall(n))%condition, normal => held%normal(:, n))
                if (.not. maxval(abs(normal)) > 0.0_wp) cycle
                seen = free(:, node) - wall%velocity
-               change = dt*(acceleration(:, node) - wall%gain)
+               change = dt*(acceleration(:, node) - wall%acceleration)
                taken = -dot_product(change + share*seen, normal)
                if (.not. taken > 0.0_wp) cycle
                if (dot_product(seen + change, normal) > 0.0_wp) cycle
@@ -232,7 +246,7 @@ contains
                acceleration(:, node) = acceleration(:, node) &
                   - dot_product(change, normal)/dt*normal
                along = velocity(:, node) + dt*acceleration(:, node) &
-                  - wall%velocity - dt*wall%gain
+                  - wall%velocity - dt*wall%acceleration
                taken = wall%friction*taken
                speed = norm2(along)
                if (taken < speed) then
@@ -261,9 +275,9 @@ contains
       associate (held => self%held(tile))
          do n = 1, size(held%node)
             node = held%node(n)
-            associate (wall => self%wall(held%wall(n)), normal => held%normal(:, n))
+            associate (wall => self%wall(held%wall(n))%condition, normal => held%normal(:, n))
                if (.not. maxval(abs(normal)) > 0.0_wp) cycle
-               wall_velocity = wall%velocity + self%kick*wall%gain
+               wall_velocity = wall%velocity + self%kick*wall%acceleration
                if (.not. stays(wall_velocity, normal, ended(:, node))) cycle
                velocity(:, node) = velocity(:, node) &
                   - dot_product(velocity(:, node) - wall_velocity, normal)*normal
@@ -278,7 +292,7 @@ contains
       class(rigid_t), intent(in) :: self             !! The regions
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
-      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where faces hold, else 1
+      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where boundaries hold, else 1
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) Without that [m/s]
       real(wp), parameter :: least = 1.0e-6_wp       ! of a normal, beyond what rounding leaves
       real(wp) :: normal(3), length
@@ -290,9 +304,9 @@ contains
             node = held%node(n)
             if (.not. maxval(abs(held%normal(:, n))) > 0.0_wp) then
                change(:, node) = 0.0_wp
-            else if (stays(self%wall(held%wall(n))%velocity, held%normal(:, n), &
+            else if (stays(self%wall(held%wall(n))%condition%velocity, held%normal(:, n), &
                velocity(:, node))) then
-               ! with what faces hold, a projection on what is left to both
+               ! with what boundaries hold, a projection on what both leave free
                normal = held%normal(:, n)*open(:, node)
                length = norm2(normal)
                if (.not. length > least) cycle

@@ -2,7 +2,7 @@
 !> The surface of a set of points as triangles, in a plane as segments, along a line as points.
 !!
 !! A lattice is laid over the set and each of its cells is split into simplices (H. W. Kuhn, IBM J.
-!! Res. Dev. 4 (1960) 518). Edges with one end inside are bisected, so the corners of the pieces lie
+!! Res. Dev. 4 (1960) 518). Edges with one end inside are bisected, so the corners of the facets lie
 !! on the surface to rounding; edges and corners of the set are cut off by less than a lattice cell.
 module mesh_surface_cut
    use base_kinds, only: wp
@@ -15,13 +15,13 @@ module mesh_surface_cut
    integer, parameter :: halvings = 40                !! Of an edge: below rounding of positions
    real(wp), parameter :: most_points = 2.0e6_wp      !! Of the lattice; more make it coarser
    real(wp), parameter :: parts = 16.0_wp             !! Least number of steps across a set
-   !> Steps of the lattice before the set: surfaces that follow the lattice give flat pieces
+   !> Steps of the lattice before the set: surfaces that follow the lattice give flat facets
    real(wp), parameter :: offset = 0.6180339887_wp
 
    !> What is cut.
    type :: lattice_t
       logical :: active(3) = .true.                  !! Directions of the scene
-      real(wp) :: lower(3) = 0.0_wp                  !! Corner of the box to stay in [m]
+      real(wp) :: lower(3) = 0.0_wp                  !! Corner of the bounds [m]
       real(wp) :: upper(3) = 0.0_wp                  !! The other corner [m]
       real(wp) :: origin(3) = 0.0_wp                 !! First point of the lattice [m]
       real(wp) :: step(3) = 0.0_wp                   !! Distance of its points [m]
@@ -30,11 +30,11 @@ module mesh_surface_cut
 
 contains
 
-   !> Pieces of the surface of a set inside a box. None if the set does not meet the box.
+   !> Facets of the surface of a set inside a box. None if the set does not meet the box.
    pure subroutine cut_surface(set, lower, upper, active, spacing, piece)
       class(point_set_t), intent(in) :: set          !! The set
       real(wp), intent(in) :: lower(3)               !! Corner of the box [m]
-      real(wp), intent(in) :: upper(3) !! The other; the same along directions the scene lacks [m]
+      real(wp), intent(in) :: upper(3) !! The other; the same along inactive directions [m]
       logical, intent(in) :: active(3)               !! Directions of the scene
       real(wp), intent(in) :: spacing                !! Greatest step of the lattice [m]
       real(wp), allocatable, intent(out) :: piece(:, :, :) !! (3, corner, piece) Its corners [m]
@@ -152,7 +152,7 @@ contains
       end do
    end subroutine cut_cell
 
-   !> Whether an order of the directions is the one that counts: those that the scene lacks come
+   !> Whether an order of the directions is the one that counts: inactive ones come
    !! last, in ascending order.
    pure logical function in_order(order, active) result(counts)
       integer, intent(in) :: order(3)                !! A permutation of 1, 2, 3

@@ -2,7 +2,8 @@
 !> The direction out of rigid regions.
 !!
 !! It is asked of the sets of points alone, so it serves any shape and any set operation: the seam
-!! between two regions, and the side of a region that lies on a face of the box, are no surface.
+!! between two regions, and the side of a region that lies on a boundary of the domain, are no
+!! surface.
 module mesh_surface_normal
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -14,22 +15,22 @@ module mesh_surface_normal
 
    real(wp), parameter :: pace = 0.5_wp              !! Of the search along a ray [cells]
    integer, parameter :: paces = 8                   !! So far it is looked for a way out
-   real(wp), parameter :: aside = 0.05_wp            !! Of the places that give slopes [cells]
+   real(wp), parameter :: aside = 0.05_wp            !! Of the positions that give slopes [cells]
    integer, parameter :: halvings = 40               !! Of a piece of a ray
-   real(wp), parameter :: beside = 0.499999_wp       !! So near a place touches a wall [cells]
-   integer, parameter :: most_rays = 124             !! That start from a place
+   real(wp), parameter :: beside = 0.499999_wp       !! A position so near touches a wall [cells]
+   integer, parameter :: most_rays = 124             !! That start from a position
    integer, parameter :: rounds = 12                 !! From a normal to a better one, at most
    real(wp), parameter :: settled = 1.0e-9_wp        !! Change of a normal that is good enough
    real(wp), parameter :: within = 1.0e-6_wp         !! So far inside faces count [cells]
 
 contains
 
-   !> Outward normal of the surface nearest to a place that touches the walls. Rays in all
+   !> Outward normal of the surface nearest to a position that touches the walls. Rays in all
    !! directions give a first guess, the mean of the shortest ways out; the slopes of the surface
    !! where the normal leaves it give a better one.
    pure subroutine find_surface_normal(walls, grid, place, normal, found)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(out) :: normal(3)             !! Of length one [1]
       logical, intent(out) :: found                  !! Is there a way out nearby?
@@ -41,7 +42,7 @@ contains
       call guess_outward(walls, grid, inside, normal, found)
       if (.not. found) return
       do round = 1, rounds
-         ! below the place itself, if it lies outside, so that the normal leads through it
+         ! below the position itself, if it lies outside, so that the normal leads through it
          below = place - grid%spacing*normal
          if (any(abs(inside - place) > 0.0_wp) .and. closed(walls, grid, below)) inside = below
          before = normal
@@ -50,10 +51,10 @@ contains
       end do
    end subroutine find_surface_normal
 
-   !> True if a wall covers a place, or one less than half a cell away.
+   !> True if a wall covers a position, or one less than half a cell away.
    pure logical function touches(wall, grid, place) result(touch)
       type(wall_t), intent(in) :: wall               !! A rigid region
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       integer :: n, number
       real(wp) :: direction(3, most_rays)
@@ -69,10 +70,10 @@ contains
       end do
    end function touches
 
-   !> A place in the walls at or next to another one that touches them.
+   !> A position in the walls at or next to another one that touches them.
    pure subroutine step_in(walls, grid, place, inside)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(out) :: inside(3)             !! [m]
       integer :: n, number, wall
@@ -91,7 +92,7 @@ contains
 
    !> Directions to all sides, from the middle of a cube to the nodes on its faces.
    pure subroutine rays(grid, side, direction, number)
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: side                    !! Half the edge of the cube
       real(wp), intent(out) :: direction(3, most_rays) !! Of length one [1]
       integer, intent(out) :: number                 !! How many
@@ -110,10 +111,10 @@ contains
       end do
    end subroutine rays
 
-   !> Whether a place is closed to matter: in some wall, or beyond the box.
+   !> Whether a position is closed to material: in some wall, or outside of the domain.
    pure logical function closed(walls, grid, place) result(yes)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       integer :: n
 
@@ -125,11 +126,12 @@ contains
       end do
    end function closed
 
-   !> Whether a wall covers a place, or that which it is beyond periodic faces. On the faces of the
-   !! box it counts what lies just inside, as regions that end there hold one of two faces only.
+   !> Whether a wall covers a position, or its image through periodic boundaries. On boundaries of
+   !! the domain it counts what lies just inside, as regions that end there hold one of two faces
+   !! only.
    pure logical function covers(wall, grid, place) result(yes)
       type(wall_t), intent(in) :: wall               !! A rigid region
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp) :: inside(3)
 
@@ -144,7 +146,7 @@ contains
    !> Mean of the directions whose ways out are next to the shortest.
    pure subroutine guess_outward(walls, grid, place, normal, found)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(out) :: normal(3)             !! Of length one [1]
       logical, intent(out) :: found                  !! Is there a way out nearby?
@@ -164,15 +166,15 @@ contains
       do n = 1, number
          if (way(n) <= shortest + next*grid%spacing) normal = normal + direction(:, n)
       end do
-      ! a place in the middle of a plate has two ways out that cancel: the first one serves
+      ! a position in the middle of a plate has two ways out that cancel: the first one is taken
       if (norm2(normal) < 0.5_wp) normal = direction(:, minloc(way(:number), 1))
       normal = normal/norm2(normal)
    end subroutine guess_outward
 
-   !> Length of the way out along a direction, huge if it is long or leads out of the box [m].
+   !> Length of the way out along a direction, huge if it is long or leads out of the domain [m].
    pure real(wp) function way_out(walls, grid, place, direction) result(way)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(in) :: direction(3)           !! Of length one [1]
       integer :: step
@@ -189,7 +191,7 @@ contains
    !> Where a line leaves the walls, between a way inside and one outside [m].
    pure real(wp) function surface_on(walls, grid, place, direction, inside, outside) result(way)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! Where the line begins [m]
       real(wp), intent(in) :: direction(3)           !! Of length one [1]
       real(wp), intent(in) :: inside, outside        !! Two ways along it [m]
@@ -211,7 +213,7 @@ contains
    !> Turn a normal with the slopes of the surface where it leaves it.
    pure subroutine improve(walls, grid, place, normal, smooth)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(inout) :: normal(3)           !! Of length one [1]
       logical, intent(out) :: smooth                 !! Has the surface slopes there?
@@ -243,7 +245,7 @@ contains
 
    !> Directions at right angles to a normal that the scene has.
    pure subroutine tangents(grid, normal, along, directions)
-      type(grid_t), intent(in) :: grid               !! The box
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: normal(3)              !! Of length one [1]
       real(wp), intent(out) :: along(3, 2)           !! Of length one [1]
       integer, intent(out) :: directions             !! How many

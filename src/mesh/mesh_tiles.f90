@@ -10,10 +10,10 @@ module mesh_tiles
    implicit none
    private
 
-   public :: tiles_t, partition_keys, partition_pieces
+   public :: tiles_t, partition_keys, partition_distributed_keys
 
-   integer, parameter, public :: neighbors = 27      !! Places around a tile, itself included
-   integer, parameter, public :: itself = 14         !! Its own place among them
+   integer, parameter, public :: neighbors = 27      !! Neighbours of a tile, itself included
+   integer, parameter, public :: itself = 14         !! Its own index among them
 
    !> The tiles of one rank.
    type :: tiles_t
@@ -30,7 +30,7 @@ module mesh_tiles
       procedure :: set => tiles_set                  !! Give the tiles and find their neighbours
       procedure :: cut => tiles_cut                  !! Share the curve out among the ranks
       procedure :: owner => tiles_owner              !! Rank that owns a key
-      procedure :: around => tiles_around            !! Key of a neighbouring place
+      procedure :: around => tiles_around            !! Key of a neighbour
    end type tiles_t
 
 contains
@@ -40,7 +40,7 @@ contains
    !! sorting the particles.
    subroutine tiles_set(self, grid, own, ghost)
       class(tiles_t), intent(inout) :: self          !! The tiles
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer(int64), intent(in) :: own(:)           !! Keys of tiles with particles, ascending
       integer(int64), intent(in) :: ghost(:)         !! Keys of tiles of other ranks, ascending
       integer, allocatable :: former(:), renumbered(:), coordinate(:, :), neighbor(:, :)
@@ -74,7 +74,7 @@ contains
    !> Forget all tiles if they are those of another grid.
    subroutine know_grid(self, grid)
       class(tiles_t), intent(inout) :: self          !! The tiles
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer :: shape(7)
 
       shape = [grid%dimensions, grid%tiles, merge(1, 0, grid%periodic)]
@@ -88,7 +88,7 @@ contains
    !> Who touches whom, from who did so before.
    subroutine find_neighbors(self, grid, former, renumbered, neighbor)
       class(tiles_t), intent(in) :: self             !! The tiles, with their former neighbours
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: former(:)               !! (tile) Former index, 0 = new
       integer, intent(in) :: renumbered(0:)          !! (former tile) Index now, 0 = gone
       integer, intent(inout) :: neighbor(:, :)       !! (27, tile) Index of a neighbour, 0 = none
@@ -111,7 +111,7 @@ contains
       do tile = 1, self%all
          if (former(tile) > 0) cycle
          do place = 1, neighbors
-            ! seen from there, this tile is at the opposite place
+            ! for that neighbour this tile is the opposite one
             if (neighbor(place, tile) > 0) neighbor(neighbors + 1 - place, &
                neighbor(place, tile)) = tile
          end do
@@ -138,10 +138,10 @@ contains
       self%version = self%version + 1
    end subroutine tiles_cut
 
-   !> Key of the tile at one of the 27 places around a tile; -1 outside the box.
+   !> Key of one of the 27 neighbours of a tile; -1 outside of the domain.
    pure integer(int64) function tiles_around(self, grid, tile, place) result(key)
       class(tiles_t), intent(in) :: self             !! The tiles
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: tile                    !! Index of a tile
       integer, intent(in) :: place                   !! 1 to 27, x fastest
       integer :: coordinate(3), shift(3)
@@ -186,7 +186,7 @@ contains
 
    !> The same where each rank knows the tiles of its piece of the curve only; no rank ever holds
    !! the list of all tiles. Collective.
-   subroutine partition_pieces(communicator, key, weight, border)
+   subroutine partition_distributed_keys(communicator, key, weight, border)
       type(communicator_t), intent(in) :: communicator !! The ranks
       integer(int64), intent(in) :: key(:)           !! Tiles of this rank, ascending
       integer(int64), intent(in) :: weight(:)        !! Their weights
@@ -199,7 +199,7 @@ contains
          border)
       ! a cut lies at the first tile that is heavy enough, on whichever rank that is
       call communicator%least(border)
-   end subroutine partition_pieces
+   end subroutine partition_distributed_keys
 
    !> The first tile of each piece, as far as it is among these: that whose middle lies beyond the
    !! share of the ranks before.

@@ -6,7 +6,7 @@ module output_description
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
    use io_checkpoint, only: checkpoint_place_t
-   use mesh_boundary, only: face_names, face_symmetry
+   use mesh_boundary, only: face_names
    use output_streams, only: outputs_t
    use particle_fill, only: body_t
    use step_simulation, only: simulation_t
@@ -45,7 +45,7 @@ contains
          call group%get("dimension", header%dimension)
          header%symmetry = ""
          do n = 1, 6
-            if (simulation%boundary%kind(n) == face_symmetry .and. &
+            if (simulation%boundary%mirrors(n) .and. &
                simulation%grid%active(ishft(n + 1, -1))) &
                header%symmetry = trim(header%symmetry//" "//face_names(n))
          end do

@@ -6,7 +6,7 @@ module output_walls
    use base_kinds, only: wp
    use io_file, only: join_path
    use io_walls, only: never, walls_t, walls_write
-   use mesh_boundary, only: boundary_t, face_names, face_outflow, face_types
+   use mesh_boundary, only: boundary_t, face_names
    use mesh_grid, only: grid_t
    use mesh_surface_cut, only: cut_surface
    use mesh_wall, only: wall_t
@@ -56,7 +56,7 @@ contains
          if (mod(face, 2) == 1) high(axis) = low(axis)
          if (mod(face, 2) == 0) low(axis) = high(axis)
          cells = 1
-         if (boundary%divided(face)) cells = merge(min(grid%cells, most_cells), 1, grid%active)
+         if (boundary%is_divided(face)) cells = merge(min(grid%cells, most_cells), 1, grid%active)
          do j = 1, cells(across(2))
             do i = 1, cells(across(1))
                first = low
@@ -90,18 +90,20 @@ contains
       real(wp), intent(in) :: begin                  !! It is there from then on [s]
       real(wp), intent(in) :: finish                 !! It is gone from then on [s]
       real(wp), intent(in) :: piece(:, :, :)         !! (3, corner, 1) [m]
-      integer :: kind, wall
+      character(len=:), allocatable :: kind
+      integer :: wall
 
       if (.not. finish > begin .or. finish <= 0.0_wp) return
-      kind = boundary%kind(face)
-      ! a whole face that comes and goes is open without its wall
-      if (allocated(boundary%wall)) then
-         do wall = 1, size(boundary%wall)
-            if (boundary%wall(wall)%face /= face) cycle
-            if (.not. allocated(boundary%wall(wall)%region)) kind = face_outflow
-         end do
+      kind = "outflow"
+      wall = boundary%whole(face)
+      if (wall > 0) then
+         ! a whole boundary is open while its wall does not act
+         associate (motion => boundary%wall(wall)%motion)
+            if (.not. motion%begin > 0.0_wp .and. motion%end >= huge(1.0_wp)) &
+               kind = trim(boundary%wall(wall)%condition%name)
+         end associate
       end if
-      call walls%name_wall(face_names(face), trim(face_types(kind)), face, begin, finish, wall)
+      call walls%name_wall(face_names(face), kind, face, begin, finish, wall)
       call walls%add(wall, piece)
    end subroutine add_plain
 
@@ -144,7 +146,7 @@ contains
       begin = source%motion%begin
       if (.not. begin > 0.0_wp) begin = -never
       finish = min(source%motion%end, never)
-      call walls%name_wall(name, trim(face_types(source%kind)), source%face, begin, finish, wall)
+      call walls%name_wall(name, trim(source%condition%name), source%face, begin, finish, wall)
    end subroutine name_part
 
    !> Corners of the box, where particles are along directions that the scene lacks [m].

@@ -2,7 +2,7 @@
 !> Finds the cells of particles that moved and applies the boundaries of the domain to them.
 module particle_place
    use base_kinds, only: wp
-   use mesh_boundary, only: boundary_t, lets_out
+   use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
    use particle_store, only: moved_away, moved_out, store_t
    implicit none
@@ -189,6 +189,6 @@ contains
       normal = (face + 1)/2
       place = position
       place(normal) = merge(grid%lower(normal), grid%upper(normal), mod(face, 2) == 1)
-      open = lets_out(boundary%kind_at(face, place))
+      open = boundary%lets_out(face, place)
    end function face_is_open
 end module particle_place

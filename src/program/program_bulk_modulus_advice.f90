@@ -9,7 +9,6 @@ module program_bulk_modulus_advice
    use law_mu_i, only: law_mu_i_t
    use law_newtonian, only: law_newtonian_t
    use material_type, only: material_t
-   use mesh_boundary, only: face_periodic
    use mesh_motion, only: motion_t
    use particle_fill, only: body_t
    use program_expected_steps, only: expected_steps
@@ -66,7 +65,7 @@ contains
       type(body_t), intent(in) :: bodies(:)
       integer :: n
 
-      state = allocated(simulation%shaking) .or. allocated(simulation%absorbing) .or. &
+      state = allocated(simulation%shaking) .or. simulation%boundary%absorbs_waves() .or. &
          allocated(simulation%exact)
       do n = 1, size(bodies)
          state = state .or. allocated(bodies(n)%formula) .or. allocated(bodies(n)%given)
@@ -125,7 +124,7 @@ contains
       real(wp) :: speed, head, low(3), high(3), reach(3)
       integer :: n, k
 
-      speed = maxval(norm2(simulation%boundary%velocity, dim=1))
+      speed = 0.0_wp
       if (allocated(simulation%boundary%wall)) then
          do n = 1, size(simulation%boundary%wall)
             speed = max(speed, wall_speed(simulation%boundary%wall(n)%motion))
@@ -146,7 +145,7 @@ contains
          do k = 1, 3
             reach(k) = merge(high(k) - simulation%grid%lower(k), &
                simulation%grid%upper(k) - low(k), simulation%gravity(k) < 0.0_wp)
-            if (simulation%boundary%kind(2*k) == face_periodic) reach(k) = 0.0_wp
+            if (simulation%boundary%is_periodic(2*k)) reach(k) = 0.0_wp
          end do
          head = max(head, dot_product(abs(simulation%gravity), reach))
       end do

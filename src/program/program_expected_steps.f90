@@ -5,7 +5,6 @@ module program_expected_steps
    use base_kinds, only: int64, wp
    use constitutive_state, only: material_state_t
    use material_type, only: material_t
-   use mesh_boundary, only: face_friction, face_slip, face_stick, face_symmetry
    use particle_fill, only: body_t
    use program_run_limits, only: limits_t
    use step_conduction, only: conduction_step
@@ -100,7 +99,7 @@ contains
       logical :: mirrors(6)
       integer :: n, k
 
-      mirrors = simulation%boundary%kind == face_symmetry
+      mirrors = [(simulation%boundary%mirrors(k), k=1, 6)]
       mirrors(1) = mirrors(1) .or. simulation%grid%axisymmetric
       allocate (flight%low(3, size(bodies)), flight%high(3, size(bodies)))
       allocate (flight%met(size(bodies)), source=huge(1.0_wp))
@@ -258,7 +257,8 @@ contains
             speed = abs(body%velocity(k))
             if (.not. speed > 0.0_wp) cycle
             face = merge(2*k - 1, 2*k, body%velocity(k) < 0.0_wp)
-            if (.not. is_closed(simulation%boundary%kind(face))) cycle
+            if (.not. simulation%boundary%is_closed(face)) cycle
+            if (simulation%boundary%moves(face)) cycle
             gap = merge(low(k) - simulation%grid%lower(k), simulation%grid%upper(k) - high(k), &
                body%velocity(k) < 0.0_wp)
             moving = norm2(body%velocity) - 0.5_wp*speed
@@ -285,15 +285,6 @@ contains
       last = min(max(last, first), size(signal))
       signal(first:last) = max(signal(first:last), fastest)
    end subroutine raise_signal
-
-   !> True for boundaries that material cannot pass.
-   elemental function is_closed(kind) result(stops)
-      integer, intent(in) :: kind                    !! Kind of boundary
-      logical :: stops
-
-      stops = kind == face_symmetry .or. kind == face_slip .or. kind == face_stick &
-         .or. kind == face_friction
-   end function is_closed
 
    !> Wave speed with artificial viscosity where surfaces meet [m/s]. Equation (S.5).
    pure real(wp) function contact_signal(material, closing, jump) result(speed)

@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What lies beyond absorbing faces, and how fast they slow their nodes: from the speeds of waves in
-!! what touches them at the start.
+!> Dashpots of absorbing boundaries, from the wave speeds of the materials that touch them at the
+!! start.
 module scene_absorbing
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use mesh_boundary, only: face_absorbing, face_names
+   use boundary_absorbing, only: boundary_absorbing_t
+   use mesh_boundary, only: face_names
+   use mesh_boundary_condition, only: normal_direction
    use mesh_grid, only: grid_t
    use particle_fill, only: body_t
    use particle_points, only: points_t
@@ -16,38 +18,55 @@ module scene_absorbing
 
 contains
 
-   !> Find what lies beyond absorbing faces and how fast they slow their nodes, if there are some.
-   !! Equations (R.6) and (R.7) of doc/theory/rigid.md.
+   !> Set the dashpots of absorbing boundaries, if there are some.
    subroutine read_absorbing(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! The run, its faces are read
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
-      real(wp) :: share
-      integer :: face, n
+      integer :: n, face, refused
 
-      if (.not. any(simulation%boundary%kind == face_absorbing)) return
-      allocate (simulation%absorbing)
-      do face = 1, 6
-         if (simulation%boundary%kind(face) /= face_absorbing) cycle
-         if (.not. simulation%grid%active(ishft(face + 1, -1))) cycle
-         share = share_of_face(simulation%grid, face, simulation%method%basis%at_wall())
-         associate (dashpots => simulation%absorbing%face(face))
-            call find_beyond(simulation%grid, bodies, face, dashpots%beyond)
-            allocate (dashpots%decay(2, size(simulation%materials)))
-            do n = 1, size(simulation%materials)
-               associate (material => simulation%materials(n))
-                  dashpots%decay(1, n) = share*material%reference_speed()
-                  dashpots%decay(2, n) = share*sqrt(material%shear/material%density)
-                  if (dashpots%decay(1, n) > 0.0_wp .or. .not. any(dashpots%beyond == n)) cycle
-                  call refuse(deck, face, material%name)
-                  return
-               end associate
-            end do
-         end associate
+      if (.not. allocated(simulation%boundary%wall)) return
+      do n = 1, size(simulation%boundary%wall)
+         face = simulation%boundary%wall(n)%face
+         if (.not. simulation%grid%active(normal_direction(face))) cycle
+         refused = 0
+         select type (condition => simulation%boundary%wall(n)%condition)
+         type is (boundary_absorbing_t)
+            call set_dashpots(simulation, bodies, face, condition, refused)
+         end select
+         if (refused == 0) cycle
+         call refuse(deck, face, simulation%materials(refused)%name)
+         return
       end do
    end subroutine read_absorbing
 
-   !> Complain of a material without a speed of waves, at the &boundary of the face.
+   !> Find what lies beyond an absorbing boundary and how fast it slows its nodes. Equations (R.6)
+   !! and (R.7) of doc/theory/rigid.md.
+   subroutine set_dashpots(simulation, bodies, face, absorbing, refused)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)          !! Its bodies
+      integer, intent(in) :: face                    !! 1 to 6
+      type(boundary_absorbing_t), intent(inout) :: absorbing !! Gets them
+      integer, intent(out) :: refused                !! Material without a wave speed, 0 = none
+      real(wp) :: share
+      integer :: n
+
+      refused = 0
+      share = share_of_face(simulation%grid, face, simulation%method%basis%at_wall())
+      call find_beyond(simulation%grid, bodies, face, absorbing%beyond)
+      allocate (absorbing%decay(2, size(simulation%materials)))
+      do n = 1, size(simulation%materials)
+         associate (material => simulation%materials(n))
+            absorbing%decay(1, n) = share*material%reference_speed()
+            absorbing%decay(2, n) = share*sqrt(material%shear/material%density)
+         end associate
+         if (absorbing%decay(1, n) > 0.0_wp .or. .not. any(absorbing%beyond == n)) cycle
+         refused = n
+         return
+      end do
+   end subroutine set_dashpots
+
+   !> Report a material without a wave speed, at the &boundary.
    subroutine refuse(deck, face, material)
       type(deck_t), intent(inout) :: deck            !! The deck, collects the complaint
       integer, intent(in) :: face                    !! 1 to 6
@@ -67,9 +86,9 @@ contains
       end do
    end subroutine refuse
 
-   !> Area of the face that belongs to a node on it over the volume that does [1/m].
+   !> Area of the boundary that belongs to a node on it over the volume of the node [1/m].
    pure real(wp) function share_of_face(grid, face, at_wall) result(share)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: face                    !! 1 to 6
       real(wp), intent(in) :: at_wall                !! Integral of its function [cells]
       real(wp) :: weight(0:1), area
@@ -89,10 +108,10 @@ contains
       end associate
    end function share_of_face
 
-   !> Numbers of the materials that reach the nodes of a face at the start: those of the cells
+   !> Indices of the materials that reach the nodes of a boundary at the start: those of the cells
    !! beside it; 0 where there is none.
    subroutine find_beyond(grid, bodies, face, beyond)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer, intent(in) :: face                    !! 1 to 6
       integer, allocatable, intent(out) :: beyond(:, :, :) !! (x, y, z) From 0
@@ -126,9 +145,9 @@ contains
       if (node == 0) node = number
    end subroutine set_missing
 
-   !> Mark the cells beside a face whose middle is in a body, or that hold a particle of a list.
+   !> Mark the cells beside a boundary whose middle is in a body, or that hold a particle of a list.
    subroutine find_beside(grid, body, face, beside)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body               !! The body
       integer, intent(in) :: face                    !! 1 to 6
       integer, intent(inout) :: beside(0:, 0:, 0:)   !! (x, y, z) Gets the material of the body

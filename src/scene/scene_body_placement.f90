@@ -5,7 +5,6 @@ module scene_body_placement
    use base_kinds, only: int64, wp
    use base_text, only: brief, number
    use material_kinds, only: supports_any_shear
-   use mesh_boundary, only: face_outflow, face_periodic, face_symmetry
    use mesh_grid, only: grid_t
    use particle_fill, only: body_t
    use scene_dimension, only: axis_names
@@ -108,8 +107,10 @@ contains
       integer :: n, other
       logical :: walls
 
-      walls = allocated(simulation%rigid) .or. any(simulation%boundary%kind /= face_outflow .and. &
-         simulation%boundary%kind /= face_periodic)
+      walls = allocated(simulation%rigid)
+      do n = 1, 6
+         walls = walls .or. simulation%boundary%acts_on(n)
+      end do
       do n = 1, size(bodies)
          associate (material => simulation%materials(bodies(n)%store))
             if (.not. supports_any_shear(material)) cycle
@@ -155,11 +156,11 @@ contains
       real(wp) :: low(3), high(3)
       integer :: inside, outside, k
 
-      associate (grid => simulation%grid, kind => simulation%boundary%kind)
+      associate (grid => simulation%grid, boundary => simulation%boundary)
          call body%shape%bounds(low, high)
          do k = 1, 3
-            if (kind(2*k - 1) == face_symmetry) low(k) = max(low(k), grid%lower(k))
-            if (kind(2*k) == face_symmetry) high(k) = min(high(k), grid%upper(k))
+            if (boundary%mirrors(2*k - 1)) low(k) = max(low(k), grid%lower(k))
+            if (boundary%mirrors(2*k)) high(k) = min(high(k), grid%upper(k))
          end do
          if (.not. any(grid%active .and. (low < grid%lower - round_off*grid%spacing .or. &
             high > grid%upper + round_off*grid%spacing))) return
@@ -219,7 +220,7 @@ contains
       logical :: first, last
       integer :: k
 
-      associate (grid => simulation%grid, kind => simulation%boundary%kind)
+      associate (grid => simulation%grid, boundary => simulation%boundary)
          call cut_bounds(grid, body, low, high)
          do k = 1, 3
             if (.not. grid%active(k)) cycle
@@ -228,8 +229,8 @@ contains
             if (first .and. last .and. (grid%periodic(k) .or. &
                (grid%wall(2*k - 1) .and. grid%wall(2*k)))) cycle
             cells = (high(k) - low(k))/grid%spacing
-            if (first .and. kind(2*k - 1) == face_symmetry) cells = 2.0_wp*cells
-            if (last .and. kind(2*k) == face_symmetry) cells = 2.0_wp*cells
+            if (first .and. boundary%mirrors(2*k - 1)) cells = 2.0_wp*cells
+            if (last .and. boundary%mirrors(2*k)) cells = 2.0_wp*cells
             if (cells >= thinnest - round_off) cycle
             call deck%warn("body", place, "is "//brief(cells)//" cells thick in "//axis_names(k)// &
                "; at least 2, better 6", "region")

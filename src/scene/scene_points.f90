@@ -16,7 +16,7 @@ module scene_points
    use io_hdf5_read, only: hdf5_source_t
    use io_points, only: point_list_t, read_point_text, read_snapshot
    use material_type, only: material_t
-   use mesh_boundary, only: boundary_t, lets_out
+   use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
    use particle_body, only: body_t
    use particle_points, only: cloud, points_t, set_points
@@ -240,22 +240,24 @@ contains
       real(wp) :: low(3), high(3)
       integer(int64), allocatable :: key(:)
       integer, allocatable :: order(:)
+      logical :: open(3)
       integer :: n, k
 
       low = grid%lower
       high = grid%upper
       do k = 1, 3
-         if (grid%wall(2*k - 1) .and. .not. lets_out(boundary%kind(2*k - 1))) &
+         if (grid%wall(2*k - 1) .and. .not. boundary%lets_out(2*k - 1)) &
             low(k) = low(k) - behind*grid%spacing
-         if (grid%wall(2*k) .and. .not. lets_out(boundary%kind(2*k))) &
+         if (grid%wall(2*k) .and. .not. boundary%lets_out(2*k)) &
             high(k) = high(k) + behind*grid%spacing
       end do
+      open = [(boundary%lets_out(2*k), k=1, 3)]
       if (grid%axisymmetric) low(1) = grid%lower(1)
       allocate (key(size(place)))
       do n = 1, size(place)
          associate (x => points%list%position(:, place(n)))
             if (any(grid%active .and. (x < low .or. x > high .or. (x >= high .and. &
-               (grid%periodic .or. lets_out(boundary%kind(2::2))))))) then
+               (grid%periodic .or. open))))) then
                call deck%complain(group, where_text(points, place(n))//" of '"//points%path// &
                   "': the point "//place_text(deck, grid, x)//" lies outside of the grid; "// &
                   "widen &grid or move the points with translate", "region")

@@ -6,7 +6,6 @@ module scene_setup
    use base_kinds, only: wp
    use material_kinds, only: all_gases, stores_work
    use material_record, only: read_record
-   use mesh_boundary, only: face_names, face_outflow, face_periodic, face_symmetry, face_types
    use particle_fill, only: body_t
    use particle_store, only: traits_t
    use scene_absorbing, only: read_absorbing
@@ -20,8 +19,7 @@ module scene_setup
    use scene_points_clock, only: check_clocks
    use scene_regions, only: named_shape_t, read_shapes
    use scene_time, only: read_bounds
-   use scene_walls, only: read_walls
-   use step_method, only: position_of
+   use scene_walls, only: read_boundaries, read_walls
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -60,7 +58,7 @@ contains
          call check_volumes(deck, simulation)
          call check_heat_flux(deck, simulation)
       end if
-      call read_boundary(deck, simulation)
+      call read_boundaries(deck, simulation)
       simulation%grid%margin = simulation%method%margin()
       simulation%grid%reaches = merge(2, 1, simulation%method%dual)
       call simulation%grid%start(tile_edge(deck))
@@ -102,44 +100,6 @@ contains
          sound = sound .and. deck%sound(trim(groups(n)))
       end do
    end function is_sound
-
-   !> Conditions on the faces of the box.
-   subroutine read_boundary(deck, simulation)
-      type(deck_t), intent(in) :: deck               !! The deck
-      type(simulation_t), intent(inout) :: simulation !! The run
-      type(group_t) :: group
-      character(len=:), allocatable :: face, kind
-      integer :: index, side, pass
-
-      if (simulation%grid%axisymmetric) simulation%boundary%kind(1) = face_symmetry
-      ! what is said of all faces gives way to what is said of one
-      do pass = 1, 2
-         do index = 1, deck%count("boundary")
-            group = deck%group("boundary", index)
-            call group%get("face", face)
-            call group%get("type", kind)
-            if (((face == "all") .neqv. (pass == 1)) .or. group%given("region")) cycle
-            do side = 1, 6
-               if (face /= face_names(side) .and. face /= "all") cycle
-               simulation%boundary%kind(side) = position_of(kind, face_types)
-               call group%get("velocity", simulation%boundary%velocity(:, side))
-               simulation%boundary%warm(side) = group%given("temperature")
-               if (simulation%boundary%warm(side)) &
-                  call group%get("temperature", simulation%boundary%temperature(side))
-               if (kind == "friction") &
-                  call group%get("friction", simulation%boundary%friction(side))
-            end do
-         end do
-      end do
-      associate (sides => simulation%boundary%kind)
-         if (simulation%grid%axisymmetric) sides(1) = face_symmetry
-         simulation%grid%wall = sides /= face_outflow .and. sides /= face_periodic
-         do side = 1, 3
-            simulation%grid%periodic(side) = sides(2*side) == face_periodic .and. &
-               sides(2*side - 1) == face_periodic
-         end do
-      end associate
-   end subroutine read_boundary
 
    !> The fill of nodes, which corrects volumes, is found with the dual gradient.
    subroutine check_volumes(deck, simulation)

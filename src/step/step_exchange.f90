@@ -64,10 +64,10 @@ contains
          call simulation%timer%start(phase%exchange)
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
-            call simulation%halo%post_pieces(communicator, simulation%grid, simulation%tiles, &
+            call simulation%halo%post_packed(communicator, simulation%grid, simulation%tiles, &
                nodes%touched, nodes%motion(:kinds))
          else
-            call simulation%halo%complete_pieces(communicator, simulation%grid, simulation%tiles, &
+            call simulation%halo%complete_packed(communicator, simulation%grid, simulation%tiles, &
                nodes%touched, nodes%motion(:kinds))
          end if
          call simulation%timer%stop(phase%exchange)

@@ -2,7 +2,7 @@
 !> Moves tiles between ranks when some rank has too much work. Results do not depend on it.
 module step_load_balance
    use base_kinds, only: int64, wp
-   use mesh_tiles, only: partition_pieces
+   use mesh_tiles, only: partition_distributed_keys
    use particle_store, only: moved_away, store_t
    use step_advance, only: count_particles, sort_particles
    use step_simulation, only: simulation_t
@@ -83,7 +83,8 @@ contains
       if (ratio <= balancing%tolerance) return
       call simulation%timer%start(simulation%phase%sort)
       associate (tiles => simulation%tiles, rank => simulation%communicator%rank)
-         call partition_pieces(simulation%communicator, tiles%key(:tiles%own), weight, border)
+         call partition_distributed_keys(simulation%communicator, tiles%key(:tiles%own), weight, &
+            border)
          call tiles%cut(border)
          do tile = 1, tiles%own
             if (tiles%owner(tiles%key(tile)) == rank) cycle

@@ -66,7 +66,7 @@ contains
 
       later = simulation%method%remaps() .and. .not. simulation%carries_energy
       if (later) later = allocated(simulation%gravity) .or. allocated(simulation%rigid) &
-         .or. any([(simulation%boundary%ruled(face), face=1, 6)])
+         .or. any([(simulation%boundary%acts_on(face), face=1, 6)])
    end function books_later
 
    !> Make room for what is booked later.

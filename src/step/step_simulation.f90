@@ -11,7 +11,6 @@ module step_simulation
    use material_effect_timers, only: stage_clock_t
    use material_stages, only: effect_count
    use material_type, only: material_t
-   use mesh_absorbing, only: absorbing_t
    use mesh_boundary, only: boundary_t
    use mesh_grid, only: grid_t
    use mesh_halo, only: halo_t
@@ -192,8 +191,7 @@ module step_simulation
    type :: simulation_t
       type(communicator_t) :: communicator           !! The ranks
       type(grid_t) :: grid                           !! The grid
-      type(boundary_t) :: boundary                   !! The faces
-      type(absorbing_t), allocatable :: absorbing    !! Those through which waves leave
+      type(boundary_t) :: boundary                   !! The boundaries of the domain
       type(rigid_t), allocatable :: rigid            !! If regions rule nodes
       type(tiles_t) :: tiles                         !! The tiles of this rank
       type(halo_t) :: halo                           !! Which of them other ranks see

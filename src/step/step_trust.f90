@@ -224,7 +224,6 @@ contains
             end do
          end if
          do n = 1, 6
-            square = max(square, sum(boundary%velocity(:, n)**2))
             if (boundary%warm(n)) square = max(square, 2.0_wp*boundary%temperature(n) &
                *greatest_capacity(simulation))
          end do

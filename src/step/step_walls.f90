@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Walls on the nodes of a tile: faces of the box and rigid regions.
+!> Walls on the nodes of a tile: boundaries of the domain and rigid regions.
 module step_walls
    use base_kinds, only: wp
    use mesh_rigid, only: held_t
@@ -11,10 +11,10 @@ module step_walls
 
 contains
 
-   !> Bring walls that move, or come and go, to the time of the step, and find the nodes in rigid
-   !! regions. Nothing is done where no wall needs it.
+   !> Set walls that move, or act for a time, at the time of the step, and find the nodes in rigid
+   !! regions.
    subroutine stand_walls(simulation, kick)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
       real(wp) :: lag
       logical :: switched
@@ -33,7 +33,7 @@ contains
 
    !> Find the nodes in rigid regions.
    subroutine find_held(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run with rigid regions
+      type(simulation_t), intent(inout) :: simulation !! Has rigid regions
       type(held_t), allocatable :: longer(:)
       integer :: tile
 
@@ -54,10 +54,10 @@ contains
       simulation%rigid%switched = .false.
    end subroutine find_held
 
-   !> True if a wall rules some node of a tile.
+   !> True if a wall acts on some node of a tile.
    pure logical function walls_touch(simulation, tile) result(touch)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
 
       touch = simulation%boundary%touches(simulation%grid, simulation%tiles%coordinate(:, tile))
       if (touch .or. .not. allocated(simulation%rigid)) return
@@ -69,8 +69,8 @@ contains
    !! (L.3) of doc/theory/ledger.md.
    pure subroutine impose_walls(simulation, tile, dt, velocity, acceleration, push, &
       work)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -83,16 +83,17 @@ contains
       free_velocity = velocity
       free_acceleration = acceleration
       associate (coordinate => simulation%tiles%coordinate(:, tile))
-         if (dt > 0.0_wp .and. allocated(simulation%absorbing)) call simulation%absorbing%absorb( &
-            simulation%grid, simulation%boundary, coordinate, dt, velocity, acceleration)
+         if (dt > 0.0_wp .and. simulation%boundary%absorbs_waves()) &
+            call simulation%boundary%add_forces(simulation%grid, coordinate, dt, velocity, &
+            acceleration)
          call simulation%boundary%constrain(simulation%grid, coordinate, velocity, acceleration)
          if (allocated(simulation%rigid)) &
             call simulation%rigid%constrain(tile, velocity, acceleration, at_end=.false.)
          ! before the forces act, nodes that they press on a wall must not strain away from it
          period = merge(dt, simulation%dt, dt > 0.0_wp)
          if (period > 0.0_wp) then
-            if (simulation%boundary%rubs()) call simulation%boundary%rub(simulation%grid, &
-               coordinate, period, share, free_velocity, velocity, acceleration)
+            if (simulation%boundary%has_friction()) call simulation%boundary%apply_friction( &
+               simulation%grid, coordinate, period, share, free_velocity, velocity, acceleration)
             if (allocated(simulation%rigid)) call simulation%rigid%rub(tile, period, share, &
                free_velocity, velocity, acceleration)
          end if
@@ -105,26 +106,27 @@ contains
 
    !> Where a wall with friction, or a rigid region, held a node in the step, let it hold the
    !! velocity after the step that strains: one that may leave the wall but not enter it would
-   !! lift pressed matter by the noise of particles, step by step.
+   !! lift pressed material by the noise of particles, step by step.
    pure subroutine keep_at_walls(simulation, tile, velocity)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
       real(wp) :: ended(3, size(velocity, 2))
 
-      if (.not. (simulation%boundary%rubs() .or. allocated(simulation%rigid))) return
+      if (.not. (simulation%boundary%has_friction() .or. allocated(simulation%rigid))) return
       if (.not. walls_touch(simulation, tile)) return
       ended = simulation%nodes%velocity(:, :, tile) &
          + simulation%kick*simulation%nodes%acceleration(:, :, tile)
-      if (simulation%boundary%rubs()) call simulation%boundary%keep(simulation%grid, &
+      if (simulation%boundary%has_friction()) call &
+         simulation%boundary%hold_pressed(simulation%grid, &
          simulation%tiles%coordinate(:, tile), ended, velocity)
       if (allocated(simulation%rigid)) call simulation%rigid%keep(tile, ended, velocity)
    end subroutine keep_at_walls
 
    !> Impose the walls on velocities as they are after the step, and take away what changes them.
    pure subroutine stop_at_walls(simulation, tile, velocity, change)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :)   !! (3, node) [m/s2] or [m/s]
 
@@ -135,10 +137,10 @@ contains
    end subroutine stop_at_walls
 
    !> Take from a change of node velocities the components that walls held before the forces act,
-   !! or changed: an orthogonal projection. Walls that hold a node in the step do so from its begin.
+   !! or changed: an orthogonal projection. Walls that hold a node in a step do so from its start.
    pure subroutine take_held(simulation, tile, velocity, change)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation  
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) With walls, before [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
       real(wp) :: moved(3, size(change, 2)), open(3, size(change, 2))
@@ -147,8 +149,8 @@ contains
       open = 1.0_wp
       associate (coordinate => simulation%tiles%coordinate(:, tile))
          call simulation%boundary%constrain(simulation%grid, coordinate, moved, open, at_end=.true.)
-         if (simulation%boundary%rubs()) &
-            call simulation%boundary%keep(simulation%grid, coordinate, velocity, open)
+         if (simulation%boundary%has_friction()) &
+            call simulation%boundary%hold_pressed(simulation%grid, coordinate, velocity, open)
       end associate
       change = change*open
       if (allocated(simulation%rigid)) call simulation%rigid%take(tile, velocity, open, change)

@@ -10,7 +10,6 @@ program bench_block
    use base_kinds, only: int64, wp
    use eos_linear, only: eos_linear_t
    use law_elastic, only: law_elastic_t
-   use mesh_boundary, only: face_periodic
    use particle_fill, only: body_t
    use particle_shape, only: box
    use particle_store, only: traits_t
@@ -49,7 +48,7 @@ program bench_block
    simulation%grid%spacing = 1.0_wp
    simulation%grid%upper = real(cells + max(cells/4, 4), wp)
    simulation%grid%periodic = .true.
-   simulation%boundary%kind = face_periodic
+   call simulation%boundary%impose("periodic", [1, 2, 3, 4, 5, 6])
    call simulation%grid%start(0)
    allocate (simulation%materials(1))
    associate (material => simulation%materials(1))

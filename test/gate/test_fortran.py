@@ -31,7 +31,8 @@ ARROWS["output"] = set(ARROWS)
 ARROWS["program"] = set(ARROWS)
 # Families of modules whose names begin otherwise than their folder.
 FAMILIES = {"law": "constitutive", "eos": "constitutive", "damage": "constitutive",
-            "basis": "transfer", "velocity": "transfer", "quadrature": "ddmp", "stream": "output"}
+            "basis": "transfer", "velocity": "transfer", "quadrature": "ddmp", "stream": "output",
+            "boundary": "mesh"}
 # Dummy arguments that need no docstring, as type and name say all: derived types, and these names.
 DERIVED = re.compile(r"^(?:type|class)\s*\(", re.I)
 PLAIN_NAMES = {"body", "edge", "key", "label", "line", "name", "p", "path", "point", "text", "tile", "unit"}

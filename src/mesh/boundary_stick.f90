@@ -1,0 +1,42 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Rigid walls that hold material.
+module boundary_stick
+   use base_kinds, only: wp
+   use mesh_boundary_condition, only: boundary_condition_t
+   implicit none
+   private
+
+   public :: boundary_stick_t
+
+   !> Material does not move along such a wall.
+   type, extends(boundary_condition_t) :: boundary_stick_t
+   contains
+      procedure, nopass :: meaning => stick_meaning
+      procedure :: constrain => stick_constrain
+   end type boundary_stick_t
+
+contains
+
+   !> One line for the help on the key `type`.
+   pure function stick_meaning() result(text)
+      character(len=:), allocatable :: text
+
+      text = "a wall on which material does not move"
+   end function stick_meaning
+
+   !> Nothing moves.
+   pure subroutine stick_constrain(self, face, nodes, lead, velocity, acceleration)
+      class(boundary_stick_t), intent(in) :: self
+      integer, intent(in) :: face                    !! 1 to 6
+      integer, contiguous, intent(in) :: nodes(:)    !! Nodes of a tile on the boundary
+      real(wp), intent(in) :: lead                   !! From its velocity to those of nodes [s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      integer :: n
+
+      do n = 1, size(nodes)
+         velocity(:, nodes(n)) = 0.0_wp
+         acceleration(:, nodes(n)) = 0.0_wp
+      end do
+   end subroutine stick_constrain
+end module boundary_stick

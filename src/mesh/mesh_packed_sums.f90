@@ -1,0 +1,100 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Sums of packed patches over the box of nodes that they share with a tile.
+module mesh_packed_sums
+   use base_kinds, only: wp
+   implicit none
+   private
+
+   public :: add_box, add_rows
+
+contains
+
+   !> Add a box of nodes of a packed patch to sums. A line along x is contiguous in both, and so are
+   !! lines that follow one another in both.
+   ! gate: long kernel because a box in a box needs its corners and lengths
+   pure subroutine add_box(rows, low, high, margin, stride, corner, length, packed, numbers, sums)
+      integer, intent(in) :: rows                    !! Numbers a node
+      integer, intent(in) :: low(3), high(3)         !! Lowest and highest node that both have
+      integer, intent(in) :: margin(3)               !! Layers before node 0
+      integer, intent(in) :: stride(3)               !! Steps in the node index of the sums
+      integer, intent(in) :: corner(3)               !! Lowest node of the packed patch
+      integer, intent(in) :: length(3)               !! Its nodes along each direction
+      real(wp), contiguous, intent(in) :: packed(:)   !! (row, node) Flat
+      integer, intent(in) :: numbers                 !! Of the sums
+      real(wp), intent(inout) :: sums(numbers)       !! (row, node) Flat
+      integer :: y, z, here, there, line, top(2)
+
+      line = high(1) - low(1) + 1
+      top = high(2:3)
+      if (line == length(1) .and. line == stride(2)) then
+         line = line*(top(1) - low(2) + 1)
+         top(1) = low(2)
+      end if
+      if (line == length(1)*length(2) .and. line == stride(3)) then
+         line = line*(top(2) - low(3) + 1)
+         top(2) = low(3)
+      end if
+      line = rows*line
+      do z = low(3), top(2)
+         do y = low(2), top(1)
+            here = rows*((low(1) + margin(1))*stride(1) + (y + margin(2))*stride(2) &
+               + (z + margin(3))*stride(3))
+            there = rows*(low(1) - corner(1) + length(1)*(y - corner(2) &
+               + length(2)*(z - corner(3))))
+            ! lengths that the compiler knows: one node with the rows of planes and of space
+            select case (line)
+            case (2)
+               call add_line(2, packed(there + 1:there + 2), sums(here + 1:here + 2))
+            case (4)
+               call add_line(4, packed(there + 1:there + 4), sums(here + 1:here + 4))
+            case (6)
+               call add_line(6, packed(there + 1:there + 6), sums(here + 1:here + 6))
+            case (8)
+               call add_line(8, packed(there + 1:there + 8), sums(here + 1:here + 8))
+            case (9)
+               call add_line(9, packed(there + 1:there + 9), sums(here + 1:here + 9))
+            case default
+               call add_line(line, packed(there + 1:there + line), sums(here + 1:here + line))
+            end select
+         end do
+      end do
+   end subroutine add_box
+
+   !> Add a line of numbers to sums.
+   pure subroutine add_line(numbers, packed, sums)
+      integer, intent(in) :: numbers                 !! How many
+      real(wp), intent(in) :: packed(numbers)         !! Flat
+      real(wp), intent(inout) :: sums(numbers)       !! Flat
+
+      sums = sums + packed
+   end subroutine add_line
+
+   !> The same where only some rows are kept.
+   ! gate: long kernel because a box in a box needs its corners and lengths
+   pure subroutine add_rows(row, low, high, margin, stride, corner, length, packed, total)
+      integer, contiguous, intent(in) :: row(:)      !! Rows that are kept
+      integer, intent(in) :: low(3), high(3)         !! Lowest and highest node that both have
+      integer, intent(in) :: margin(3)               !! Layers before node 0
+      integer, intent(in) :: stride(3)               !! Steps in the node index of the sums
+      integer, intent(in) :: corner(3)               !! Lowest node of the packed patch
+      integer, intent(in) :: length(3)               !! Its nodes along each direction
+      real(wp), contiguous, intent(in) :: packed(:)   !! (row kept, node) Flat
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
+      integer :: k, y, z, node, last, there
+
+      do z = low(3), high(3)
+         do y = low(2), high(2)
+            last = 1 + (high(1) + margin(1))*stride(1) + (y + margin(2))*stride(2) &
+               + (z + margin(3))*stride(3)
+            there = size(row)*(low(1) - corner(1) + length(1)*(y - corner(2) &
+               + length(2)*(z - corner(3))))
+            do node = last - (high(1) - low(1)), last
+               do k = 1, size(row)
+                  total(row(k), node) = total(row(k), node) + packed(there + k)
+               end do
+               there = there + size(row)
+            end do
+         end do
+      end do
+   end subroutine add_rows
+end module mesh_packed_sums
