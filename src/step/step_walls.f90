@@ -56,7 +56,7 @@ contains
 
    !> True if a wall acts on some node of a tile.
    pure logical function walls_touch(simulation, tile) result(touch)
-      type(simulation_t), intent(in) :: simulation  
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
 
       touch = simulation%boundary%touches(simulation%grid, simulation%tiles%coordinate(:, tile))
@@ -69,7 +69,7 @@ contains
    !! (L.3) of doc/theory/ledger.md.
    pure subroutine impose_walls(simulation, tile, dt, velocity, acceleration, push, &
       work)
-      type(simulation_t), intent(in) :: simulation  
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
@@ -108,7 +108,7 @@ contains
    !! velocity after the step that strains: one that may leave the wall but not enter it would
    !! lift pressed material by the noise of particles, step by step.
    pure subroutine keep_at_walls(simulation, tile, velocity)
-      type(simulation_t), intent(in) :: simulation  
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
       real(wp) :: ended(3, size(velocity, 2))
@@ -125,7 +125,7 @@ contains
 
    !> Impose the walls on velocities as they are after the step, and take away what changes them.
    pure subroutine stop_at_walls(simulation, tile, velocity, change)
-      type(simulation_t), intent(in) :: simulation  
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :)   !! (3, node) [m/s2] or [m/s]
@@ -139,7 +139,7 @@ contains
    !> Take from a change of node velocities the components that walls held before the forces act,
    !! or changed: an orthogonal projection. Walls that hold a node in a step do so from its start.
    pure subroutine take_held(simulation, tile, velocity, change)
-      type(simulation_t), intent(in) :: simulation  
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) With walls, before [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
