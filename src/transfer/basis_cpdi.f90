@@ -177,11 +177,12 @@ contains
 
       !$omp simd
       do lane = 1, lanes
-         functions(lane) = share *(grid%lane_constant(lane, 1) + grid%lane_slope(lane, &
-            1)*shape%corner%local(corner, 1, p)) *(grid%lane_constant(lane, 2) &
-            + grid%lane_slope(lane, 2)*shape%corner%local(corner, 2, &
-            p)) *(grid%lane_constant(lane, 3) + grid%lane_slope(lane, &
-            3)*shape%corner%local(corner, 3, p))
+         functions(lane) = share*(grid%lane_constant(lane, 1) &
+            + grid%lane_slope(lane, 1)*shape%corner%local(corner, 1, p)) &
+            *(grid%lane_constant(lane, 2) &
+            + grid%lane_slope(lane, 2)*shape%corner%local(corner, 2, p)) &
+            *(grid%lane_constant(lane, 3) &
+            + grid%lane_slope(lane, 3)*shape%corner%local(corner, 3, p))
       end do
    end subroutine corner_functions
 
@@ -227,8 +228,8 @@ contains
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call scatter_corner_values(grid, shape, count, values, before, size(patch, 1), size(patch, &
-         2), patch)
+      call scatter_corner_values(grid, shape, count, values, before, size(patch, 1), &
+         size(patch, 2), patch)
    end subroutine cpdi_scatter_values
 
    !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
@@ -275,8 +276,8 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call scatter_corner_stress(grid, shape, first, volume, stress, size(patch, 1), size(patch, &
-         2), patch)
+      call scatter_corner_stress(grid, shape, first, volume, stress, size(patch, 1), &
+         size(patch, 2), patch)
    end subroutine cpdi_scatter_stress
 
    !> Values sum S_i node_i, three columns at a time.
@@ -339,10 +340,8 @@ contains
                node = shape%corner%node(c, p) + grid%lane_offset(lane)
                way = node_way(grid, shape, p, c, lane)
                do l = 1, 3
-                  do k = 1, 3
-                     sums(k, l) = sums(k, l) + functions(lane)*nodes(k, node)*way(l)
-                     moment(k, l) = moment(k, l) + functions(lane)*way(k)*way(l)
-                  end do
+                  sums(:, l) = sums(:, l) + functions(lane)*nodes(1:3, node)*way(l)
+                  moment(:, l) = moment(:, l) + functions(lane)*way*way(l)
                end do
             end do
          end do

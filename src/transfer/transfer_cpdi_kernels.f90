@@ -37,34 +37,57 @@ contains
       do p = 1, shape%count
          do c = 1, corners
             x = shape%corner%local(c, 1, p)
-            !$omp simd
-            do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner%local(c, 2, p)) *(a(2*m, 3) &
-                  + b(2*m, 3)*shape%corner%local(c, 3, p))
-            end do
+            call weigh_lines(a, b, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
             do n = 1, count
                lower(n) = (1.0_wp - x)*(values(p, n)*share)
                upper(n) = x*(values(p, n)*share)
             end do
             do m = 1, corners/2
                at = before + rows*(shape%corner%node(c, p) + offset(m) - 1)
-               ! a number that the compiler knows makes the columns one vector
-               if (count == 4) then
-                  !$omp simd
-                  do n = 1, 4
-                     patch(at + n) = patch(at + n) + weight(m)*lower(n)
-                     patch(at + rows + n) = patch(at + rows + n) + weight(m)*upper(n)
-                  end do
-               else
-                  do n = 1, count
-                     patch(at + n) = patch(at + n) + weight(m)*lower(n)
-                     patch(at + rows + n) = patch(at + rows + n) + weight(m)*upper(n)
-                  end do
-               end if
+               call add_line(count, weight(m), lower, upper, at, rows, rows*number, patch)
             end do
          end do
       end do
    end subroutine scatter_corner_values
+
+   !> Functions of the lines of a cell at a corner.
+   pure subroutine weigh_lines(a, b, y, z, weight)
+      real(wp), intent(in) :: a(lanes, 3), b(lanes, 3)       !! (lane, direction) Constant and slope
+      real(wp), intent(in) :: y, z                           !! Coordinates of the corner [1]
+      real(wp), intent(out) :: weight(lines)                 !! (line)
+      integer :: m
+
+      !$omp simd
+      do m = 1, lines
+         weight(m) = (a(2*m, 2) + b(2*m, 2)*y)*(a(2*m, 3) + b(2*m, 3)*z)
+      end do
+   end subroutine weigh_lines
+
+   !> Add columns to the two nodes of a line.
+   pure subroutine add_line(count, weight, lower, upper, at, rows, numbers, patch)
+      integer, intent(in) :: count                           !! Number of columns
+      real(wp), intent(in) :: weight                         !! Function of the line
+      real(wp), intent(in) :: lower(count), upper(count)     !! (column) For its two nodes
+      integer, intent(in) :: at                              !! Numbers of the patch before them
+      integer, intent(in) :: rows                            !! Columns of the patch
+      integer, intent(in) :: numbers                         !! Numbers of the patch
+      real(wp), intent(inout) :: patch(numbers)              !! (column, node), flat
+      integer :: n
+
+      ! a number that the compiler knows makes the columns one vector
+      if (count == 4) then
+         !$omp simd
+         do n = 1, 4
+            patch(at + n) = patch(at + n) + weight*lower(n)
+            patch(at + rows + n) = patch(at + rows + n) + weight*upper(n)
+         end do
+      else
+         do n = 1, count
+            patch(at + n) = patch(at + n) + weight*lower(n)
+            patch(at + rows + n) = patch(at + rows + n) + weight*upper(n)
+         end do
+      end if
+   end subroutine add_line
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch: each corner gets
    !! a force, and hands it to its nodes.
@@ -92,9 +115,9 @@ contains
          ! the stress seen along the edges
          do l = 1, 3
             do k = 1, 3
-               along(k, l) = v*(stress(q, symmetric(k, 1))*shape%corner%inverse(l, p) + stress(q, &
-                  symmetric(k, 2))*shape%corner%inverse(l + 3, p) + stress(q, symmetric(k, &
-                  3))*shape%corner%inverse(l + 6, p))
+               along(k, l) = v*(stress(q, symmetric(k, 1))*shape%corner%inverse(l, p) &
+                  + stress(q, symmetric(k, 2))*shape%corner%inverse(l + 3, p) &
+                  + stress(q, symmetric(k, 3))*shape%corner%inverse(l + 6, p))
             end do
          end do
          do c = 1, corners
@@ -102,11 +125,7 @@ contains
                force(k) = b(c, 1)*along(k, 1) + b(c, 2)*along(k, 2) + b(c, 3)*along(k, 3)
             end do
             x = shape%corner%local(c, 1, p)
-            !$omp simd
-            do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner%local(c, 2, p)) *(a(2*m, 3) &
-                  + b(2*m, 3)*shape%corner%local(c, 3, p))
-            end do
+            call weigh_lines(a, b, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
             lower = (1.0_wp - x)*force
             upper = x*force
             do m = 1, corners/2
@@ -140,11 +159,7 @@ contains
          value = 0.0_wp
          do c = 1, corners
             x = shape%corner%local(c, 1, p)
-            !$omp simd
-            do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner%local(c, 2, p)) *(a(2*m, 3) &
-                  + b(2*m, 3)*shape%corner%local(c, 3, p))
-            end do
+            call weigh_lines(a, b, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
             sums = 0.0_wp
             do m = 1, corners/2
                at = 3*(shape%corner%node(c, p) + offset(m) - 1)
@@ -183,11 +198,7 @@ contains
          along = 0.0_wp
          do c = 1, corners
             x = shape%corner%local(c, 1, p)
-            !$omp simd
-            do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner%local(c, 2, p)) *(a(2*m, 3) &
-                  + b(2*m, 3)*shape%corner%local(c, 3, p))
-            end do
+            call weigh_lines(a, b, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
             sums = 0.0_wp
             do m = 1, corners/2
                at = 3*(shape%corner%node(c, p) + offset(m) - 1)
@@ -208,8 +219,8 @@ contains
          do l = 1, 3
             do k = 1, 3
                gradient(p, k + 3*(l - 1)) = factor*(along(k, 1)*shape%corner%inverse(3*l - 2, p) &
-                  + along(k, 2)*shape%corner%inverse(3*l - 1, p) + along(k, &
-                  3)*shape%corner%inverse(3*l, p))
+                  + along(k, 2)*shape%corner%inverse(3*l - 1, p) &
+                  + along(k, 3)*shape%corner%inverse(3*l, p))
             end do
          end do
       end do

@@ -65,35 +65,46 @@ contains
       real(wp), contiguous, intent(in) :: values(:, :)       !! (column, particle of the tile)
       integer, intent(in) :: numbers                         !! Four a node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
-      real(wp) :: w1, w2, w3, w4, yz, value
-      integer :: cell, p, j, k, c, base, at, up
+      real(wp) :: functions(line)
+      integer :: cell, p, j, k, base, at, up
 
       up = columns*grid%stride(2)
       do cell = 0, grid%tile_cells - 1
          do p = start(cell) + 1, start(cell + 1)
             base = columns*before_block(grid, cell) + (low(p, 2) - 1)*up
-            w1 = weight(p, 1, 1)
-            w2 = weight(p, 2, 1)
-            w3 = weight(p, 3, 1)
-            w4 = weight(p, 4, 1)
+            functions = weight(p, :, 1)
             do k = low(p, 3), low(p, 3) + after
                at = base + columns*(k - 1)*grid%stride(3)
                do j = low(p, 2), low(p, 2) + after
-                  yz = weight(p, k, 3)*weight(p, j, 2)
-                  !$omp simd private(value)
-                  do c = 1, columns
-                     value = yz*values(c, p)
-                     sums(at + c) = sums(at + c) + w1*value
-                     sums(at + columns + c) = sums(at + columns + c) + w2*value
-                     sums(at + 2*columns + c) = sums(at + 2*columns + c) + w3*value
-                     sums(at + 3*columns + c) = sums(at + 3*columns + c) + w4*value
-                  end do
+                  call add_columns(weight(p, k, 3)*weight(p, j, 2), functions, values(:, p), at, &
+                     numbers, sums)
                   at = at + up
                end do
             end do
          end do
       end do
    end subroutine scatter_space_columns
+
+   !> Add values to the four nodes of a line.
+   pure subroutine add_columns(factor, weight, values, before, numbers, sums)
+      real(wp), intent(in) :: factor                         !! Function of the line
+      real(wp), intent(in) :: weight(line)                   !! Functions of its nodes
+      real(wp), intent(in) :: values(columns)                !! (column)
+      integer, intent(in) :: before                          !! Numbers before the line
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
+      real(wp) :: value
+      integer :: c
+
+      !$omp simd private(value)
+      do c = 1, columns
+         value = factor*values(c)
+         sums(before + c) = sums(before + c) + weight(1)*value
+         sums(before + columns + c) = sums(before + columns + c) + weight(2)*value
+         sums(before + 2*columns + c) = sums(before + 2*columns + c) + weight(3)*value
+         sums(before + 3*columns + c) = sums(before + 3*columns + c) + weight(4)*value
+      end do
+   end subroutine add_columns
 
    !> Add sums of all nodes of a tile to columns of the patch.
    pure subroutine add_nodes(nodes, number, sums, before, patch)
@@ -302,8 +313,9 @@ contains
       integer, intent(in) :: skip                            !! Columns of the values before them
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: sums(3*line), y(line), z
-      integer :: cell, p, k, n, base, at
+      integer :: cell, p, k, n, base, at, up
 
+      up = 3*grid%stride(2)
       do cell = 0, grid%tile_cells - 1
          base = before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)
@@ -314,13 +326,11 @@ contains
             do k = low(p, 3), low(p, 3) + after
                at = 3*(base + (k - 1)*grid%stride(3))
                z = weight(p, k, 3)
-               associate (up => 3*grid%stride(2))
-                  !$omp simd
-                  do n = 1, 3*line
-                     sums(n) = sums(n) + z*((y(1)*nodes(at + n) + y(2)*nodes(at + up + n)) &
-                        + (y(3)*nodes(at + 2*up + n) + y(4)*nodes(at + 3*up + n)))
-                  end do
-               end associate
+               !$omp simd
+               do n = 1, 3*line
+                  sums(n) = sums(n) + z*((y(1)*nodes(at + n) + y(2)*nodes(at + up + n)) &
+                     + (y(3)*nodes(at + 2*up + n) + y(4)*nodes(at + 3*up + n)))
+               end do
             end do
             do n = 1, 3
                values(p, skip + n) = (weight(p, 1, 1)*sums(n) &
@@ -348,8 +358,9 @@ contains
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       real(wp) :: x(3*line), y(3*line), z(3*line), b(line), db(line), c, dc, even, odd
-      integer :: cell, p, k, n, base, at
+      integer :: cell, p, k, n, base, at, up
 
+      up = 3*grid%stride(2)
       do cell = 0, grid%tile_cells - 1
          base = before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)
@@ -364,18 +375,16 @@ contains
                at = 3*(base + (k - 1)*grid%stride(3))
                c = scale*weight(p, k, 3)
                dc = scale*slope(p, k, 3)
-               associate (up => 3*grid%stride(2))
-                  !$omp simd private(even, odd)
-                  do n = 1, 3*line
-                     even = (b(1)*nodes(at + n) + b(2)*nodes(at + up + n)) &
-                        + (b(3)*nodes(at + 2*up + n) + b(4)*nodes(at + 3*up + n))
-                     odd = (db(1)*nodes(at + n) + db(2)*nodes(at + up + n)) &
-                        + (db(3)*nodes(at + 2*up + n) + db(4)*nodes(at + 3*up + n))
-                     x(n) = x(n) + c*even
-                     y(n) = y(n) + c*odd
-                     z(n) = z(n) + dc*even
-                  end do
-               end associate
+               !$omp simd private(even, odd)
+               do n = 1, 3*line
+                  even = (b(1)*nodes(at + n) + b(2)*nodes(at + up + n)) &
+                     + (b(3)*nodes(at + 2*up + n) + b(4)*nodes(at + 3*up + n))
+                  odd = (db(1)*nodes(at + n) + db(2)*nodes(at + up + n)) &
+                     + (db(3)*nodes(at + 2*up + n) + db(4)*nodes(at + 3*up + n))
+                  x(n) = x(n) + c*even
+                  y(n) = y(n) + c*odd
+                  z(n) = z(n) + dc*even
+               end do
             end do
             do n = 1, line
                b(n) = weight(p, n, 1)

@@ -259,8 +259,8 @@ contains
                moment = moment + shape%spline%weight(p, n, direction)*away**2
             end do
             do n = 1, line
-               moments%spline%slope(p, n, direction) = moments%spline%slope(p, n, &
-                  direction)/max(moment, least)
+               moments%spline%slope(p, n, direction) = &
+                  moments%spline%slope(p, n, direction)/max(moment, least)
             end do
          end do
       end do
