@@ -23,7 +23,7 @@ module step_conduction
    use step_simulation, only: scratch_t, simulation_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_scatter, only: dual_columns, motion_columns
-   use transfer_shape_data, only: shape_data_t
+   use transfer_shape_data, only: shape_data_t, spare
    implicit none
    private
 
@@ -335,7 +335,7 @@ contains
       associate (store => simulation%stores(index), shape => scratch%shape, &
          method => simulation%method, start => simulation%stores(index)%cell_start(:, tile), &
          grid => simulation%grid)
-         call scratch%deformation%reserve(store%count(tile))
+         call scratch%deformation%reserve(store%count(tile) + spare)
          if (method%dual) then
             call method%quadrature%gather_gradient(grid, shape, values, slope, 1.0_wp, &
                scratch%deformation%gradient)

@@ -28,6 +28,7 @@ module step_nodes_to_particles
    use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
    use transfer_basis, only: expand_spin
    use transfer_bbar, only: even_gradient
+   use transfer_shape_data, only: spare
    use transfer_shock_compression, only: bound_jump, find_jump
    implicit none
    private
@@ -134,7 +135,7 @@ contains
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
             call find_places(simulation, scratch, store, tile)
-            call scratch%deformation%reserve(store%count(tile))
+            call scratch%deformation%reserve(store%count(tile) + spare)
             if (parts%work .and. allocated(store%state%energy)) &
                call add_work(simulation, scratch, store, tile, view)
             ! before the strain, which may renew the linear velocity fields

@@ -15,7 +15,7 @@ module step_velocity_remap
    use step_walls, only: take_held, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
-   use transfer_shape_data, only: shape_data_t
+   use transfer_shape_data, only: shape_data_t, spare
    implicit none
    private
 
@@ -218,7 +218,7 @@ contains
                call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
                   shape%vector, 0, patch)
             else if (simulation%method%transfer%affine()) then
-               call scratch%deformation%reserve(store%count(tile))
+               call scratch%deformation%reserve(store%count(tile) + spare)
                if (simulation%method%smooth_turn) then
                   call expand_spin(store%first(tile), store%count(tile), store%spin, &
                      scratch%deformation%gradient)

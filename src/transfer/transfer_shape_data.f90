@@ -77,7 +77,7 @@ contains
       integer :: n
 
       if (allocated(self%local)) then
-         if (size(self%local, 1) >= particles) return
+         if (size(self%local, 1) >= particles + spare) return
          deallocate (self%local, self%alpha, self%blend, self%vector, self%values)
       end if
       n = column_length(particles)
@@ -91,7 +91,7 @@ contains
       integer, intent(in) :: particles               !! Most particles in a tile
 
       if (allocated(self%affine)) then
-         if (size(self%affine, 1) >= particles) return
+         if (size(self%affine, 1) >= particles + spare) return
          deallocate (self%affine)
       end if
       allocate (self%affine(column_length(particles), 9))
