@@ -115,7 +115,8 @@ contains
                   shape%mean%value(p, at, direction) = shape%mean%value(p, at, direction) &
                      + part*value(node)
                   shape%mean%cell_slope(p, at, direction) = &
-                     shape%mean%cell_slope(p, at, direction) + part*alpha*real(2*node - 1, wp)/grid%spacing
+                     shape%mean%cell_slope(p, at, direction) &
+                     + part*alpha*real(2*node - 1, wp)/grid%spacing
                   shape%mean%node_value(p, at, direction) = &
                      shape%mean%node_value(p, at, direction) + part*(1.0_wp - alpha)*value(node)
                end associate
