@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The share alpha of the gradient on the particle's own cell in the modified gradient.
+!> The weight alpha of the gradient on the particle's own cell in the modified gradient.
 !!
 !! alpha vanishes on the faces of the cell, so the modified gradient has no jump there
 !! (D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379).
@@ -22,11 +22,11 @@ contains
    !> alpha of each particle of a tile for the derivative along each direction. Equations (M.8),
    !! (M.9) and (M.10) of doc/theory/method.md.
    pure subroutine find_alpha(grid, kind, centre, number, local, alpha)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: kind                    !! One of the kinds above
       real(wp), intent(in) :: centre                 !! Value at the centre of the cell
       integer, intent(in) :: number                  !! Particles of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)    !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)    !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(inout) :: alpha(:, :) !! (particle of the tile, 3)
       real(wp) :: factor
       integer :: p, direction
@@ -92,9 +92,9 @@ contains
    !! the node gradient. All sums over nodes remain, because the functions still add up to one and
    !! force and strain use the same. Equation (M.11).
    pure subroutine find_blend(grid, number, local, blend)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: number                  !! Particles of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)    !! (particle of the tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)    !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(inout) :: blend(:, :) !! (particle of the tile, 3)
       integer :: p, direction
 

@@ -8,13 +8,13 @@
 !! sum_i D_ji = 0 and sum_i x_i D_ji = V_j for itself; hence momentum is kept and linear fields
 !! are exact for any weights w_c >= 0. The weight is twice the least fill of the nodes of the cell,
 !! at most 1: a cell with an empty node takes no part, so no force falls on a node without mass, and
-!! the fill may waver round one inside of a body without any effect. Nor is it above four times the
-!! least density of the nodes over the greatest: a node of light matter beside heavy matter has
-!! no mass for the stress of the latter, which would tear it away at any useful time step. Equations
-!! (M.3) and (M.14) of doc/theory/method.md.
+!! the fill may vary around one inside of a body without any effect. Nor is it above four times the
+!! least density of the nodes over the greatest: a node of light material beside heavy material has
+!! too little mass for the stress of the latter and would be unstable at any useful time step.
+!! Equations (M.3) and (M.14) of doc/theory/method.md.
 module ddmp_dual
    use base_kinds, only: wp
-   use ddmp_operator, only: lattice_t, spread_force, spread_gradient
+   use ddmp_operator, only: dual_operator_t, add_dual_force, add_dual_gradient
    use mesh_grid, only: grid_t, lane_bit, lanes
    implicit none
    private
@@ -33,7 +33,7 @@ module ddmp_dual
       integer :: columns = 1                         !! Cells along x with integrals of their own
       integer :: surface = surface_fill              !! Rule of the weights, one of those above
       real(wp) :: enough = 0.5_wp                    !! Fill of a node that counts as full
-      type(lattice_t) :: lattice                     !! D_ji as products
+      type(dual_operator_t) :: products                    !! D_ji as products
       real(wp), allocatable :: volume(:, :)          !! (j, column) V_j [m3]
    contains
       procedure :: start => dual_start               !! Compute the integrals
@@ -45,19 +45,18 @@ module ddmp_dual
 
 contains
 
-   !> Compute the integrals of the node functions and of their products.
+   !> Compute the integrals of the shape functions and of their products.
    subroutine dual_start(self, grid)
-      class(dual_t), intent(inout) :: self           !! The integrals
-      type(grid_t), intent(in) :: grid               !! The grid
+      class(dual_t), intent(inout) :: self
+      type(grid_t), intent(in) :: grid
       real(wp) :: line(0:1, 3)
       integer :: column, cell, j, direction, other, bit(3)
 
       self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
       ! near the axis the volume of the particles of a node is not that of the node, and only
-      ! weights
-      ! that follow it keep the node stress right
+      ! weights that follow it keep the node stress right
       self%enough = merge(1.0_wp, 0.5_wp, grid%axisymmetric)
-      call self%lattice%start(grid)
+      call self%products%start(grid)
       if (allocated(self%volume)) deallocate (self%volume)
       allocate (self%volume(lanes, self%columns))
       do column = 1, self%columns
@@ -76,8 +75,8 @@ contains
    !! the densities of its nodes are very different; or by another rule. Cells beyond the box count
    !! nothing. Equations (M.12) and (M.13).
    pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight)
-      class(dual_t), intent(in) :: self              !! The integrals
-      type(grid_t), intent(in) :: grid               !! The grid
+      class(dual_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: total(:, :) !! (component, node) Sums of the particles
       integer, intent(in) :: row                     !! Component that is their volume [m3]
       real(wp), contiguous, intent(in) :: node_volume(:) !! (node) Volume of the node [m3]
@@ -116,7 +115,7 @@ contains
 
    !> Least of the values on the nodes of each cell, put on its first node.
    pure subroutine least_around(grid, values)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(inout) :: values(:) !! (node)
       integer :: direction, node
 
@@ -131,7 +130,7 @@ contains
 
    !> Weight 1 for all cells of the box.
    pure subroutine fill_box(grid, node_volume, weight)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: node_volume(:) !! (node) 0 beyond the box [m3]
       real(wp), contiguous, intent(inout) :: weight(0:)  !! (cell) 0 or 1
       integer :: cell, lane
@@ -147,8 +146,8 @@ contains
 
    !> Add w_c V_j of the cells of a tile to a patch.
    pure subroutine dual_add_volume(self, grid, coordinate, weight, patch)
-      class(dual_t), intent(in) :: self              !! The integrals
-      type(grid_t), intent(in) :: grid               !! The grid
+      class(dual_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node) [m3]
@@ -169,34 +168,34 @@ contains
    !> Add the force of the node stress, - sum_j sigma_j . D_ji, of the cells of a tile to a patch.
    !! The last sum of (M.4).
    pure subroutine dual_add_force(self, grid, coordinate, weight, stress, patch)
-      class(dual_t), intent(in) :: self              !! The integrals
-      type(grid_t), intent(in) :: grid               !! The grid
+      class(dual_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
 
-      call spread_force(self%lattice, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
+      call add_dual_force(self%products, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
          weight, stress, patch)
    end subroutine dual_add_force
 
    !> Add sum_i u_i D_ji of the cells of a tile to a patch. The sum of (M.6).
    pure subroutine dual_add_gradient(self, grid, coordinate, weight, velocity, patch)
-      class(dual_t), intent(in) :: self              !! The integrals
-      type(grid_t), intent(in) :: grid               !! The grid
+      class(dual_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
 
-      call spread_gradient(self%lattice, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
+      call add_dual_gradient(self%products, grid, merge(coordinate(1) + 1, 1, grid%axisymmetric), &
          weight, velocity, patch)
    end subroutine dual_add_gradient
 
    !> Which integrals a cell uses.
    pure integer function column_of(self, grid, coordinate, cell) result(column)
-      class(dual_t), intent(in) :: self              !! The integrals
-      type(grid_t), intent(in) :: grid               !! The grid
+      class(dual_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer, intent(in) :: cell                    !! Cell of the tile, from 0
 

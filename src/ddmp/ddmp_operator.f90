@@ -5,7 +5,7 @@
 !! D_ji of a cell is a derivative along one direction times integrals along the three, so it is
 !! applied direction by direction: a dozen additions a component of a cell instead of 64 products.
 !! A tile is one row of numbers, three components a node, and the next node along a direction is a
-!! fixed number of places away. Places that are no cell's first node have the weight zero.
+!! fixed distance in that row. Numbers that belong to no cell's first node have the weight zero.
 !! In a plane and on a line vectors have no component along y, so a node has two numbers, and
 !! integrals of products are those along a single other direction. In space all cells have the same
 !! integrals: those of products are 2 or 1 times h/6, so that sums take their place, and what is
@@ -16,14 +16,14 @@ module ddmp_operator
    implicit none
    private
 
-   public :: lattice_t, spread_force, spread_gradient
+   public :: dual_operator_t, add_dual_force, add_dual_gradient
 
    integer, parameter :: parts = 3                   !! Components of a vector
    integer, parameter :: plane = 2                   !! The same in a plane, along x and z
 
    !> Functions of one coordinate on the nodes of a tile, as rows of numbers, for a plane or a line.
    !! In axisymmetry those along x depend on the radius and thus on the tile.
-   type :: lattice_t
+   type :: dual_operator_t
       integer :: parts = parts                       !! Components of a vector that count
       integer :: numbers = 0                         !! So many a node
       integer :: shift(3) = 0                        !! (direction) Numbers to the next node
@@ -34,15 +34,15 @@ module ddmp_operator
       real(wp) :: factor = 0.0_wp                    !! Depth of missing directions over the spacing
       real(wp) :: share = 0.0_wp                     !! In space: (h/6)**2 h/2 1/h [m2]
    contains
-      procedure :: start => lattice_start            !! Compute the functions
-   end type lattice_t
+      procedure :: start => operator_start            !! Compute the functions
+   end type dual_operator_t
 
 contains
 
    !> Compute the functions of all tiles along x that differ.
-   subroutine lattice_start(self, grid)
-      class(lattice_t), intent(inout) :: self        !! The functions
-      type(grid_t), intent(in) :: grid               !! The grid
+   subroutine operator_start(self, grid)
+      class(dual_operator_t), intent(inout) :: self
+      type(grid_t), intent(in) :: grid
       integer :: direction, node, tile, tiles, at, along, place(3)
       real(wp) :: weight(0:1), products(0:1, 0:1)
 
@@ -76,12 +76,12 @@ contains
             end do
          end do
       end do
-   end subroutine lattice_start
+   end subroutine operator_start
 
    !> Weights of cells as rows of numbers, on their first nodes, and the numbers between which there
-   !! are some: sparse tiles are looked at only where they have matter.
+   !! are some: only the part of a sparse tile that has material is used.
    pure subroutine lay_weights(grid, parts, weight, row, low, high)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: parts                   !! Numbers a node, two or three
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(inout) :: row(:)  !! (number)
@@ -104,9 +104,9 @@ contains
    end subroutine lay_weights
 
    !> Add the force of the node stress, - sum_j sigma_j . D_ji, of the cells of a tile.
-   pure subroutine spread_force(self, grid, tile, weight, stress, patch)
-      type(lattice_t), intent(in) :: self            !! The functions
-      type(grid_t), intent(in) :: grid               !! The grid
+   pure subroutine add_dual_force(self, grid, tile, weight, stress, patch)
+      type(dual_operator_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: tile                    !! Tile along x, from 1
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
@@ -117,12 +117,12 @@ contains
       else
          call force_space(self, grid, weight, stress, patch)
       end if
-   end subroutine spread_force
+   end subroutine add_dual_force
 
    !> The same in space.
    pure subroutine force_space(self, grid, weight, stress, patch)
-      type(lattice_t), intent(in) :: self            !! The functions
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(dual_operator_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
@@ -145,9 +145,9 @@ contains
    end subroutine force_space
 
    !> Add sum_i u_i D_ji of the cells of a tile.
-   pure subroutine spread_gradient(self, grid, tile, weight, velocity, patch)
-      type(lattice_t), intent(in) :: self            !! The functions
-      type(grid_t), intent(in) :: grid               !! The grid
+   pure subroutine add_dual_gradient(self, grid, tile, weight, velocity, patch)
+      type(dual_operator_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: tile                    !! Tile along x, from 1
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
@@ -158,12 +158,12 @@ contains
       else
          call gradient_space(self, grid, weight, velocity, patch)
       end if
-   end subroutine spread_gradient
+   end subroutine add_dual_gradient
 
    !> The same in space.
    pure subroutine gradient_space(self, grid, weight, velocity, patch)
-      type(lattice_t), intent(in) :: self            !! The functions
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(dual_operator_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (9, node) (k, l) in row k + 3 (l - 1)
@@ -214,7 +214,7 @@ contains
 
    !> Add to each number that of the next node along a direction.
    pure subroutine add_next(low, high, shift, numbers, field)
-      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: low                     !! First of those used
       integer, intent(in) :: high                    !! Last one
       integer, intent(in) :: shift                   !! Numbers to the next node
       integer, intent(in) :: numbers                 !! Of the tile
@@ -230,8 +230,8 @@ contains
    !> Add what a node gets from what lies after it, less what lies before it.
    pure subroutine add_change(numbers, pad, low, high, shift, sums, patch)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: pad                     !! Room before them
-      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: pad                     !! Numbers before them in memory
+      integer, intent(in) :: low                     !! First of those used
       integer, intent(in) :: high                    !! Last one
       integer, intent(in) :: shift                   !! Numbers to the next node
       real(wp), intent(in) :: sums(1 - pad:numbers)  !! Between a node and the next
@@ -246,8 +246,8 @@ contains
 
    !> The force in a plane or on a line.
    pure subroutine force_plane(self, grid, tile, weight, stress, patch)
-      type(lattice_t), intent(in) :: self            !! The functions
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(dual_operator_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: tile                    !! Tile along x, from 1
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
@@ -284,8 +284,8 @@ contains
 
    !> The node gradient in a plane or on a line.
    pure subroutine gradient_plane(self, grid, tile, weight, velocity, patch)
-      type(lattice_t), intent(in) :: self            !! The functions
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(dual_operator_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: tile                    !! Tile along x, from 1
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
@@ -322,7 +322,7 @@ contains
    pure subroutine others(direction, one, other)
       integer, intent(in) :: direction               !! Of the derivative
       integer, intent(out) :: one                    !! The lower of the others
-      integer, intent(out) :: other                  !! The higher
+      integer, intent(out) :: other                  !! The higher one
 
       one = merge(2, 1, direction == 1)
       other = merge(2, 3, direction == 3)
@@ -331,7 +331,7 @@ contains
    !> Integrals along a direction of what stands on the nodes.
    pure subroutine mean_along(numbers, low, high, shift, line, field, means)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: low                     !! First of those used
       integer, intent(in) :: high                    !! Last one
       integer, intent(in) :: shift                   !! Numbers to the next node
       real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
@@ -348,7 +348,7 @@ contains
    !> The transpose of that.
    pure subroutine add_line(numbers, low, high, shift, line, sums, field)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: low                     !! First of those used
       integer, intent(in) :: high                    !! Last one
       integer, intent(in) :: shift                   !! Numbers to the next node
       real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
@@ -363,12 +363,12 @@ contains
       call add_shifted(numbers, low, high, shift, line(1, 2), sums, field)
    end subroutine add_line
 
-   !> Add products to the numbers a few places on.
+   !> Add products to the numbers of the next node.
    pure subroutine add_shifted(numbers, low, high, shift, line, sums, field)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: low                     !! First of those used
       integer, intent(in) :: high                    !! Last one
-      integer, intent(in) :: shift                   !! Places
+      integer, intent(in) :: shift                   !! Numbers to the next node
       real(wp), intent(in) :: line(numbers)          !! Factors
       real(wp), intent(in) :: sums(numbers)          !! Multiplied by them
       real(wp), intent(inout) :: field(numbers)      !! Gets the products
@@ -383,7 +383,7 @@ contains
    !> Differences along a direction, times a factor.
    pure subroutine difference_along(numbers, low, high, shift, factor, field, differences)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: low                     !! First of those used
       integer, intent(in) :: high                    !! Last one
       integer, intent(in) :: shift                   !! Numbers to the next node
       real(wp), intent(in) :: factor                 !! Factor
@@ -400,7 +400,7 @@ contains
    !> Minus the transpose of that: what one node gains the other loses.
    pure subroutine add_difference(numbers, low, high, shift, factor, sums, field)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those looked at
+      integer, intent(in) :: low                     !! First of those used
       integer, intent(in) :: high                    !! Last one
       integer, intent(in) :: shift                   !! Numbers to the next node
       real(wp), intent(in) :: factor                 !! Factor
@@ -421,10 +421,10 @@ contains
    !> Integrals of products with both functions along two directions, times the weights of cells,
    !! summed over the cells around, in space. The sums end with zeros as far as the next node along
    !! the third direction, and begin with such.
-   ! gate: long kernel because directions are told by their shifts
+   ! gate: long kernel because directions are given by their shifts
    pure subroutine apply_mass(numbers, pad, low, high, one, other, third, weight, field, sums)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: pad                     !! Room before them
+      integer, intent(in) :: pad                     !! Numbers before them in memory
       integer, intent(in) :: low                     !! First number of a cell
       integer, intent(in) :: high                    !! Last one
       integer, intent(in) :: one                     !! Numbers to the next node, first direction
@@ -432,7 +432,7 @@ contains
       integer, intent(in) :: third                   !! The same, third direction
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
       real(wp), intent(in) :: field(numbers)         !! On the four corners of a face
-      real(wp), intent(inout) :: sums(1 - pad:numbers) !! The same
+      real(wp), intent(inout) :: sums(1 - pad:numbers) !! On the same corners
       real(wp) :: part(1 - pad:numbers, 4), a, a0, a1, b, b0, b1
       integer :: n, k
 
@@ -464,7 +464,6 @@ contains
    end subroutine apply_mass
 
    !> The same along a single direction.
-   ! gate: long kernel because a direction is told by its shift and integrals
    pure subroutine apply_line_mass(numbers, low, high, shift, mass, weight, field, sums)
       integer, intent(in) :: numbers                 !! Of the tile
       integer, intent(in) :: low                     !! First number of a cell
@@ -473,7 +472,7 @@ contains
       real(wp), intent(in) :: mass(numbers, 3)       !! Integrals of products [m]
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
       real(wp), intent(in) :: field(numbers)         !! On the two corners of an edge
-      real(wp), intent(inout) :: sums(numbers)       !! The same
+      real(wp), intent(inout) :: sums(numbers)       !! On the same corners
       integer :: n
 
       !$omp simd

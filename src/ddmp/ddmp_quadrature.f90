@@ -22,48 +22,46 @@ module ddmp_quadrature
       procedure :: margin => quadrature_margin       !! Layers of nodes reached beyond a tile
       procedure :: controlled => quadrature_controlled !! Is a mean stress integrated exactly?
       procedure :: differing => quadrature_differing !! Is the force of stress differences?
-      procedure :: request => quadrature_request     !! Asks for what particles must carry
-      procedure(locate_i), deferred :: locate        !! Looks where the particles of a tile are
+      procedure :: request => quadrature_request !! Requests fields of particles
+      procedure(locate_i), deferred :: locate        !! Finds the shape data of a tile
       procedure(scatter_i), deferred :: scatter_force !! Force, volume and node stress
       procedure(gather_i), deferred :: gather_gradient !! Velocity gradient
    end type quadrature_t
 
    abstract interface
-      !> Places of the particles of a tile. The basis has looked before.
+      !> Shape data of the particles of a tile. The basis comes first.
       pure subroutine locate_i(self, grid, coordinate, store, tile, shape)
          import :: grid_t, shape_data_t, quadrature_t, store_t
          implicit none
          class(quadrature_t), intent(in) :: self
-         type(grid_t), intent(in) :: grid                       !! The grid
+         type(grid_t), intent(in) :: grid
          integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
-         type(store_t), intent(in) :: store                     !! The particles
+         type(store_t), intent(in) :: store
          integer, intent(in) :: tile                            !! Index of the tile
-         type(shape_data_t), intent(inout) :: shape                !! What the maps need
+         type(shape_data_t), intent(inout) :: shape
       end subroutine locate_i
 
       !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
       !! column 8, and the stress handed to the nodes to columns 9 to 17 of a patch.
-      pure subroutine scatter_i(self, grid, start, first, shape, volume, stress, patch)
+      pure subroutine scatter_i(self, grid, shape, first, volume, stress, patch)
          import :: grid_t, shape_data_t, quadrature_t, wp
          implicit none
          class(quadrature_t), intent(in) :: self
-         type(grid_t), intent(in) :: grid                       !! The grid
-         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         type(grid_t), intent(in) :: grid
          integer, intent(in) :: first                           !! First particle of the tile
-         type(shape_data_t), intent(inout) :: shape                !! Of the tile
+         type(shape_data_t), intent(inout) :: shape
          real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
          real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
          real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       end subroutine scatter_i
 
       !> Scaled velocity gradient at the particles, component (k, l) in column k + 3 (l - 1).
-      pure subroutine gather_i(self, grid, start, shape, nodes, node_gradient, scale, gradient)
+      pure subroutine gather_i(self, grid, shape, nodes, node_gradient, scale, gradient)
          import :: grid_t, shape_data_t, quadrature_t, wp
          implicit none
          class(quadrature_t), intent(in) :: self
-         type(grid_t), intent(in) :: grid                       !! The grid
-         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(shape_data_t), intent(inout) :: shape                !! Of the tile
+         type(grid_t), intent(in) :: grid
+         type(shape_data_t), intent(inout) :: shape
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
          real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
          real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
@@ -75,7 +73,7 @@ contains
 
    !> Layers of nodes beyond a tile that its particles reach; none, unless the rule says more.
    pure integer function quadrature_margin(self) result(margin)
-      class(quadrature_t), intent(in) :: self                !! The rule
+      class(quadrature_t), intent(in) :: self
 
       margin = 0
    end function quadrature_margin
@@ -83,7 +81,7 @@ contains
    !> True if the mean stress of the nodes is taken out of the particles and integrated exactly on
    !! the grid instead.
    pure logical function quadrature_controlled(self) result(controlled)
-      class(quadrature_t), intent(in) :: self                !! The rule
+      class(quadrature_t), intent(in) :: self
 
       controlled = .false.
    end function quadrature_controlled
@@ -91,14 +89,14 @@ contains
    !> True if each node has a force that is right for uniform stress, and the point rule acts on
    !! what differs from the mean stress of that node.
    pure logical function quadrature_differing(self) result(differing)
-      class(quadrature_t), intent(in) :: self                !! The rule
+      class(quadrature_t), intent(in) :: self
 
       differing = .false.
    end function quadrature_differing
 
-   !> Ask for what particles must carry. Most ask for nothing.
+   !> Request fields of particles. Most request none.
    pure subroutine quadrature_request(self, traits)
-      class(quadrature_t), intent(in) :: self                !! The rule
-      type(traits_t), intent(inout) :: traits                !! Fields of the stores
+      class(quadrature_t), intent(in) :: self
+      type(traits_t), intent(inout) :: traits
    end subroutine quadrature_request
 end module ddmp_quadrature

@@ -18,7 +18,7 @@ module quadrature_control
    !> The gradient at one point with a mean stress taken out.
    type, extends(quadrature_point_t) :: quadrature_control_t
    contains
-      procedure :: margin => control_margin          !! Nodes beyond a tile that are looked at
+      procedure :: margin => control_margin          !! Nodes beyond a tile that are used
       procedure :: controlled => control_controlled  !! A mean stress is taken out
    end type quadrature_control_t
 
@@ -26,14 +26,14 @@ contains
 
    !> Whether a node lies inside of the body depends on all nodes around it.
    pure integer function control_margin(self) result(margin)
-      class(quadrature_control_t), intent(in) :: self        !! The rule
+      class(quadrature_control_t), intent(in) :: self
 
       margin = 1
    end function control_margin
 
    !> A mean stress is taken out.
    pure logical function control_controlled(self) result(controlled)
-      class(quadrature_control_t), intent(in) :: self        !! The rule
+      class(quadrature_control_t), intent(in) :: self
 
       controlled = .true.
    end function control_controlled

@@ -21,7 +21,7 @@ contains
 
    !> The force is of stress differences.
    pure logical function lsd_differing(self) result(differing)
-      class(quadrature_lsd_t), intent(in) :: self            !! The rule
+      class(quadrature_lsd_t), intent(in) :: self
 
       differing = .true.
    end function lsd_differing

@@ -10,7 +10,7 @@ module quadrature_point
    use transfer_edges, only: gather_edge_gradient
    use transfer_gather, only: gather_dual_gradient
    use transfer_scatter, only: scatter_dual_force
-   use transfer_shape_data, only: shape_data_t
+   use transfer_shape_data, only: shape_data_t, spare
    implicit none
    private
 
@@ -28,56 +28,55 @@ contains
 
    !> alpha of the particles of a tile.
    pure subroutine point_locate(self, grid, coordinate, store, tile, shape)
-      class(quadrature_point_t), intent(in) :: self          !! The rule
-      type(grid_t), intent(in) :: grid                       !! The grid
+      class(quadrature_point_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
-      type(store_t), intent(in) :: store                     !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile                            !! Index of the tile
-      type(shape_data_t), intent(inout) :: shape                !! What the maps need
+      type(shape_data_t), intent(inout) :: shape
 
-      call find_alpha(grid, self%alpha, self%alpha_centre, store%count(tile), shape%local, &
+      call find_alpha(grid, self%alpha, self%alpha_centre, shape%count, shape%local, &
          shape%alpha)
       if (self%smooth) then
-         call find_blend(grid, store%count(tile), shape%local, shape%blend)
+         call find_blend(grid, shape%count, shape%local, shape%blend)
       else
-         shape%blend(:store%count(tile), :) = shape%local(:store%count(tile), :)
+         shape%blend(:shape%count, :) = shape%local(:shape%count, :)
       end if
+      shape%alpha(shape%count + 1:shape%count + spare, :) = 1.0_wp
+      shape%blend(shape%count + 1:shape%count + spare, :) = 0.0_wp
    end subroutine point_locate
 
    !> Force, volume and node stress.
-   pure subroutine point_scatter_force(self, grid, start, first, shape, volume, stress, patch)
-      class(quadrature_point_t), intent(in) :: self          !! The rule
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine point_scatter_force(self, grid, shape, first, volume, stress, patch)
+      class(quadrature_point_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
       ! without factors there is no argument
-      call scatter_dual_force(grid, start, first, shape%blend, shape%alpha, volume, stress, &
+      call scatter_dual_force(grid, shape%start, first, shape%blend, shape%alpha, volume, stress, &
          patch, shape%factor)
    end subroutine point_scatter_force
 
    !> Velocity gradient: that of the cell, blended with that of the nodes.
-   pure subroutine point_gather_gradient(self, grid, start, shape, nodes, node_gradient, scale, &
-      gradient)
-      class(quadrature_point_t), intent(in) :: self          !! The rule
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+   pure subroutine point_gather_gradient(self, grid, shape, nodes, node_gradient, scale, gradient)
+      class(quadrature_point_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
       if (allocated(shape%factor)) then
-         call gather_edge_gradient(grid, start, shape%blend, shape%alpha, shape%factor, nodes, &
-            node_gradient, scale, gradient)
+         call gather_edge_gradient(grid, shape%start, shape%blend, shape%alpha, shape%factor, &
+            nodes, node_gradient, scale, gradient)
          return
       end if
-      call gather_dual_gradient(grid, start, shape%blend, shape%alpha, nodes, node_gradient, &
+      call gather_dual_gradient(grid, shape%start, shape%blend, shape%alpha, nodes, node_gradient, &
          scale, gradient)
    end subroutine point_gather_gradient
 end module quadrature_point

@@ -11,8 +11,8 @@ module quadrature_sub_points
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
    use transfer_shape_data, only: line, shape_data_t
-   use transfer_spline_gather_plane, only: collect_plane
-   use transfer_spline_kernels, only: collect_lines, spread_lines
+   use transfer_spline_gather_plane, only: gather_plane_values
+   use transfer_spline_kernels, only: gather_spline_values, scatter_spline_values
    implicit none
    private
 
@@ -37,15 +37,15 @@ contains
 
    !> Boxes reach into the cells next to that of the particle.
    pure integer function sub_margin(self) result(margin)
-      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
+      class(quadrature_sub_points_t), intent(in) :: self
 
       margin = 1
    end function sub_margin
 
    !> Particles carry half the edges of their boxes, and these stretch.
    pure subroutine sub_request(self, traits)
-      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
-      type(traits_t), intent(inout) :: traits                !! Fields of the stores
+      class(quadrature_sub_points_t), intent(in) :: self
+      type(traits_t), intent(inout) :: traits
 
       traits%extent = .true.
       traits%stretching = .true.
@@ -53,21 +53,21 @@ contains
 
    !> Means of the functions, of alpha times their derivative, and of 1 - alpha times the functions.
    pure subroutine sub_locate(self, grid, coordinate, store, tile, shape)
-      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
-      type(grid_t), intent(in) :: grid                       !! The grid
+      class(quadrature_sub_points_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
-      type(store_t), intent(in) :: store                     !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile                            !! Index of the tile
-      type(shape_data_t), intent(inout) :: shape                !! What the maps need
+      type(shape_data_t), intent(inout) :: shape
       integer :: direction, cell, from, to
 
-      call shape%reserve_split(store%count(tile))
-      shape%whole = 0.0_wp
-      shape%share = 0.0_wp
-      shape%rest = 0.0_wp
+      call shape%mean%reserve(store%count(tile))
+      shape%mean%value = 0.0_wp
+      shape%mean%cell_slope = 0.0_wp
+      shape%mean%node_value = 0.0_wp
       do direction = 1, 3
          if (.not. grid%active(direction)) then
-            shape%whole(:, 1, direction) = 1.0_wp
+            shape%mean%value(:, 1, direction) = 1.0_wp
             cycle
          end if
          do cell = 0, grid%tile_cells - 1
@@ -82,16 +82,16 @@ contains
 
    !> Means along one direction for the particles of a cell. Sub-points beyond the box of the grid,
    !! or more than a cell away, are put on the border.
-   ! gate: long kernel because a cell is told by its range and place
+   ! gate: long kernel because a cell is given by its range and place
    pure subroutine mean_cell(rule, grid, direction, cell, first, from, to, extent, shape)
       class(quadrature_sub_points_t), intent(in) :: rule     !! alpha and blend
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: direction                       !! 1 to 3
       integer, intent(in) :: cell                            !! Of the box along it, from 0
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: from, to                        !! Particles of the cell, in the tile
       real(wp), contiguous, intent(in) :: extent(:, :)       !! (particle, 3) Half edges [m]
-      type(shape_data_t), intent(inout) :: shape                !! Gets the means
+      type(shape_data_t), intent(inout) :: shape !! Gets the means
       real(wp) :: low, high, half, x, y, alpha, value(0:1), part
       integer :: p, n, k, node
 
@@ -112,11 +112,13 @@ contains
             value = [1.0_wp - y, y]
             do node = 0, 1
                associate (at => k + node + 2)
-                  shape%whole(p, at, direction) = shape%whole(p, at, direction) + part*value(node)
-                  shape%share(p, at, direction) = shape%share(p, at, direction) &
+                  shape%mean%value(p, at, direction) = shape%mean%value(p, at, direction) &
+                     + part*value(node)
+                  shape%mean%cell_slope(p, at, direction) = &
+                     shape%mean%cell_slope(p, at, direction) &
                      + part*alpha*real(2*node - 1, wp)/grid%spacing
-                  shape%rest(p, at, direction) = shape%rest(p, at, direction) &
-                     + part*(1.0_wp - alpha)*value(node)
+                  shape%mean%node_value(p, at, direction) = &
+                     shape%mean%node_value(p, at, direction) + part*(1.0_wp - alpha)*value(node)
                end associate
             end do
          end do
@@ -124,22 +126,21 @@ contains
    end subroutine mean_cell
 
    !> Force, volume and node stress.
-   pure subroutine sub_scatter_force(self, grid, start, first, shape, volume, stress, patch)
-      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine sub_scatter_force(self, grid, shape, first, volume, stress, patch)
+      class(quadrature_sub_points_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: basis(start(grid%tile_cells), line, 3)
-      integer :: low(start(grid%tile_cells), 3), p, k, l, count
+      real(wp) :: basis(shape%count, line, 3)
+      integer :: low(shape%count, 3), p, k, l, count
 
-      count = start(grid%tile_cells)
+      count = shape%count
       call put_on(shape, count, basis, low)
       shape%values(:count, 1) = volume(first:first + count - 1)
-      call spread_lines(grid, layers(grid), start, shape, 1, shape%values, 7, patch)
+      call scatter_spline_values(grid, layers(grid), shape, 1, shape%values, 7, patch)
       do l = 1, 3
          if (.not. grid%active(l)) cycle
          do k = 1, 3
@@ -147,31 +148,29 @@ contains
                shape%values(p, k) = volume(first + p - 1)*stress(first + p - 1, component(k, l))
             end do
          end do
-         shape%weight(:count, :, l) = -shape%share(:count, :, l)
-         call spread_lines(grid, layers(grid), start, shape, 3, shape%values, 4, patch)
-         shape%weight(:count, :, l) = shape%rest(:count, :, l)
-         call spread_lines(grid, layers(grid), start, shape, 3, shape%values, 5 + 3*l, patch)
-         shape%weight(:count, :, l) = shape%whole(:count, :, l)
+         shape%spline%weight(:count, :, l) = -shape%mean%cell_slope(:count, :, l)
+         call scatter_spline_values(grid, layers(grid), shape, 3, shape%values, 4, patch)
+         shape%spline%weight(:count, :, l) = shape%mean%node_value(:count, :, l)
+         call scatter_spline_values(grid, layers(grid), shape, 3, shape%values, 5 + 3*l, patch)
+         shape%spline%weight(:count, :, l) = shape%mean%value(:count, :, l)
       end do
-      shape%weight(:count, :, :) = basis
-      shape%low(:count, :) = low
+      shape%spline%weight(:count, :, :) = basis
+      shape%spline%low(:count, :) = low
    end subroutine sub_scatter_force
 
    !> Velocity gradient.
-   pure subroutine sub_gather_gradient(self, grid, start, shape, nodes, node_gradient, scale, &
-      gradient)
-      class(quadrature_sub_points_t), intent(in) :: self     !! The rule
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+   pure subroutine sub_gather_gradient(self, grid, shape, nodes, node_gradient, scale, gradient)
+      class(quadrature_sub_points_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(in) :: node_gradient(:, :) !! (9, node) On the nodes [1/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: basis(start(grid%tile_cells), line, 3), column(3, size(nodes, 2))
-      integer :: low(start(grid%tile_cells), 3), p, k, l, count
+      real(wp) :: basis(shape%count, line, 3), column(3, size(nodes, 2))
+      integer :: low(shape%count, 3), p, k, l, count
 
-      count = start(grid%tile_cells)
+      count = shape%count
       call put_on(shape, count, basis, low)
       do l = 1, 3
          if (.not. grid%active(l)) then
@@ -179,59 +178,58 @@ contains
             cycle
          end if
          column = node_gradient(3*l - 2:3*l, :)
-         shape%weight(:count, :, l) = shape%share(:count, :, l)
-         call collect_vector(grid, start, shape, nodes, 0)
-         shape%weight(:count, :, l) = shape%rest(:count, :, l)
-         call collect_vector(grid, start, shape, column, 3)
-         shape%weight(:count, :, l) = shape%whole(:count, :, l)
+         shape%spline%weight(:count, :, l) = shape%mean%cell_slope(:count, :, l)
+         call gather_mean_vector(grid, shape, nodes, 0)
+         shape%spline%weight(:count, :, l) = shape%mean%node_value(:count, :, l)
+         call gather_mean_vector(grid, shape, column, 3)
+         shape%spline%weight(:count, :, l) = shape%mean%value(:count, :, l)
          do k = 1, 3
             do p = 1, count
                gradient(p, k + 3*(l - 1)) = scale*(shape%values(p, k) + shape%values(p, 3 + k))
             end do
          end do
       end do
-      shape%weight(:count, :, :) = basis
-      shape%low(:count, :) = low
+      shape%spline%weight(:count, :, :) = basis
+      shape%spline%low(:count, :) = low
    end subroutine sub_gather_gradient
 
    !> Put the functions of the dual gradient where the maps look for functions, and keep those of
    !! the
    !! basis.
    pure subroutine put_on(shape, count, basis, low)
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(inout) :: basis(:, :, :)  !! (particle of the tile, node, 3)
       integer, contiguous, intent(inout) :: low(:, :)        !! (particle of the tile, 3)
 
-      basis = shape%weight(:count, :, :)
-      low = shape%low(:count, :)
-      shape%weight(:count, :, :) = shape%whole(:count, :, :)
-      shape%low(:count, :) = 1
+      basis = shape%spline%weight(:count, :, :)
+      low = shape%spline%low(:count, :)
+      shape%spline%weight(:count, :, :) = shape%mean%value(:count, :, :)
+      shape%spline%low(:count, :) = 1
    end subroutine put_on
 
    !> Layers of a block after the first one.
    pure integer function layers(grid) result(number)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
 
       number = merge(after, 0, grid%active(3))
    end function layers
 
    !> Values sum S_i node_i of three columns.
-   pure subroutine collect_vector(grid, start, shape, nodes, skip)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile; gets them as values
+   pure subroutine gather_mean_vector(grid, shape, nodes, skip)
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(inout) :: shape !! Of the tile; gets them as values
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
       integer, intent(in) :: skip                            !! Columns of the values before them
       real(wp), allocatable :: values(:, :)
 
       call move_alloc(shape%values, values)
       if (grid%dimensions < 3) then
-         call collect_plane(grid, start, shape, nodes, values(:, skip + 1:))
+         call gather_plane_values(grid, shape, nodes, values(:, skip + 1:))
       else
-         call collect_lines(grid, layers(grid), start, size(shape%weight, 1), shape%weight, &
-            shape%low, size(nodes, 2), nodes, skip, values)
+         call gather_spline_values(grid, layers(grid), shape%start, size(shape%spline%weight, 1), &
+            shape%spline%weight, shape%spline%low, size(nodes, 2), nodes, skip, values)
       end if
       call move_alloc(values, shape%values)
-   end subroutine collect_vector
+   end subroutine gather_mean_vector
 end module quadrature_sub_points

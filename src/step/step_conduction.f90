@@ -23,7 +23,7 @@ module step_conduction
    use step_simulation, only: scratch_t, simulation_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_scatter, only: dual_columns, motion_columns
-   use transfer_shape_data, only: shape_data_t
+   use transfer_shape_data, only: shape_data_t, spare
    implicit none
    private
 
@@ -228,8 +228,8 @@ contains
                shape%values(p, content) = shape%values(p, capacity)*store%state%temperature(q)
                shape%values(p, filled) = store%state%volume(q)
             end do
-            call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), &
-               shape, size(patch, 1), shape%values, 0, patch)
+            call simulation%method%basis%scatter_values(simulation%grid, shape, size(patch, 1), &
+               shape%values, 0, patch)
          end associate
       end do
    end subroutine spread_content
@@ -309,7 +309,7 @@ contains
                shape%values(p, 1) = specific_heat*store%state%mass(store%first(tile) + p - 1) &
                   *shape%vector(p, 1)
             end do
-            call method%basis%spread(simulation%grid, start, shape, 1, shape%values, hidden - 1, &
+            call method%basis%scatter_values(simulation%grid, shape, 1, shape%values, hidden - 1, &
                patch)
          end associate
       end do
@@ -335,12 +335,12 @@ contains
       associate (store => simulation%stores(index), shape => scratch%shape, &
          method => simulation%method, start => simulation%stores(index)%cell_start(:, tile), &
          grid => simulation%grid)
-         call scratch%deformation%reserve(store%count(tile))
+         call scratch%deformation%reserve(store%count(tile) + spare)
          if (method%dual) then
-            call method%quadrature%gather_gradient(grid, start, shape, values, slope, 1.0_wp, &
+            call method%quadrature%gather_gradient(grid, shape, values, slope, 1.0_wp, &
                scratch%deformation%gradient)
          else
-            call method%basis%collect_gradient(grid, start, shape, values, 1.0_wp, &
+            call method%basis%gather_gradient(grid, shape, values, 1.0_wp, &
                scratch%deformation%gradient)
          end if
          allocate (volume(store%count(tile)), flux(store%count(tile), 6))
@@ -353,9 +353,9 @@ contains
             end do
          end do
          if (method%dual) then
-            call method%quadrature%scatter_force(grid, start, 1, shape, volume, flux, patch)
+            call method%quadrature%scatter_force(grid, shape, 1, volume, flux, patch)
          else
-            call method%basis%spread_stress(grid, start, 1, shape, volume, flux, patch)
+            call method%basis%scatter_stress(grid, shape, 1, volume, flux, patch)
          end if
       end associate
    end subroutine push_particles
@@ -373,7 +373,7 @@ contains
 
       associate (store => simulation%stores(index), shape => scratch%shape, &
          heat => simulation%materials(index)%heat)
-         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), shape, &
+         call simulation%method%basis%gather_values(simulation%grid, shape, &
             simulation%conduction%temperature(:, :, tile), shape%values)
          rate = fade*dt*heat%conductivity/(heat%specific_heat*simulation%grid%spacing**2)
          do p = 1, store%count(tile)
@@ -446,8 +446,7 @@ contains
          if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
          call find_plain_places(simulation, scratch, simulation%stores(index), tile)
          call find_hidden(simulation, scratch, index, tile, dt)
-         call simulation%method%basis%collect(simulation%grid, &
-            simulation%stores(index)%cell_start(:, tile), scratch%shape, change, &
+         call simulation%method%basis%gather_values(simulation%grid, scratch%shape, change, &
             scratch%shape%values)
          call warm(simulation%materials(index)%heat%specific_heat, tile, scratch%shape, &
             booked, simulation%stores(index))

@@ -13,7 +13,7 @@ module step_contact_surface
    use step_particles_to_nodes, only: find_plain_places
    use step_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
    use step_tile_cost, only: cost_clock, record_cost
-   use transfer_contact, only: particle_widths, spread_reach
+   use transfer_contact, only: particle_widths, find_reach
    use transfer_scatter, only: motion_columns
    implicit none
    private
@@ -133,14 +133,13 @@ contains
                call pushed%copy(store%first(tile), store%count(tile), store%position, &
                   store%state%volume, store%state%stress)
                call pushed%make_unit(store%count(tile))
-               call basis%spread_stress(grid, start, 1, scratch%shape, pushed%volume, &
-                  pushed%stress, wide)
-               if (grid%axisymmetric) call basis%scatter_hoop(grid, start, 1, scratch%shape, &
+               call basis%scatter_stress(grid, scratch%shape, 1, pushed%volume, pushed%stress, wide)
+               if (grid%axisymmetric) call basis%scatter_hoop(grid, scratch%shape, 1, &
                   pushed%position, pushed%volume, pushed%stress, wide)
                if (allocated(store%bond)) then
                   call hold(store, tile, scratch%shape%values)
-                  call basis%spread(grid, start, scratch%shape, 1, scratch%shape%values, &
-                     before + 3, patch)
+                  call basis%scatter_values(grid, scratch%shape, 1, scratch%shape%values, before &
+                     + 3, patch)
                end if
             end associate
          end do
@@ -311,7 +310,7 @@ contains
             call scratch%shape%reserve(store%count(tile))
             call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
                store%state%volume, scratch%shape%values(:, 1))
-            call spread_reach(grid, grid%tile_corner(coordinate), start, store%first(tile), &
+            call find_reach(grid, grid%tile_corner(coordinate), start, store%first(tile), &
                store%position, scratch%shape%values(:, 1), normal, reach)
          end associate
       end do

@@ -46,9 +46,10 @@ contains
       logical, intent(in) :: carries                 !! Does some matter carry an internal energy?
 
       ! with musl the strain sees it, so what it takes is not lost
-      told = .not. carries .and. (method%averages() .or. .not. method%remaps()) .and. &
-         method%leapfrog .and. method%transfer%sweeps() == 0 .and. &
-         method%transfer%keep() > 0.0_wp .and. method%transfer%keep() < 1.0_wp
+      told = .not. carries .and. (method%averages() .or. .not. method%remaps()) &
+         .and. method%leapfrog .and. method%transfer%sweeps() == 0 &
+         .and. method%transfer%flip_fraction() > 0.0_wp &
+         .and. method%transfer%flip_fraction() < 1.0_wp
    end function damps
 
    !> Book the kinetic energy that the share of PIC took from the particles of a tile. With the

@@ -49,8 +49,8 @@ contains
          associate (store => simulation%stores(index), &
             solution => simulation%exact%material(index)%solution)
             call find_places(simulation, scratch, store, tile)
-            call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), &
-               scratch%shape, carry, scratch%shape%vector)
+            call simulation%method%basis%gather_values(simulation%grid, scratch%shape, carry, &
+               scratch%shape%vector)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                do k = 1, 3

@@ -129,8 +129,8 @@ contains
             shape%values(p, mass) = store%state%mass(q)
             shape%values(p, content) = store%state%mass(q)*max(store%state%energy(q), 0.0_wp)
          end do
-         call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), shape, &
-            content, shape%values, 0, patch)
+         call simulation%method%basis%scatter_values(simulation%grid, shape, content, &
+            shape%values, 0, patch)
       end associate
    end subroutine spread_energy
 
@@ -296,8 +296,7 @@ contains
       end associate
       associate (store => simulation%stores(index), shape => scratch%shape)
          call find_plain_places(simulation, scratch, store, tile)
-         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), shape, &
-            change, shape%values)
+         call simulation%method%basis%gather_values(simulation%grid, shape, change, shape%values)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             given = shape%values(p, 1) + shape%values(p, 2)*max(store%state%energy(q), 0.0_wp)

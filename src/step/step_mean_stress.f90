@@ -74,8 +74,8 @@ contains
                      *store%state%stress(q, k)
                end do
             end do
-            call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), &
-               scratch%shape, columns, scratch%shape%values, 0, patch)
+            call simulation%method%basis%scatter_values(simulation%grid, scratch%shape, columns, &
+               scratch%shape%values, 0, patch)
          end associate
       end do
    end subroutine scatter_tile

@@ -317,7 +317,7 @@ contains
       do node = 1, size(change, 2)
          stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
       end do
-      call record_damped(ledger, (1.0_wp - simulation%method%transfer%keep())*stopped)
+      call record_damped(ledger, (1.0_wp - simulation%method%transfer%flip_fraction())*stopped)
    end subroutine book_stopped
 
    !> Book impulse, its moment, and work of a push on the nodes of a tile.
@@ -370,7 +370,8 @@ contains
 
       ruled = walls_touch(simulation, tile)
       if (.not. (ruled .or. allocated(simulation%gravity))) return
-      associate (nodes => simulation%nodes, share => 1.0_wp - simulation%method%transfer%keep())
+      associate (nodes => simulation%nodes, share => 1.0_wp &
+         - simulation%method%transfer%flip_fraction())
          centre = 0.5_wp*(nodes%velocity(:, :, tile) + nodes%strain(:, :, tile))
          if (.not. ruled) then
             call record_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)

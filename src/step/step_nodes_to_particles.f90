@@ -28,6 +28,7 @@ module step_nodes_to_particles
    use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
    use transfer_basis, only: expand_spin
    use transfer_bbar, only: even_gradient
+   use transfer_shape_data, only: spare
    use transfer_shock_compression, only: bound_jump, find_jump
    implicit none
    private
@@ -134,7 +135,7 @@ contains
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
             call find_places(simulation, scratch, store, tile)
-            call scratch%deformation%reserve(store%count(tile))
+            call scratch%deformation%reserve(store%count(tile) + spare)
             if (parts%work .and. allocated(store%state%energy)) &
                call add_work(simulation, scratch, store, tile, view)
             ! before the strain, which may renew the linear velocity fields
@@ -170,8 +171,7 @@ contains
 
       associate (rubbed => simulation%nodes%rubbed(:, :, tile), shape => scratch%shape)
          if (.not. any(abs(rubbed) > 0.0_wp)) return
-         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), shape, &
-            rubbed, shape%values)
+         call simulation%method%basis%gather_values(simulation%grid, shape, rubbed, shape%values)
       end associate
       lost = 0.0_wp
       do p = 1, store%count(tile)
@@ -276,9 +276,9 @@ contains
       associate (transfer => simulation%method%transfer, nodes => simulation%nodes, &
          velocity => simulation%nodes%velocity(:, :, view%slot), filtered => view%filtered, &
          acceleration => simulation%nodes%acceleration(:, :, view%slot))
-         call transfer%push(dt, acceleration, filtered, view%push)
+         call transfer%velocity_increment(dt, acceleration, filtered, view%push)
          if (simulation%method%leapfrog) then
-            call transfer%carry(dt, velocity, acceleration, filtered, view%carry)
+            call transfer%advection_velocity(dt, velocity, acceleration, filtered, view%carry)
          else
             call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, view%carry)
          end if
@@ -292,7 +292,8 @@ contains
                view%heat, view%scalar)
          end if
          if (.not. transfer%affine()) return
-         view%turn = (1.0_wp - transfer%keep())*velocity - transfer%keep()*dt*acceleration
+         view%turn = (1.0_wp - transfer%flip_fraction())*velocity &
+            - transfer%flip_fraction()*dt*acceleration
          if (.not. allocated(view%moments)) &
             allocate (view%moments(9, simulation%grid%tile_nodes))
          call moment_fields(simulation%grid, view%turn, view%moments)
@@ -310,8 +311,8 @@ contains
 
       associate (grid => simulation%grid, method => simulation%method, shape => scratch%shape, &
          start => store%cell_start(:, tile), first => store%first(tile))
-         call method%transfer%heat(grid, method%basis, start, first, shape, view%heat, &
-            view%scalar, store%velocity, store%state%energy)
+         call method%transfer%heat(grid, method%basis, shape, first, view%heat, view%scalar, &
+            store%velocity, store%state%energy)
          if (.not. method%transfer%affine()) return
          call shape%reserve_affine(store%count(tile))
          if (allocated(store%spin)) then
@@ -323,8 +324,8 @@ contains
                end do
             end do
          end if
-         call gather_affine_heat(grid, method%basis, start, first, shape, view%turn, &
-            view%moments, store%state%energy)
+         call gather_affine_heat(grid, method%basis, shape, first, view%turn, view%moments, &
+            store%state%energy)
       end associate
    end subroutine add_heat
 
@@ -337,8 +338,8 @@ contains
       type(view_t), intent(in) :: view               !! Node fields
 
       associate (store => simulation%stores(index))
-         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), &
-            scratch%shape, view%excess, scratch%shape%values)
+         call simulation%method%basis%gather_values(simulation%grid, scratch%shape, view%excess, &
+            scratch%shape%values)
          call repack(store, tile, simulation%materials(index), scratch%shape%values, &
             scratch%ledger)
       end associate
@@ -356,14 +357,15 @@ contains
       associate (grid => simulation%grid, method => simulation%method, shape => scratch%shape, &
          store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile))
-         call method%basis%gather_motion(grid, start, first, shape, view%push, view%carry, &
-            method%transfer%keep(), dt, store%velocity, store%position)
+         call method%basis%gather_motion(grid, shape, first, view%push, view%carry, &
+            method%transfer%flip_fraction(), dt, store%velocity, store%position)
          if (damps(method, simulation%carries_energy)) then
-            call method%basis%collect(grid, start, shape, view%carry, shape%vector)
-            call record_damping(scratch%ledger, store, tile, shape%vector, method%transfer%keep())
+            call method%basis%gather_values(grid, shape, view%carry, shape%vector)
+            call record_damping(scratch%ledger, store, tile, shape%vector, &
+               method%transfer%flip_fraction())
          end if
          if (.not. method%transfer%affine() .or. strained(simulation, index)) return
-         call find_slopes(simulation, shape, start, view%after, view%gradient, &
+         call find_slopes(simulation, shape, view%after, view%gradient, &
             scratch%deformation%gradient)
          call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
       end associate
@@ -419,14 +421,14 @@ contains
       associate (grid => simulation%grid, method => simulation%method, shape => scratch%shape, &
          start => store%cell_start(:, tile))
          if (method%dual) then
-            call method%quadrature%gather_gradient(grid, start, shape, velocity, gradient, dt, &
+            call method%quadrature%gather_gradient(grid, shape, velocity, gradient, dt, &
                scratch%deformation%gradient)
          else
-            call method%basis%collect_gradient(grid, start, shape, velocity, dt, &
+            call method%basis%gather_gradient(grid, shape, velocity, dt, &
                scratch%deformation%gradient)
          end if
-         if (grid%axisymmetric) call method%basis%gather_hoop(grid, start, store%first(tile), &
-            shape, store%position, velocity, dt, scratch%deformation%gradient)
+         if (grid%axisymmetric) call method%basis%gather_hoop(grid, shape, store%first(tile), &
+            store%position, velocity, dt, scratch%deformation%gradient)
          if (method%even) call even_gradient(grid, start, store%first(tile), &
             store%state%volume, scratch%deformation%gradient)
       end associate

@@ -181,22 +181,21 @@ contains
          first => simulation%stores(index)%first(tile), state => simulation%stores(index)%state)
          call find_places(simulation, scratch, store, tile)
          if (allocated(store%affine)) then
-            call method%basis%spread_affine(grid, start, first, shape, state%mass, &
-               store%velocity, store%affine, patch)
+            call method%basis%scatter_affine(grid, shape, first, state%mass, store%velocity, &
+               store%affine, patch)
          else if (allocated(store%spin)) then
-            call method%basis%scatter_turning(grid, start, first, shape, state%mass, &
-               store%velocity, store%spin, patch)
+            call method%basis%scatter_turning(grid, shape, first, state%mass, store%velocity, &
+               store%spin, patch)
          else
-            call method%basis%scatter_motion(grid, start, first, shape, state%mass, &
-               store%velocity, patch)
+            call method%basis%scatter_motion(grid, shape, first, state%mass, store%velocity, patch)
          end if
          if (method%even .or. method%controlled()) then
             call change_stress(simulation, scratch, store, tile)
-            call push_nodes(simulation, shape, start, 1, scratch%pushed%position, &
-               scratch%pushed%volume, scratch%pushed%stress, patch)
+            call push_nodes(simulation, shape, 1, scratch%pushed%position, scratch%pushed%volume, &
+               scratch%pushed%stress, patch)
          else
-            call push_nodes(simulation, shape, start, first, store%position, state%volume, &
-               state%stress, patch)
+            call push_nodes(simulation, shape, first, store%position, state%volume, state%stress, &
+               patch)
          end if
          if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
             patch)
@@ -216,7 +215,7 @@ contains
             store%state%volume, store%state%stress)
          if (simulation%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
          if (simulation%method%controlled()) then
-            call simulation%method%basis%collect(grid, start, shape, &
+            call simulation%method%basis%gather_values(grid, shape, &
                simulation%nodes%star(:, :, tile), shape%values)
             call pushed%subtract(store%count(tile), shape%values)
          end if
@@ -224,10 +223,9 @@ contains
    end subroutine change_stress
 
    !> Force of the stress of the particles of a tile.
-   subroutine push_nodes(simulation, shape, start, first, position, volume, stress, patch)
+   subroutine push_nodes(simulation, shape, first, position, volume, stress, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(shape_data_t), intent(inout) :: shape        !! Of the tile
-      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       integer, intent(in) :: first                   !! First particle of the tile in the arrays
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)  !! (particle) [m3]
@@ -236,12 +234,12 @@ contains
 
       associate (grid => simulation%grid, method => simulation%method)
          if (method%dual) then
-            call method%quadrature%scatter_force(grid, start, first, shape, volume, stress, patch)
+            call method%quadrature%scatter_force(grid, shape, first, volume, stress, patch)
          else
-            call method%basis%spread_stress(grid, start, first, shape, volume, stress, patch)
+            call method%basis%scatter_stress(grid, shape, first, volume, stress, patch)
          end if
-         if (grid%axisymmetric) call method%basis%scatter_hoop(grid, start, first, shape, &
-            position, volume, stress, patch)
+         if (grid%axisymmetric) call method%basis%scatter_hoop(grid, shape, first, position, &
+            volume, stress, patch)
       end associate
    end subroutine push_nodes
 
@@ -269,9 +267,8 @@ contains
                scratch%shape%vector(p, k) = force(k)
             end do
          end do
-         call simulation%method%basis%scatter_product(simulation%grid, store%cell_start(:, tile), &
-            store%first(tile), scratch%shape, store%state%mass, scratch%shape%vector, &
-            force_before, patch)
+         call simulation%method%basis%scatter_product(simulation%grid, scratch%shape, &
+            store%first(tile), store%state%mass, scratch%shape%vector, force_before, patch)
       end associate
    end subroutine add_body_force
 

@@ -92,16 +92,16 @@ contains
                   shape%values(p, k) = pushed%volume(p)*pushed%stress(p, k)
                end do
             end do
-            call method%basis%spread(grid, start, shape, before, shape%values, 0, patch)
+            call method%basis%scatter_values(grid, shape, before, shape%values, 0, patch)
             do k = 1, rest
                do p = 1, store%count(tile)
                   shape%values(p, k) = shape%values(p, before + k)
                end do
             end do
-            call method%basis%spread(grid, start, shape, rest, shape%values, dual_columns, patch)
+            call method%basis%scatter_values(grid, shape, rest, shape%values, dual_columns, patch)
             call pushed%make_unit(store%count(tile))
-            call method%quadrature%scatter_force(grid, start, 1, shape, pushed%volume, &
-               pushed%stress, patch)
+            call method%quadrature%scatter_force(grid, shape, 1, pushed%volume, pushed%stress, &
+               patch)
          end associate
       end do
    end subroutine scatter_tile

@@ -365,8 +365,8 @@ contains
       if (.not. strays .and. verdict_of(trust_damped, now%damped_share) == trust_ok) return
       remedy = ""
       if (strays .and. .not. method%averages()) remedy = " stress_update = 'usavg',"
-      if (method%transfer%keep() > 0.0_wp .and. method%transfer%keep() < 1.0_wp) &
-         remedy = remedy//" flip = 1,"
+      if (method%transfer%flip_fraction() > 0.0_wp &
+         .and. method%transfer%flip_fraction() < 1.0_wp) remedy = remedy//" flip = 1,"
       if (len(remedy) == 0) then
          remedy = "use more particles a cell (ppc)"
       else

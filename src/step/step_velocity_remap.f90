@@ -15,7 +15,7 @@ module step_velocity_remap
    use step_walls, only: take_held, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
-   use transfer_shape_data, only: shape_data_t
+   use transfer_shape_data, only: shape_data_t, spare
    implicit none
    private
 
@@ -94,8 +94,8 @@ contains
             basis => simulation%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
-            call basis%collect(grid, start, shape, term, shape%vector)
-            call basis%scatter_product(grid, start, store%first(tile), shape, store%state%mass, &
+            call basis%gather_values(grid, shape, term, shape%vector)
+            call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
                shape%vector, 0, patch)
          end associate
       end do
@@ -195,9 +195,9 @@ contains
          simulation%method%averages()) call node_gradient(simulation, tile, &
          simulation%nodes%gradient, gradient)
       call find_filtered(simulation, tile, dt, filtered)
-      call simulation%method%transfer%push(dt, simulation%nodes%acceleration(:, :, tile), &
-         filtered, push)
-      keep = simulation%method%transfer%keep()
+      call simulation%method%transfer%velocity_increment(dt, &
+         simulation%nodes%acceleration(:, :, tile), filtered, push)
+      keep = simulation%method%transfer%flip_fraction()
       if (simulation%method%averages()) then
          ! what particles gain; the share of PIC acts after the strain of the step, which does not
          ! see it, and rotations stay as they are
@@ -212,26 +212,25 @@ contains
             basis => simulation%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
             call find_places(simulation, scratch, store, tile)
-            call basis%collect(grid, start, shape, push, shape%vector)
+            call basis%gather_values(grid, shape, push, shape%vector)
             if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, shape%vector)
             if (simulation%method%averages()) then
-               call basis%scatter_product(grid, start, store%first(tile), shape, &
-                  store%state%mass, shape%vector, 0, patch)
+               call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
+                  shape%vector, 0, patch)
             else if (simulation%method%transfer%affine()) then
-               call scratch%deformation%reserve(store%count(tile))
+               call scratch%deformation%reserve(store%count(tile) + spare)
                if (simulation%method%smooth_turn) then
                   call expand_spin(store%first(tile), store%count(tile), store%spin, &
                      scratch%deformation%gradient)
                else
-                  call find_slopes(simulation, shape, start, after, gradient, &
-                     scratch%deformation%gradient)
+                  call find_slopes(simulation, shape, after, gradient, scratch%deformation%gradient)
                   if (simulation%method%transfer%turning()) &
                      call turn_only(store%count(tile), scratch%deformation%gradient)
                end if
                call spread_fields(simulation, scratch, store, tile, patch)
             else
-               call basis%scatter_product(grid, start, store%first(tile), shape, &
-                  store%state%mass, shape%vector, 0, patch)
+               call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
+                  shape%vector, 0, patch)
             end if
          end associate
       end do
@@ -239,10 +238,9 @@ contains
 
    !> Slopes of a node velocity round the particles of a tile: with the dual domain method its
    !! modified gradient, which does not see nodes that have no mass and so no velocity.
-   subroutine find_slopes(simulation, shape, start, velocity, gradient, slopes)
+   subroutine find_slopes(simulation, shape, velocity, gradient, slopes)
       type(simulation_t), intent(in) :: simulation   !! The run
       type(shape_data_t), intent(inout) :: shape        !! Of the tile
-      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) On the nodes, if dual [1/s]
       real(wp), contiguous, intent(inout) :: slopes(:, :) !! (particle of the tile, 9) [1/s]
@@ -250,10 +248,9 @@ contains
       associate (grid => simulation%grid, method => simulation%method)
          ! with normalised sums the modified gradient of a linear field is not uniform
          if (method%dual .and. .not. allocated(shape%factor)) then
-            call method%quadrature%gather_gradient(grid, start, shape, velocity, gradient, &
-               1.0_wp, slopes)
+            call method%quadrature%gather_gradient(grid, shape, velocity, gradient, 1.0_wp, slopes)
          else
-            call method%basis%collect_affine(grid, start, shape, velocity, slopes)
+            call method%basis%gather_affine(grid, shape, velocity, slopes)
          end if
       end associate
    end subroutine find_slopes
@@ -286,7 +283,7 @@ contains
       real(wp) :: mass(store%count(tile))
 
       mass = store%state%mass(store%first(tile):store%first(tile) + store%count(tile) - 1)
-      call simulation%method%basis%spread_affine(simulation%grid, store%cell_start(:, tile), 1, &
-         scratch%shape, mass, scratch%shape%vector, scratch%deformation%gradient, patch)
+      call simulation%method%basis%scatter_affine(simulation%grid, scratch%shape, 1, mass, &
+         scratch%shape%vector, scratch%deformation%gradient, patch)
    end subroutine spread_fields
 end module step_velocity_remap

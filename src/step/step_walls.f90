@@ -79,7 +79,7 @@ contains
       real(wp) :: free_velocity(3, size(push, 2)), free_acceleration(3, size(push, 2)), share, &
          period
 
-      share = 1.0_wp - simulation%method%transfer%keep()
+      share = 1.0_wp - simulation%method%transfer%flip_fraction()
       free_velocity = velocity
       free_acceleration = acceleration
       associate (coordinate => simulation%tiles%coordinate(:, tile))

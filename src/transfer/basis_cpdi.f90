@@ -12,9 +12,8 @@ module basis_cpdi
    use mesh_grid, only: grid_t, lanes
    use particle_store, only: store_t, traits_t
    use transfer_basis, only: basis_t
-   use transfer_cpdi_kernels, only: collect_corner_slopes, collect_corners, push_corners, &
-      spread_corners
-   use transfer_gather, only: locate
+   use transfer_cpdi_kernels, only: gather_corner_gradient, gather_corner_values, &
+      scatter_corner_stress, scatter_corner_values
    use transfer_shape_data, only: shape_data_t
    implicit none
    private
@@ -33,27 +32,27 @@ module basis_cpdi
       procedure :: margin => cpdi_margin             !! Layers of nodes beyond a tile
       procedure :: request => cpdi_request           !! Particles carry their edges
       procedure :: locate => cpdi_locate             !! Corners
-      procedure :: spread => cpdi_spread             !! Values to nodes
-      procedure :: spread_affine => cpdi_spread_affine !! Mass and a linear velocity field
-      procedure :: spread_stress => cpdi_spread_stress !! Force of the stress
-      procedure :: collect => cpdi_collect           !! Node values to particles
-      procedure :: collect_gradient => cpdi_collect_gradient !! Their gradients
-      procedure :: collect_affine => cpdi_collect_affine !! Linear velocity field
+      procedure :: scatter_values => cpdi_scatter_values !! Values to nodes
+      procedure :: scatter_affine => cpdi_scatter_affine !! Mass and a linear velocity field
+      procedure :: scatter_stress => cpdi_scatter_stress !! Force of the stress
+      procedure :: gather_values => cpdi_gather_values !! Node values to particles
+      procedure :: gather_gradient => cpdi_gather_gradient !! Their gradients
+      procedure :: gather_affine => cpdi_gather_affine !! Linear velocity field
    end type basis_cpdi_t
 
 contains
 
    !> One layer of nodes beyond a tile.
    pure integer function cpdi_margin(self) result(margin)
-      class(basis_cpdi_t), intent(in) :: self                !! The basis
+      class(basis_cpdi_t), intent(in) :: self
 
       margin = 1
    end function cpdi_margin
 
    !> Particles carry half the edges of their parallelepipeds.
    pure subroutine cpdi_request(self, traits)
-      class(basis_cpdi_t), intent(in) :: self                !! The basis
-      type(traits_t), intent(inout) :: traits                !! Fields of the stores
+      class(basis_cpdi_t), intent(in) :: self
+      type(traits_t), intent(inout) :: traits
 
       traits%domain = .true.
    end subroutine cpdi_request
@@ -63,17 +62,17 @@ contains
    !! only such a corner touches would have a negative mass. Where a particle is as good as on the
    !! wall the functions of the last cell go on, so that linear fields stay exact.
    pure subroutine cpdi_locate(self, grid, coordinate, store, tile, shape)
-      class(basis_cpdi_t), intent(in) :: self                !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
+      class(basis_cpdi_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
-      type(store_t), intent(in) :: store                     !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile                            !! Index of the tile
-      type(shape_data_t), intent(inout) :: shape                !! What the maps need
-      real(wp) :: edge(3, 3), inverse(3, 3), room(3), at
+      type(shape_data_t), intent(inout) :: shape
+      real(wp) :: edge(3, 3), inverse(3, 3), limit(3), at
       integer :: cell, p, c, k, step, place(3), lowest(3), highest(3)
 
-      call locate(grid, store%first(tile), store%count(tile), store%position, shape%local)
-      call shape%reserve_corners(store%count(tile), lanes)
+      call shape%take_tile(grid, store, tile)
+      call shape%corner%reserve(store%count(tile), lanes)
       do cell = 0, grid%tile_cells - 1
          place = coordinate*grid%width + grid%cell_position(:, cell)
          lowest = merge(0, -1, .not. grid%active .or. (grid%wall(1::2) .and. place == 0))
@@ -81,25 +80,25 @@ contains
             place == grid%cells - 1))
          do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
             do k = 1, 3
-               room(k) = most
-               if (lowest(k) == 0) room(k) = min(room(k), shape%local(p, k))
-               if (highest(k) == 0) room(k) = min(room(k), 1.0_wp - shape%local(p, k))
+               limit(k) = most
+               if (lowest(k) == 0) limit(k) = min(limit(k), shape%local(p, k))
+               if (highest(k) == 0) limit(k) = min(limit(k), 1.0_wp - shape%local(p, k))
             end do
-            call find_domain(grid, store, store%first(tile) + p - 1, room, edge, inverse)
+            call find_domain(grid, store, store%first(tile) + p - 1, limit, edge, inverse)
             do k = 1, 3
                do c = 1, 3
-                  shape%edge(c + 3*(k - 1), p) = edge(c, k)
-                  shape%inverse(c + 3*(k - 1), p) = inverse(c, k)
+                  shape%corner%edge(c + 3*(k - 1), p) = edge(c, k)
+                  shape%corner%inverse(c + 3*(k - 1), p) = inverse(c, k)
                end do
             end do
-            shape%corner_node(:, p) = grid%first_node(cell)
+            shape%corner%node(:, p) = grid%first_node(cell)
             do k = 1, 3
                do c = 1, lanes
                   at = shape%local(p, k) + edge(k, 1)*grid%lane_slope(c, 1) &
                      + edge(k, 2)*grid%lane_slope(c, 2) + edge(k, 3)*grid%lane_slope(c, 3)
                   step = min(max(floor(at), lowest(k)), highest(k))
-                  shape%corner(c, k, p) = at - real(step, wp)
-                  shape%corner_node(c, p) = shape%corner_node(c, p) + step*grid%stride(k)
+                  shape%corner%local(c, k, p) = at - real(step, wp)
+                  shape%corner%node(c, p) = shape%corner%node(c, p) + step*grid%stride(k)
                end do
             end do
          end do
@@ -112,12 +111,12 @@ contains
    !! A domain that reaches further than a cell, or than a wall, is scaled, as M. A. Homel, R. M.
    !! Brannon, J. Guilkey, Int. J. Numer. Methods Eng. (2016) do; here along the directions of the
    !! grid in which it is too long, so that it stays a parallelepiped. If the edges lie nearly in a
-   !! plane, a cube stands in. Equation (N.9).
-   pure subroutine find_domain(grid, store, q, room, edge, inverse)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      type(store_t), intent(in) :: store                     !! The particles
-      integer, intent(in) :: q                               !! Which particle
-      real(wp), intent(in) :: room(3)                        !! Greatest half domain [cells]
+   !! plane, it is replaced by a cube. Equation (N.9).
+   pure subroutine find_domain(grid, store, q, limit, edge, inverse)
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: q                               !! Index of the particle
+      real(wp), intent(in) :: limit(3)                        !! Greatest half domain [cells]
       real(wp), intent(out) :: edge(3, 3)                    !! (component, edge) [cells]
       real(wp), intent(out) :: inverse(3, 3)                 !! (edge, component) [1/cells]
       real(wp) :: reach(3), wanted, volume
@@ -132,7 +131,7 @@ contains
          end if
          where (grid%active) edge(k, :) = store%domain(q, k:k + 6:3)*(1.0_wp/grid%spacing)
          reach(k) = sum(abs(edge(k, :)))
-         wanted = max(min(reach(k), room(k)), least)
+         wanted = max(min(reach(k), limit(k)), least)
          edge(k, :) = edge(k, :)*(wanted/max(reach(k), tiny(reach)))
          reach(k) = wanted
       end do
@@ -142,14 +141,14 @@ contains
       edge = 0.0_wp
       inverse = 0.0_wp
       do k = 1, 3
-         edge(k, k) = merge(max(min(usual, room(k)), least), 1.0_wp, grid%active(k))
+         edge(k, k) = merge(max(min(usual, limit(k)), least), 1.0_wp, grid%active(k))
          inverse(k, k) = 1.0_wp/edge(k, k)
       end do
    end subroutine find_domain
 
    !> Inverse and determinant of a matrix; the inverse is of no use if the determinant is 0.
    pure subroutine invert(a, inverse, determinant)
-      real(wp), intent(in) :: a(3, 3)                        !! The matrix
+      real(wp), intent(in) :: a(3, 3)                        !! Any matrix
       real(wp), intent(out) :: inverse(3, 3)                 !! Its inverse
       real(wp), intent(out) :: determinant                   !! Its determinant
       integer :: i, j
@@ -166,38 +165,40 @@ contains
       if (abs(determinant) > 0.0_wp) inverse = inverse*(1.0_wp/determinant)
    end subroutine invert
 
-   !> Linear functions of the nodes round a corner, divided by the number of corners.
+   !> Linear functions of the nodes around a corner, divided by the number of corners.
    pure subroutine corner_functions(grid, shape, p, corner, share, functions)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
-      integer, intent(in) :: p                               !! Which particle
-      integer, intent(in) :: corner                          !! Which corner
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
+      integer, intent(in) :: p                               !! Index of the particle
+      integer, intent(in) :: corner                          !! Index of the corner
       real(wp), intent(in) :: share                          !! One over the corners
       real(wp), intent(out) :: functions(lanes)                  !! (lane) The functions
       integer :: lane
 
       !$omp simd
       do lane = 1, lanes
-         functions(lane) = share &
-            *(grid%lane_constant(lane, 1) + grid%lane_slope(lane, 1)*shape%corner(corner, 1, p)) &
-            *(grid%lane_constant(lane, 2) + grid%lane_slope(lane, 2)*shape%corner(corner, 2, p)) &
-            *(grid%lane_constant(lane, 3) + grid%lane_slope(lane, 3)*shape%corner(corner, 3, p))
+         functions(lane) = share*(grid%lane_constant(lane, 1) &
+            + grid%lane_slope(lane, 1)*shape%corner%local(corner, 1, p)) &
+            *(grid%lane_constant(lane, 2) &
+            + grid%lane_slope(lane, 2)*shape%corner%local(corner, 2, p)) &
+            *(grid%lane_constant(lane, 3) &
+            + grid%lane_slope(lane, 3)*shape%corner%local(corner, 3, p))
       end do
    end subroutine corner_functions
 
    !> Place of a corner as seen from its particle [cells].
    pure function corner_way(grid, shape, p, corner) result(way)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
-      integer, intent(in) :: p                               !! Which particle
-      integer, intent(in) :: corner                          !! Which corner
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
+      integer, intent(in) :: p                               !! Index of the particle
+      integer, intent(in) :: corner                          !! Index of the corner
       real(wp) :: way(3)
       integer :: a, k
 
       way = 0.0_wp
       do a = 1, 3
          do k = 1, 3
-            way(k) = way(k) + grid%lane_slope(corner, a)*shape%edge(k + 3*(a - 1), p)
+            way(k) = way(k) + grid%lane_slope(corner, a)*shape%corner%edge(k + 3*(a - 1), p)
          end do
       end do
    end function corner_way
@@ -205,43 +206,39 @@ contains
    !> Place of a node of the cell of a corner as seen from the particle; none along a missing
    !! direction [cells].
    pure function node_way(grid, shape, p, corner, lane) result(way)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
-      integer, intent(in) :: p                               !! Which particle
-      integer, intent(in) :: corner                          !! Which corner
-      integer, intent(in) :: lane                            !! Which node
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
+      integer, intent(in) :: p                               !! Index of the particle
+      integer, intent(in) :: corner                          !! Index of the corner
+      integer, intent(in) :: lane                            !! Lane of the node
       real(wp) :: way(3)
 
-      way = corner_way(grid, shape, p, corner) &
-         + (1.0_wp - grid%lane_constant(lane, :) - shape%corner(corner, :, p))
+      way = corner_way(grid, shape, p, corner) + (1.0_wp - grid%lane_constant(lane, :) &
+         - shape%corner%local(corner, :, p))
       where (.not. grid%active) way = 0.0_wp
    end function node_way
 
    !> Add sum S_i value to columns of a patch.
-   pure subroutine cpdi_spread(self, grid, start, shape, count, values, before, patch)
-      class(basis_cpdi_t), intent(in) :: self                !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   pure subroutine cpdi_scatter_values(self, grid, shape, count, values, before, patch)
+      class(basis_cpdi_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call spread_corners(grid, start(grid%tile_cells), shape, count, values, before, &
-         size(patch, 1), size(patch, 2), patch)
-   end subroutine cpdi_spread
+      call scatter_corner_values(grid, shape, count, values, before, size(patch, 1), &
+         size(patch, 2), patch)
+   end subroutine cpdi_scatter_values
 
    !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
    !! A. Stomakhin, ACM Trans. Graph. 34 (2015) 51).
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine cpdi_spread_affine(self, grid, start, first, shape, mass, velocity, affine, &
-      patch)
-      class(basis_cpdi_t), intent(in) :: self                !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine cpdi_scatter_affine(self, grid, shape, first, mass, velocity, affine, patch)
+      class(basis_cpdi_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -250,12 +247,12 @@ contains
       integer :: p, q, c, lane, node, k, corners
 
       corners = 2**grid%dimensions
-      do p = 1, start(grid%tile_cells)
+      do p = 1, shape%count
          q = first + p - 1
          do c = 1, corners
             call corner_functions(grid, shape, p, c, mass(q)/real(corners, wp), functions)
             do lane = 1, corners
-               node = shape%corner_node(c, p) + grid%lane_offset(lane)
+               node = shape%corner%node(c, p) + grid%lane_offset(lane)
                way = grid%spacing*node_way(grid, shape, p, c, lane)
                patch(1, node) = patch(1, node) + functions(lane)
                do k = 1, 3
@@ -266,70 +263,63 @@ contains
             end do
          end do
       end do
-   end subroutine cpdi_spread_affine
+   end subroutine cpdi_scatter_affine
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch: each corner gets
    !! a force, and hands it to its nodes.
-   pure subroutine cpdi_spread_stress(self, grid, start, first, shape, volume, stress, patch)
-      class(basis_cpdi_t), intent(in) :: self                !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine cpdi_scatter_stress(self, grid, shape, first, volume, stress, patch)
+      class(basis_cpdi_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
-      call push_corners(grid, start(grid%tile_cells), first, shape, volume, stress, &
-         size(patch, 1), size(patch, 2), patch)
-   end subroutine cpdi_spread_stress
+      call scatter_corner_stress(grid, shape, first, volume, stress, size(patch, 1), &
+         size(patch, 2), patch)
+   end subroutine cpdi_scatter_stress
 
    !> Values sum S_i node_i, three columns at a time.
-   pure subroutine cpdi_collect(self, grid, start, shape, nodes, values)
-      class(basis_cpdi_t), intent(in) :: self                !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   pure subroutine cpdi_gather_values(self, grid, shape, nodes, values)
+      class(basis_cpdi_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: part(3, size(nodes, 2))
       integer :: skip, count
 
       if (size(nodes, 1) == 3) then
-         call collect_corners(grid, start(grid%tile_cells), shape, size(nodes, 2), nodes, 0, &
-            values)
+         call gather_corner_values(grid, shape, size(nodes, 2), nodes, 0, values)
          return
       end if
       part = 0.0_wp
       do skip = 0, size(nodes, 1) - 1, 3
          count = min(size(nodes, 1) - skip, 3)
          part(:count, :) = nodes(skip + 1:skip + count, :)
-         call collect_corners(grid, start(grid%tile_cells), shape, size(nodes, 2), part, skip, &
-            values)
+         call gather_corner_values(grid, shape, size(nodes, 2), part, skip, values)
       end do
-   end subroutine cpdi_collect
+   end subroutine cpdi_gather_values
 
    !> Scaled velocity gradient: mean differences along the edges, times the inverse of the edges.
-   pure subroutine cpdi_collect_gradient(self, grid, start, shape, nodes, scale, gradient)
-      class(basis_cpdi_t), intent(in) :: self                !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   pure subroutine cpdi_gather_gradient(self, grid, shape, nodes, scale, gradient)
+      class(basis_cpdi_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
 
-      call collect_corner_slopes(grid, start(grid%tile_cells), shape, size(nodes, 2), nodes, &
-         scale, gradient)
-   end subroutine cpdi_collect_gradient
+      call gather_corner_gradient(grid, shape, size(nodes, 2), nodes, scale, gradient)
+   end subroutine cpdi_gather_gradient
 
    !> Linear velocity field: sum S_i u_i (x_i - x) times the inverse of the second moments, which
    !! keeps angular momentum (C. Jiang and others, 2015, as above). Equation (N.10).
-   pure subroutine cpdi_collect_affine(self, grid, start, shape, nodes, affine)
-      class(basis_cpdi_t), intent(in) :: self                !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   pure subroutine cpdi_gather_affine(self, grid, shape, nodes, affine)
+      class(basis_cpdi_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
       real(wp) :: functions(lanes), way(3), sums(3, 3), moment(3, 3), inverse(3, 3), determinant, &
@@ -338,7 +328,7 @@ contains
 
       corners = 2**grid%dimensions
       share = 1.0_wp/real(corners, wp)
-      do p = 1, start(grid%tile_cells)
+      do p = 1, shape%count
          sums = 0.0_wp
          moment = 0.0_wp
          do k = 1, 3
@@ -347,13 +337,11 @@ contains
          do c = 1, corners
             call corner_functions(grid, shape, p, c, share, functions)
             do lane = 1, corners
-               node = shape%corner_node(c, p) + grid%lane_offset(lane)
+               node = shape%corner%node(c, p) + grid%lane_offset(lane)
                way = node_way(grid, shape, p, c, lane)
                do l = 1, 3
-                  do k = 1, 3
-                     sums(k, l) = sums(k, l) + functions(lane)*nodes(k, node)*way(l)
-                     moment(k, l) = moment(k, l) + functions(lane)*way(k)*way(l)
-                  end do
+                  sums(:, l) = sums(:, l) + functions(lane)*nodes(1:3, node)*way(l)
+                  moment(:, l) = moment(:, l) + functions(lane)*way*way(l)
                end do
             end do
          end do
@@ -365,5 +353,5 @@ contains
             end do
          end do
       end do
-   end subroutine cpdi_collect_affine
+   end subroutine cpdi_gather_affine
 end module basis_cpdi

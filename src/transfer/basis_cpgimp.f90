@@ -21,8 +21,8 @@ contains
 
    !> Particles carry half the edges of their boxes, and these stretch.
    pure subroutine cpgimp_request(self, traits)
-      class(basis_cpgimp_t), intent(in) :: self              !! The basis
-      type(traits_t), intent(inout) :: traits                !! Fields of the stores
+      class(basis_cpgimp_t), intent(in) :: self
+      type(traits_t), intent(inout) :: traits
 
       traits%extent = .true.
       traits%stretching = .true.

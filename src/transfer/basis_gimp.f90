@@ -25,8 +25,8 @@ contains
 
    !> Particles carry half the edges of their boxes.
    pure subroutine gimp_request(self, traits)
-      class(basis_gimp_t), intent(in) :: self                !! The basis
-      type(traits_t), intent(inout) :: traits                !! Fields of the stores
+      class(basis_gimp_t), intent(in) :: self
+      type(traits_t), intent(inout) :: traits
 
       traits%extent = .true.
    end subroutine gimp_request
@@ -37,12 +37,12 @@ contains
    !! holds the foot. That is the form without branches of 1 - (d**2 + l**2)/(2 l), 1 - d and
    !! (1 + l - d)**2/(4 l). Equation (N.2) of doc/theory/node_functions.md.
    pure subroutine gimp_weigh(self, grid, store, tile, direction, shape)
-      class(basis_gimp_t), intent(in) :: self                !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      type(store_t), intent(in) :: store                     !! The particles
+      class(basis_gimp_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile                            !! Index of the tile
       integer, intent(in) :: direction                       !! 1 to 3
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp) :: half, inverse, away, top, foot, step
       integer :: p, n, before
 
@@ -50,7 +50,7 @@ contains
       before = store%first(tile) - 1
       do p = 1, store%count(tile)
          half = min(max(store%extent(before + p, direction)*inverse, least), 0.5_wp)
-         shape%low(p, direction) = merge(1, 2, shape%local(p, direction) < half)
+         shape%spline%low(p, direction) = merge(1, 2, shape%local(p, direction) < half)
       end do
       do n = 1, line
          !$omp simd private(half, away, top, foot, step)
@@ -61,9 +61,10 @@ contains
             top = max(half - abs(away), 0.0_wp)*(1.0_wp/half)
             foot = max(half - abs(1.0_wp - abs(away)), 0.0_wp)*(1.0_wp/half)
             step = sign(0.5_wp, 1.0_wp - abs(away))
-            shape%weight(p, n, direction) = max(1.0_wp - abs(away), 0.0_wp) &
+            shape%spline%weight(p, n, direction) = max(1.0_wp - abs(away), 0.0_wp) &
                + half*(0.25_wp*foot*foot - 0.5_wp*top*top)
-            shape%slope(p, n, direction) = -sign(inverse, away)*((0.5_wp + step) - step*foot - top)
+            shape%spline%slope(p, n, direction) = -sign(inverse, away)*((0.5_wp + step) &
+               - step*foot - top)
          end do
       end do
    end subroutine gimp_weigh

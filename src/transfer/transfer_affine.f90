@@ -22,7 +22,7 @@ contains
 
    !> Products of a node vector and the place of the node in its tile, (k, l) in row k + 3 (l - 1).
    pure subroutine moment_fields(grid, nodes, moments)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: moments(:, :)   !! (9, node) [m2/s]
       real(wp) :: place(3)
@@ -39,11 +39,9 @@ contains
    end subroutine moment_fields
 
    !> Heat - C : B(nodes), for the vector g u - (1 - g) a dt on the nodes.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine gather_affine_heat(grid, basis, start, first, shape, nodes, moments, energy)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      class(basis_t), intent(in) :: basis                    !! Node functions
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine gather_affine_heat(grid, basis, shape, first, nodes, moments, energy)
+      type(grid_t), intent(in) :: grid
+      class(basis_t), intent(in) :: basis
       integer, intent(in) :: first                           !! First particle of the tile
       type(shape_data_t), intent(inout) :: shape !! Of the tile, with C before the step
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) [m/s]
@@ -52,11 +50,11 @@ contains
       real(wp) :: corner(3), place, heat
       integer :: cell, p, q, k, l
 
-      call basis%collect(grid, start, shape, nodes, shape%vector)
-      call basis%collect(grid, start, shape, moments, shape%values)
+      call basis%gather_values(grid, shape, nodes, shape%vector)
+      call basis%gather_values(grid, shape, moments, shape%values)
       do cell = 0, grid%tile_cells - 1
          corner = real(grid%cell_position(:, cell), wp)
-         do p = start(cell) + 1, start(cell + 1)
+         do p = shape%start(cell) + 1, shape%start(cell + 1)
             q = first + p - 1
             heat = 0.0_wp
             do l = 1, 3
@@ -73,8 +71,8 @@ contains
 
    !> Keep the linear velocity fields of a tile in its store, or their rotation only.
    pure subroutine keep_affine(store, tile, scale, affine)
-      type(store_t), intent(inout) :: store                  !! Gets the fields it has room for
-      integer, intent(in) :: tile                            !! Which tile
+      type(store_t), intent(inout) :: store                  !! Gets the fields that it has
+      integer, intent(in) :: tile                            !! Index of the tile
       real(wp), intent(in) :: scale                          !! Factor, such as one over the step
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle of the tile, 9)
       integer :: p, q, k

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the node functions of a method are: maps between the particles of a tile and its nodes.
+!> What the shape functions of a method are: maps between the particles of a tile and its nodes.
 !!
 !! A basis gives six maps; everything else is made of them here and may be overridden where one pass
 !! is faster than two. A particle q of the store has index q - first + 1 in its tile; `start` counts
@@ -16,121 +16,116 @@ module transfer_basis
 
    public :: basis_t, expand_spin
 
-   !> Node functions.
+   !> Shape functions.
    type, abstract :: basis_t
    contains
       procedure :: margin => basis_margin            !! Layers of nodes reached beyond a tile
       procedure :: at_wall => basis_at_wall          !! Integral of the function of a wall
       procedure :: band_width => basis_band_width    !! Width of a crack across a cell
       procedure :: declare => basis_declare          !! Declares its keys, if it has any
-      procedure :: request => basis_request          !! Asks for what particles must carry
-      procedure(locate_i), deferred :: locate        !! Looks where the particles of a tile are
-      procedure(spread_i), deferred :: spread        !! Values to nodes
-      procedure(spread_affine_i), deferred :: spread_affine !! Mass and a linear velocity field
-      procedure(spread_stress_i), deferred :: spread_stress !! Force of the stress
-      procedure(collect_i), deferred :: collect      !! Node values to particles
-      procedure(collect_gradient_i), deferred :: collect_gradient !! Their gradients
-      procedure :: collect_affine => basis_collect_affine  !! Linear velocity field round a particle
-      procedure :: scatter_motion => basis_scatter_motion  !! Mass and momentum
-      procedure :: scatter_turning => basis_scatter_turning !! Those of particles that turn
+      procedure :: request => basis_request !! Requests fields of particles
+      procedure(locate_i), deferred :: locate        !! Finds the shape data of a tile
+      procedure(scatter_values_i), deferred :: scatter_values !! Values to nodes
+      procedure(scatter_affine_i), deferred :: scatter_affine !! Mass and a linear velocity field
+      procedure(scatter_stress_i), deferred :: scatter_stress !! Force of the stress
+      procedure(gather_values_i), deferred :: gather_values !! Node values to particles
+      procedure(gather_gradient_i), deferred :: gather_gradient !! Their gradients
+      procedure :: gather_affine => basis_gather_affine !! Linear velocity field around a particle
+      procedure :: scatter_motion => basis_scatter_motion !! Mass and momentum
+      procedure :: scatter_turning => basis_scatter_turning !! Those of rotating particles
       procedure :: scatter_product => basis_scatter_product !! Mass times a vector
-      procedure :: scatter_hoop => basis_scatter_hoop      !! Force of the hoop stress
-      procedure :: gather_motion => basis_gather_motion    !! Velocity and position
-      procedure :: gather_vector => basis_gather_vector    !! One particle vector
-      procedure :: gather_hoop => basis_gather_hoop        !! Hoop rate
-      procedure :: gather_heat => basis_gather_heat        !! Kinetic energy that is lost
+      procedure :: scatter_hoop => basis_scatter_hoop !! Force of the hoop stress
+      procedure :: gather_motion => basis_gather_motion !! Velocity and position
+      procedure :: gather_vector => basis_gather_vector !! One particle vector
+      procedure :: gather_hoop => basis_gather_hoop  !! Hoop rate
+      procedure :: gather_heat => basis_gather_heat  !! Kinetic energy that is lost
    end type basis_t
 
    abstract interface
-      !> Places of the particles of a tile, for all other maps.
+      !> Shape data of the particles of a tile, for all other maps.
       pure subroutine locate_i(self, grid, coordinate, store, tile, shape)
          import :: basis_t, grid_t, shape_data_t, store_t
          implicit none
          class(basis_t), intent(in) :: self
-         type(grid_t), intent(in) :: grid                       !! The grid
+         type(grid_t), intent(in) :: grid
          integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
-         type(store_t), intent(in) :: store                     !! The particles
+         type(store_t), intent(in) :: store
          integer, intent(in) :: tile                            !! Index of the tile
-         type(shape_data_t), intent(inout) :: shape                !! What the maps need
+         type(shape_data_t), intent(inout) :: shape
       end subroutine locate_i
 
       !> Add sum S_i value to columns of a patch.
-      pure subroutine spread_i(self, grid, start, shape, count, values, before, patch)
+      pure subroutine scatter_values_i(self, grid, shape, count, values, before, patch)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
-         type(grid_t), intent(in) :: grid                       !! The grid
-         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(shape_data_t), intent(in) :: shape                   !! Of the tile
+         type(grid_t), intent(in) :: grid
+         type(shape_data_t), intent(in) :: shape
          integer, intent(in) :: count                           !! Number of columns
          real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
          integer, intent(in) :: before                          !! Columns of the patch before them
          real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      end subroutine spread_i
+      end subroutine scatter_values_i
 
       !> Add mass and momentum sum m S_i (v + C (x_i - x)) to columns 1 to 4 of a patch.
-      pure subroutine spread_affine_i(self, grid, start, first, shape, mass, velocity, affine, &
-         patch)
+      pure subroutine scatter_affine_i(self, grid, shape, first, mass, velocity, affine, patch)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
-         type(grid_t), intent(in) :: grid                       !! The grid
-         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         type(grid_t), intent(in) :: grid
          integer, intent(in) :: first                           !! First particle of the tile
-         type(shape_data_t), intent(in) :: shape                   !! Of the tile
+         type(shape_data_t), intent(in) :: shape
          real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
          real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
          real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
          real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      end subroutine spread_affine_i
+      end subroutine scatter_affine_i
 
       !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
-      pure subroutine spread_stress_i(self, grid, start, first, shape, volume, stress, patch)
+      pure subroutine scatter_stress_i(self, grid, shape, first, volume, stress, patch)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
-         type(grid_t), intent(in) :: grid                       !! The grid
-         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+         type(grid_t), intent(in) :: grid
          integer, intent(in) :: first                           !! First particle of the tile
-         type(shape_data_t), intent(in) :: shape                   !! Of the tile
+         type(shape_data_t), intent(in) :: shape
          real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
          real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
          real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      end subroutine spread_stress_i
+      end subroutine scatter_stress_i
 
       !> Values sum S_i node_i.
-      pure subroutine collect_i(self, grid, start, shape, nodes, values)
+      pure subroutine gather_values_i(self, grid, shape, nodes, values)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
-         type(grid_t), intent(in) :: grid                       !! The grid
-         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(shape_data_t), intent(in) :: shape                   !! Of the tile
+         type(grid_t), intent(in) :: grid
+         type(shape_data_t), intent(in) :: shape
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
-         !> (particle of the tile, column) Columns up to the next multiple of three may be written
+         !> (particle of the tile, column) Columns up to the next multiple of three and rows up to
+         !! `spare` after the last particle may be written
          real(wp), contiguous, intent(inout) :: values(:, :)
-      end subroutine collect_i
+      end subroutine gather_values_i
 
       !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
-      pure subroutine collect_gradient_i(self, grid, start, shape, nodes, scale, gradient)
+      pure subroutine gather_gradient_i(self, grid, shape, nodes, scale, gradient)
          import :: basis_t, grid_t, shape_data_t, wp
          implicit none
          class(basis_t), intent(in) :: self
-         type(grid_t), intent(in) :: grid                       !! The grid
-         integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-         type(shape_data_t), intent(in) :: shape                   !! Of the tile
+         type(grid_t), intent(in) :: grid
+         type(shape_data_t), intent(in) :: shape
          real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
          real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
          !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
          real(wp), contiguous, intent(inout) :: gradient(:, :)
-      end subroutine collect_gradient_i
+      end subroutine gather_gradient_i
    end interface
 
 contains
 
    !> Layers of nodes beyond a tile that its particles reach; none, unless the basis says more.
    pure integer function basis_margin(self) result(margin)
-      class(basis_t), intent(in) :: self                     !! The basis
+      class(basis_t), intent(in) :: self
 
       margin = 0
    end function basis_margin
@@ -138,7 +133,7 @@ contains
    !> Integral over the box of the function of a node on a face, along the normal of that face, in
    !! cells; it is one on the face and the only one there.
    pure real(wp) function basis_at_wall(self) result(integral)
-      class(basis_t), intent(in) :: self                     !! The basis
+      class(basis_t), intent(in) :: self
 
       integral = 0.5_wp
    end function basis_at_wall
@@ -154,69 +149,64 @@ contains
 
    !> Declare the keys of &method that belong to the basis. Most have none.
    subroutine basis_declare(self, schema)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+      class(basis_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
    end subroutine basis_declare
 
-   !> Ask for what particles must carry. Most ask for nothing.
+   !> Request fields of particles. Most request none.
    pure subroutine basis_request(self, traits)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(traits_t), intent(inout) :: traits                !! Fields of the stores
+      class(basis_t), intent(in) :: self
+      type(traits_t), intent(inout) :: traits
    end subroutine basis_request
 
-   !> Linear velocity field round each particle: its gradient, unless the basis knows better.
-   pure subroutine basis_collect_affine(self, grid, start, shape, nodes, affine)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   !> Linear velocity field around each particle: its gradient, unless the basis knows better.
+   pure subroutine basis_gather_affine(self, grid, shape, nodes, affine)
+      class(basis_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9) [1/s]
 
-      call self%collect_gradient(grid, start, shape, nodes, 1.0_wp, affine)
-   end subroutine basis_collect_affine
+      call self%gather_gradient(grid, shape, nodes, 1.0_wp, affine)
+   end subroutine basis_gather_affine
 
    !> Add mass and momentum to columns 1 to 4 of a patch.
-   pure subroutine basis_scatter_motion(self, grid, start, first, shape, mass, velocity, patch)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine basis_scatter_motion(self, grid, shape, first, mass, velocity, patch)
+      class(basis_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: p, k
 
-      do p = 1, start(grid%tile_cells)
+      do p = 1, shape%count
          shape%values(p, 1) = mass(first + p - 1)
       end do
       do k = 1, 3
-         do p = 1, start(grid%tile_cells)
+         do p = 1, shape%count
             shape%values(p, 1 + k) = mass(first + p - 1)*velocity(first + p - 1, k)
          end do
       end do
-      call self%spread(grid, start, shape, 4, shape%values, 0, patch)
+      call self%scatter_values(grid, shape, 4, shape%values, 0, patch)
    end subroutine basis_scatter_motion
 
-   !> Add mass and momentum of particles that turn, sum m S_i (v + w x (x_i - x)), to columns 1 to
+   !> Add mass and momentum of rotating particles, sum m S_i (v + w x (x_i - x)), to columns 1 to
    !! 4.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_scatter_turning(self, grid, start, first, shape, mass, velocity, spin, &
-      patch)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine basis_scatter_turning(self, grid, shape, first, mass, velocity, spin, patch)
+      class(basis_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: tile_mass(start(grid%tile_cells))
+      real(wp) :: tile_mass(shape%count)
       integer :: p, k, count
 
-      count = start(grid%tile_cells)
+      count = shape%count
       do p = 1, count
          tile_mass(p) = mass(first + p - 1)
       end do
@@ -227,8 +217,7 @@ contains
       end do
       call shape%reserve_affine(count)
       call expand_spin(first, count, spin, shape%affine)
-      call self%spread_affine(grid, start, 1, shape, tile_mass, shape%vector, shape%affine, &
-         patch)
+      call self%scatter_affine(grid, shape, 1, tile_mass, shape%vector, shape%affine, patch)
    end subroutine basis_scatter_turning
 
    !> Linear velocity fields of rotations.
@@ -254,14 +243,11 @@ contains
    end subroutine expand_spin
 
    !> Add mass times a vector to three columns of a patch.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_scatter_product(self, grid, start, first, shape, mass, vector, before, &
-      patch)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine basis_scatter_product(self, grid, shape, first, mass, vector, before, patch)
+      class(basis_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -269,22 +255,20 @@ contains
       integer :: p, k
 
       do k = 1, 3
-         do p = 1, start(grid%tile_cells)
+         do p = 1, shape%count
             shape%values(p, k) = mass(first + p - 1)*vector(p, k)
          end do
       end do
-      call self%spread(grid, start, shape, 3, shape%values, before, patch)
+      call self%scatter_values(grid, shape, 3, shape%values, before, patch)
    end subroutine basis_scatter_product
 
    !> Add the force of the hoop stress in axisymmetry, - sum v sigma_yy S / r, to column 5. Equation
    !! (M.25) of doc/theory/method.md; with factors where sums are normalised.
-   pure subroutine basis_scatter_hoop(self, grid, start, first, shape, position, volume, stress, &
-      patch)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine basis_scatter_hoop(self, grid, shape, first, position, volume, stress, patch)
+      class(basis_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
@@ -292,78 +276,72 @@ contains
       integer :: p, q
 
       if (allocated(shape%factor)) then
-         call scatter_factored_hoop(grid, start, first, shape%local, shape%factor, position, &
+         call scatter_factored_hoop(grid, shape%start, first, shape%local, shape%factor, position, &
             volume, stress, patch)
          return
       end if
-      do p = 1, start(grid%tile_cells)
+      do p = 1, shape%count
          q = first + p - 1
          shape%values(p, 1) = -(volume(q)*stress(q, 2)/position(q, 1))
       end do
-      call self%spread(grid, start, shape, 1, shape%values, 4, patch)
+      call self%scatter_values(grid, shape, 1, shape%values, 4, patch)
    end subroutine basis_scatter_hoop
 
-   !> Velocity and position at once: velocity = keep velocity + sum S_i push_i, position = position
-   !! + dt sum S_i carry_i.
+   !> Velocity and position at once: velocity = f velocity + sum S_i increment_i, position =
+   !! position + dt sum S_i advection_i, f the flip fraction.
    ! gate: long kernel because it gives two fields at once
-   pure subroutine basis_gather_motion(self, grid, start, first, shape, push, carry, keep, dt, &
-      velocity, position)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine basis_gather_motion(self, grid, shape, first, increment, advection, &
+      flip_fraction, dt, velocity, position)
+      class(basis_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
-      real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) [m/s]
-      real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) [m/s]
-      real(wp), intent(in) :: keep                           !! Share of the old velocity
+      type(shape_data_t), intent(inout) :: shape
+      real(wp), contiguous, intent(in) :: increment(:, :)    !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: advection(:, :)    !! (3, node) [m/s]
+      real(wp), intent(in) :: flip_fraction                  !! Fraction of the old velocity [1]
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
 
-      call self%gather_vector(grid, start, first, shape, push, keep, 1.0_wp, velocity)
-      call self%gather_vector(grid, start, first, shape, carry, 1.0_wp, dt, position)
+      call self%gather_vector(grid, shape, first, increment, flip_fraction, 1.0_wp, velocity)
+      call self%gather_vector(grid, shape, first, advection, 1.0_wp, dt, position)
    end subroutine basis_gather_motion
 
    !> Particle vectors from node vectors: values = keep values + scale sum S_i nodes_i.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_gather_vector(self, grid, start, first, shape, nodes, keep, scale, values)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine basis_gather_vector(self, grid, shape, first, nodes, kept, scale, values)
+      class(basis_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
-      real(wp), intent(in) :: keep                           !! Share of the old value
+      real(wp), intent(in) :: kept                           !! Fraction of the old values [1]
       real(wp), intent(in) :: scale                          !! Factor of the node values
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle, 3)
       integer :: p, k
 
-      call self%collect(grid, start, shape, nodes, shape%values)
+      call self%gather_values(grid, shape, nodes, shape%values)
       do k = 1, 3
-         do p = 1, start(grid%tile_cells)
-            values(first + p - 1, k) = keep*values(first + p - 1, k) + scale*shape%values(p, k)
+         do p = 1, shape%count
+            values(first + p - 1, k) = kept*values(first + p - 1, k) + scale*shape%values(p, k)
          end do
       end do
    end subroutine basis_gather_vector
 
    !> Hoop rate of axisymmetry, scale u_r / r, into component (2, 2) of the gradient. Equation
    !! (M.25).
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_gather_hoop(self, grid, start, first, shape, position, nodes, scale, &
-      gradient)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine basis_gather_hoop(self, grid, shape, first, position, nodes, scale, gradient)
+      class(basis_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       integer :: p
 
-      call self%collect(grid, start, shape, nodes, shape%values)
-      do p = 1, start(grid%tile_cells)
+      call self%gather_values(grid, shape, nodes, shape%values)
+      do p = 1, shape%count
          gradient(p, 5) = scale*shape%values(p, 1)/position(first + p - 1, 1)
       end do
    end subroutine basis_gather_hoop
@@ -375,14 +353,11 @@ contains
    !! var and cov are those of the node values under the weights S_i. Terms that only carry energy
    !! from particle to particle, and add up to zero, are left out; the rest is not negative for
    !! g <= 1. Equation (T.9) of doc/theory/transfers.md.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine basis_gather_heat(self, grid, start, first, shape, nodes, share, velocity, &
-      energy)
-      class(basis_t), intent(in) :: self                     !! The basis
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   pure subroutine basis_gather_heat(self, grid, shape, first, nodes, share, velocity, energy)
+      class(basis_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       !> (7, node) a dt + g u [m/s]; u + a dt/2 [m/s]; 1/2 |a dt|^2 + g (|u|^2 + u . a dt) [J/kg]
       real(wp), contiguous, intent(in) :: nodes(:, :)
       real(wp), intent(in) :: share                          !! Share g of pic
@@ -391,9 +366,9 @@ contains
       real(wp) :: slow, gain, rest, heat
       integer :: p, q, k
 
-      call self%collect(grid, start, shape, nodes, shape%values)
+      call self%gather_values(grid, shape, nodes, shape%values)
       !$omp simd private(q, k, slow, gain, rest, heat)
-      do p = 1, start(grid%tile_cells)
+      do p = 1, shape%count
          q = first + p - 1
          heat = shape%values(p, 7)
          do k = 1, 3

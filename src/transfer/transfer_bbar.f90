@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Volumetric locking cured by even dilatation: the particles of a material in a cell share the mean
 !! of their dilatations, and the mean of their pressures when they push the nodes. Linear functions
-!! cannot give each particle of a cell a volume of its own, so nearly incompressible matter would
+!! cannot give each particle of a cell a volume of its own, so nearly incompressible material would
 !! be too stiff (T. J. R. Hughes, Int. J. Numer. Methods Eng. 15 (1980) 1413, for elements; W. M.
 !! Coombs and others, Comput. Methods Appl. Mech. Eng. 333 (2018) 115, for material points).
 !!
@@ -20,7 +20,7 @@ contains
    !> Directions that share the dilatation: those of the plane in plane strain, else those there
    !! are.
    pure function sharing(grid) result(share)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       logical :: share(3)
 
       share = grid%active .or. grid%axisymmetric
@@ -28,7 +28,7 @@ contains
 
    !> Give the particles of each cell the mean of their dilatations.
    pure subroutine even_gradient(grid, start, first, volume, gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
@@ -62,7 +62,7 @@ contains
 
    !> Give the particles of each cell the mean of their pressures.
    pure subroutine even_stress(grid, start, volume, stress)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle of the tile) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)    !! (particle of the tile, 6) [Pa]

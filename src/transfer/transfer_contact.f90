@@ -17,7 +17,7 @@ module transfer_contact
    implicit none
    private
 
-   public :: bond_traction, pair_law_t, particle_widths, push_apart, spread_reach
+   public :: bond_traction, pair_law_t, particle_widths, push_apart, find_reach
 
    integer, parameter, public :: contact_friction = 1    !! Coulomb
    integer, parameter, public :: contact_stick = 2       !! No slip while pressed together
@@ -52,7 +52,7 @@ contains
       integer, intent(in) :: state(:, :)             !! (a, b) How near they are, for a < b
       type(pair_law_t), intent(in) :: law(:, :)      !! (a, b) What holds between them
       real(wp), contiguous, intent(out) :: push(:, :, :) !! (3, a, b) On b, for a < b [kg m/s]
-      real(wp) :: now(3, size(mass)), change(3), wish(3), gain, scale
+      real(wp) :: now(3, size(mass)), change(3), wanted(3), gain, scale
       integer :: a, b, turn, pairs
 
       now = velocity
@@ -67,10 +67,11 @@ contains
          do b = 2, size(mass)
             do a = 1, b - 1
                if (state(a, b) == state_open) cycle
-               wish = push(:, a, b) - mass(a)*(mass(b)/(mass(a) + mass(b)))*(now(:, b) - now(:, a))
-               if (state(a, b) == state_closed) call restrict(law(a, b), normal(:, a, b), wish)
-               change = wish - push(:, a, b)
-               push(:, a, b) = wish
+               wanted = push(:, a, b) &
+                  - mass(a)*(mass(b)/(mass(a) + mass(b)))*(now(:, b) - now(:, a))
+               if (state(a, b) == state_closed) call restrict(law(a, b), normal(:, a, b), wanted)
+               change = wanted - push(:, a, b)
+               push(:, a, b) = wanted
                now(:, a) = now(:, a) - change/mass(a)
                now(:, b) = now(:, b) + change/mass(b)
                gain = max(gain, maxval(abs(change))*(1.0_wp/mass(a) + 1.0_wp/mass(b)))
@@ -118,7 +119,7 @@ contains
 
    !> Half the width of the particles of a tile [m], as if they were cubes.
    pure subroutine particle_widths(grid, first, count, position, volume, half)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                   !! First particle of the tile
       integer, intent(in) :: count                   !! Particles of the tile
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
@@ -146,9 +147,8 @@ contains
    !> How far the particles of a tile reach along the normals of its nodes: the greatest place of
    !! those in the cells around, seen from the node. Nodes without a normal are passed over. One
    !! side of (C.2).
-   ! gate: long kernel because a tile is told by its grid, corner, range and places
-   pure subroutine spread_reach(grid, corner, start, first, position, half, normal, reach)
-      type(grid_t), intent(in) :: grid               !! The grid
+   pure subroutine find_reach(grid, corner, start, first, position, half, normal, reach)
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: corner(3)              !! Lower corner of the tile [m]
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       integer, intent(in) :: first                   !! First particle of the tile
@@ -178,5 +178,5 @@ contains
             reach(node) = farthest
          end do
       end do
-   end subroutine spread_reach
+   end subroutine find_reach
 end module transfer_contact

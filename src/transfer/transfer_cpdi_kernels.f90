@@ -11,17 +11,15 @@ module transfer_cpdi_kernels
 
    integer, parameter :: lines = lanes/2             !! Lines of a cell
 
-   public :: collect_corner_slopes, collect_corners, push_corners, spread_corners
+   public :: gather_corner_gradient, gather_corner_values, scatter_corner_stress, &
+      scatter_corner_values
 
 contains
 
    !> Add sum S_i value to columns of a patch.
-   ! gate: long kernel because patch and values are told by their sizes
-   pure subroutine spread_corners(grid, particles, shape, count, values, before, rows, number, &
-      patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: particles                       !! Particles of the tile
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   pure subroutine scatter_corner_values(grid, shape, count, values, before, rows, number, patch)
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -36,46 +34,67 @@ contains
       offset = grid%lane_offset(1::2)
       corners = 2**grid%dimensions
       share = 1.0_wp/real(corners, wp)
-      do p = 1, particles
+      do p = 1, shape%count
          do c = 1, corners
-            x = shape%corner(c, 1, p)
-            !$omp simd
-            do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner(c, 2, p)) &
-                  *(a(2*m, 3) + b(2*m, 3)*shape%corner(c, 3, p))
-            end do
+            x = shape%corner%local(c, 1, p)
+            call weigh_lines(a, b, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
             do n = 1, count
                lower(n) = (1.0_wp - x)*(values(p, n)*share)
                upper(n) = x*(values(p, n)*share)
             end do
             do m = 1, corners/2
-               at = before + rows*(shape%corner_node(c, p) + offset(m) - 1)
-               ! a number that the compiler knows makes the columns one vector
-               if (count == 4) then
-                  !$omp simd
-                  do n = 1, 4
-                     patch(at + n) = patch(at + n) + weight(m)*lower(n)
-                     patch(at + rows + n) = patch(at + rows + n) + weight(m)*upper(n)
-                  end do
-               else
-                  do n = 1, count
-                     patch(at + n) = patch(at + n) + weight(m)*lower(n)
-                     patch(at + rows + n) = patch(at + rows + n) + weight(m)*upper(n)
-                  end do
-               end if
+               at = before + rows*(shape%corner%node(c, p) + offset(m) - 1)
+               call add_line(count, weight(m), lower, upper, at, rows, rows*number, patch)
             end do
          end do
       end do
-   end subroutine spread_corners
+   end subroutine scatter_corner_values
+
+   !> Functions of the lines of a cell at a corner.
+   pure subroutine weigh_lines(a, b, y, z, weight)
+      real(wp), intent(in) :: a(lanes, 3), b(lanes, 3)       !! (lane, direction) Constant and slope
+      real(wp), intent(in) :: y, z                           !! Coordinates of the corner [1]
+      real(wp), intent(out) :: weight(lines)                 !! (line)
+      integer :: m
+
+      !$omp simd
+      do m = 1, lines
+         weight(m) = (a(2*m, 2) + b(2*m, 2)*y)*(a(2*m, 3) + b(2*m, 3)*z)
+      end do
+   end subroutine weigh_lines
+
+   !> Add columns to the two nodes of a line.
+   pure subroutine add_line(count, weight, lower, upper, at, rows, numbers, patch)
+      integer, intent(in) :: count                           !! Number of columns
+      real(wp), intent(in) :: weight                         !! Function of the line
+      real(wp), intent(in) :: lower(count), upper(count)     !! (column) For its two nodes
+      integer, intent(in) :: at                              !! Numbers of the patch before them
+      integer, intent(in) :: rows                            !! Columns of the patch
+      integer, intent(in) :: numbers                         !! Numbers of the patch
+      real(wp), intent(inout) :: patch(numbers)              !! (column, node), flat
+      integer :: n
+
+      ! a number that the compiler knows makes the columns one vector
+      if (count == 4) then
+         !$omp simd
+         do n = 1, 4
+            patch(at + n) = patch(at + n) + weight*lower(n)
+            patch(at + rows + n) = patch(at + rows + n) + weight*upper(n)
+         end do
+      else
+         do n = 1, count
+            patch(at + n) = patch(at + n) + weight*lower(n)
+            patch(at + rows + n) = patch(at + rows + n) + weight*upper(n)
+         end do
+      end if
+   end subroutine add_line
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch: each corner gets
    !! a force, and hands it to its nodes.
-   ! gate: long kernel because patch and particles are told by their sizes
-   pure subroutine push_corners(grid, particles, first, shape, volume, stress, rows, number, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: particles                       !! Particles of the tile
+   pure subroutine scatter_corner_stress(grid, shape, first, volume, stress, rows, number, patch)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       integer, intent(in) :: rows                            !! Columns of the patch
@@ -90,31 +109,27 @@ contains
       b = grid%lane_slope
       offset = grid%lane_offset(1::2)
       corners = 2**grid%dimensions
-      do p = 1, particles
+      do p = 1, shape%count
          q = first + p - 1
          v = -volume(q)/(grid%spacing*real(corners, wp))
          ! the stress seen along the edges
          do l = 1, 3
             do k = 1, 3
-               along(k, l) = v*(stress(q, symmetric(k, 1))*shape%inverse(l, p) &
-                  + stress(q, symmetric(k, 2))*shape%inverse(l + 3, p) &
-                  + stress(q, symmetric(k, 3))*shape%inverse(l + 6, p))
+               along(k, l) = v*(stress(q, symmetric(k, 1))*shape%corner%inverse(l, p) &
+                  + stress(q, symmetric(k, 2))*shape%corner%inverse(l + 3, p) &
+                  + stress(q, symmetric(k, 3))*shape%corner%inverse(l + 6, p))
             end do
          end do
          do c = 1, corners
             do k = 1, 3
                force(k) = b(c, 1)*along(k, 1) + b(c, 2)*along(k, 2) + b(c, 3)*along(k, 3)
             end do
-            x = shape%corner(c, 1, p)
-            !$omp simd
-            do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner(c, 2, p)) &
-                  *(a(2*m, 3) + b(2*m, 3)*shape%corner(c, 3, p))
-            end do
+            x = shape%corner%local(c, 1, p)
+            call weigh_lines(a, b, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
             lower = (1.0_wp - x)*force
             upper = x*force
             do m = 1, corners/2
-               at = rows*(shape%corner_node(c, p) + offset(m) - 1) + 4
+               at = rows*(shape%corner%node(c, p) + offset(m) - 1) + 4
                do n = 1, 3
                   patch(at + n) = patch(at + n) + weight(m)*lower(n)
                   patch(at + rows + n) = patch(at + rows + n) + weight(m)*upper(n)
@@ -122,13 +137,12 @@ contains
             end do
          end do
       end do
-   end subroutine push_corners
+   end subroutine scatter_corner_stress
 
    !> Values sum S_i node_i of three columns.
-   pure subroutine collect_corners(grid, particles, shape, number, nodes, skip, values)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: particles                       !! Particles of the tile
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   pure subroutine gather_corner_values(grid, shape, number, nodes, skip, values)
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
       integer, intent(in) :: skip                            !! Columns of the values before them
@@ -141,18 +155,14 @@ contains
       offset = grid%lane_offset(1::2)
       corners = 2**grid%dimensions
       share = 1.0_wp/real(corners, wp)
-      do p = 1, particles
+      do p = 1, shape%count
          value = 0.0_wp
          do c = 1, corners
-            x = shape%corner(c, 1, p)
-            !$omp simd
-            do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner(c, 2, p)) &
-                  *(a(2*m, 3) + b(2*m, 3)*shape%corner(c, 3, p))
-            end do
+            x = shape%corner%local(c, 1, p)
+            call weigh_lines(a, b, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
             sums = 0.0_wp
             do m = 1, corners/2
-               at = 3*(shape%corner_node(c, p) + offset(m) - 1)
+               at = 3*(shape%corner%node(c, p) + offset(m) - 1)
                !$omp simd
                do n = 1, 6
                   sums(n) = sums(n) + weight(m)*nodes(at + n)
@@ -166,13 +176,12 @@ contains
             values(p, skip + n) = share*value(n)
          end do
       end do
-   end subroutine collect_corners
+   end subroutine gather_corner_values
 
    !> Scaled velocity gradient: mean differences along the edges, times the inverse of the edges.
-   pure subroutine collect_corner_slopes(grid, particles, shape, number, nodes, scale, gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: particles                       !! Particles of the tile
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   pure subroutine gather_corner_gradient(grid, shape, number, nodes, scale, gradient)
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (3, node) Velocity, flat [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
@@ -185,18 +194,14 @@ contains
       offset = grid%lane_offset(1::2)
       corners = 2**grid%dimensions
       factor = scale/(grid%spacing*real(corners, wp))
-      do p = 1, particles
+      do p = 1, shape%count
          along = 0.0_wp
          do c = 1, corners
-            x = shape%corner(c, 1, p)
-            !$omp simd
-            do m = 1, lines
-               weight(m) = (a(2*m, 2) + b(2*m, 2)*shape%corner(c, 2, p)) &
-                  *(a(2*m, 3) + b(2*m, 3)*shape%corner(c, 3, p))
-            end do
+            x = shape%corner%local(c, 1, p)
+            call weigh_lines(a, b, shape%corner%local(c, 2, p), shape%corner%local(c, 3, p), weight)
             sums = 0.0_wp
             do m = 1, corners/2
-               at = 3*(shape%corner_node(c, p) + offset(m) - 1)
+               at = 3*(shape%corner%node(c, p) + offset(m) - 1)
                !$omp simd
                do n = 1, 6
                   sums(n) = sums(n) + weight(m)*nodes(at + n)
@@ -213,10 +218,11 @@ contains
          end do
          do l = 1, 3
             do k = 1, 3
-               gradient(p, k + 3*(l - 1)) = factor*(along(k, 1)*shape%inverse(3*l - 2, p) &
-                  + along(k, 2)*shape%inverse(3*l - 1, p) + along(k, 3)*shape%inverse(3*l, p))
+               gradient(p, k + 3*(l - 1)) = factor*(along(k, 1)*shape%corner%inverse(3*l - 2, p) &
+                  + along(k, 2)*shape%corner%inverse(3*l - 1, p) &
+                  + along(k, 3)*shape%corner%inverse(3*l, p))
             end do
          end do
       end do
-   end subroutine collect_corner_slopes
+   end subroutine gather_corner_gradient
 end module transfer_cpdi_kernels

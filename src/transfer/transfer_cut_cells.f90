@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Cells that rigid regions cut, for normalised sums: what of the weight of each edge lies outside.
 !!
-!! Matter fills what a region leaves of a cell. Across its surface it carries the pressure of the
-!! whole cell, since the node beyond moves with the wall; along the surface there is as much of it
-!! as there is room, which is found where the surface meets the edges that end in it.
+!! Material fills what a region leaves of a cell. Across its surface it transmits the pressure of
+!! the whole cell, since the node beyond moves with the wall; along the surface its fraction is that
+!! of the cell outside, found where the surface meets the edges that end in it.
 module transfer_cut_cells
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -28,11 +28,11 @@ contains
 
    !> Shares of the edges of the cells that regions cut.
    pure subroutine cut_cells(grid, coordinate, rigid, tile, smooth, shares, ring)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       type(rigid_t), intent(in) :: rigid             !! The regions, nodes in them found
       integer, intent(in) :: tile                    !! Index of the tile
-      logical, intent(in) :: smooth                  !! Do places enter smoothly?
+      logical, intent(in) :: smooth                  !! Do positions enter smoothly?
       real(wp), intent(inout) :: shares(:, 0:)       !! (edge, cell) [1]
       !> (lane in a plane, cell) Of the hoop terms of nodes beyond the surface: with it the flux
       !! through the end of the cell becomes that through the surface, at its radius [1]
@@ -62,14 +62,13 @@ contains
 
    !> Shares of the edges of one cell: along each of the two other directions the mean over the ends
    !! of an edge of what lies outside of the region, weighed with the function of the end.
-   ! gate: long kernel because a cell is told by its grid, tile and node
    pure subroutine cut_cell(grid, coordinate, wall, node, ends, smooth, share, ring)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      type(wall_t), intent(in) :: wall(:)            !! The regions
+      type(wall_t), intent(in) :: wall(:)            !! All regions
       integer, intent(in) :: node                    !! First node of the cell
       integer, intent(in) :: ends(lanes)             !! (lane) Region that covers the node, 0 = none
-      logical, intent(in) :: smooth                  !! Do places enter smoothly?
+      logical, intent(in) :: smooth                  !! Do positions enter smoothly?
       real(wp), intent(inout) :: share(:)            !! (edge) [1]
       real(wp), intent(inout) :: ring(:)             !! (lane in a plane) As of `cut_cells` [1]
       real(wp) :: outside(lanes, 3), place(3), at, far
@@ -120,7 +119,7 @@ contains
 
    !> Centre of a cell [m].
    pure function cell_centre(grid, coordinate, cell) result(centre)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       integer, intent(in) :: cell                    !! Cell of the tile, from 0
       real(wp) :: centre(3)
@@ -143,8 +142,8 @@ contains
 
    !> Where an edge from a node outside to one in a region meets it, 0 to 1 [1].
    pure real(wp) function cut_at(grid, wall, place, direction, sense) result(at)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(wall_t), intent(in) :: wall               !! The region
+      type(grid_t), intent(in) :: grid
+      type(wall_t), intent(in) :: wall
       real(wp), intent(in) :: place(3)               !! Of the node outside [m]
       integer, intent(in) :: direction               !! Of the edge
       real(wp), intent(in) :: sense                  !! 1 upwards, -1 downwards [1]

@@ -4,11 +4,12 @@
 !! Along a direction the slope of a linear function is the difference of its values on the two ends
 !! of an edge, and what weighs the edges of that direction is a product of functions of the two
 !! other directions. Edges along x are counted along z and y, those along y along x and z, those
-!! along z along x and y. A direction that the scene lacks has the place zero, so the edges that it
-!! would tell apart weigh nothing. Equations (Q.7) and (Q.9) of doc/theory/quadratures.md.
+!! along z along x and y. A missing direction has the coordinate zero, so edges that differ
+!! in it only have no weight. Equations (Q.7) and (Q.9) of doc/theory/quadratures.md.
 module transfer_edges
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
+   use transfer_gather_values, only: find_polynomial
    implicit none
    private
 
@@ -16,18 +17,18 @@ module transfer_edges
 
    integer, parameter, public :: edges = lanes/2     !! Of a cell along a direction
    integer, parameter, public :: cell_edges = 3*edges !! Of a cell, direction by direction
-   integer, parameter :: one(3) = [3, 1, 1]          !! First direction besides one
-   integer, parameter :: other(3) = [2, 3, 2]        !! The second
+   integer, parameter :: one(3) = [3, 1, 1]          !! First of the other directions
+   integer, parameter :: other(3) = [2, 3, 2]        !! Second of them
 
 contains
 
    !> Add the volume that particles have round each edge of their cells, sum v alpha_l N_e.
    pure subroutine add_edge_sums(grid, start, first, local, alpha, volume, sums)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Weight alpha
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(inout) :: sums(:, 0:)     !! (edge, cell) [m3]
       real(wp) :: share, near, far
@@ -53,13 +54,13 @@ contains
    !> Velocity gradient of the cell with a factor for each edge, blended with that of the nodes:
    !! gradient_kl = alpha_l scale sum_e a_e N_e (change of u_k along e)/h + (1 - alpha_l) scale sum
    !! S_j (grad u)_j,kl. With factors of one it is that without them.
-   ! gate: long kernel because a tile is told by its grid, range and places
+   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine gather_edge_gradient(grid, start, local, alpha, factor, velocity, nodes, scale, &
       gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Weight alpha
       real(wp), contiguous, intent(in) :: factor(:, 0:)      !! (edge, cell) Of edges [1]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) Node gradient [1/s]
@@ -78,7 +79,7 @@ contains
                if (.not. grid%active(k)) cycle
                call find_slope(grid, l, k, node, factor(edges*(l - 1) + 1:edges*l, cell), &
                   velocity, scale/grid%spacing, u)
-               call find_terms(grid, k + 3*(l - 1), node, nodes, scale, w)
+               call find_polynomial(grid, cell, k + 3*(l - 1), scale, nodes, w)
                if (grid%dimensions == 3) then
                   call blend_space(start(cell) + 1, start(cell + 1), u, w, local(:, one(l)), &
                      local(:, other(l)), local(:, 1), local(:, 2), local(:, 3), alpha(:, l), &
@@ -96,7 +97,7 @@ contains
    !! lacks. In axisymmetry edges along the missing direction are rings through the nodes of the
    !! cell, with the weight of one over the radius.
    pure function edge_integrals(grid, cell) result(whole)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the box along x, from 0
       real(wp) :: whole(cell_edges)                          !! (edge) [m3], of rings [m2]
       real(wp) :: line(0:1, 3)
@@ -128,7 +129,7 @@ contains
 
    !> Coefficients of the slope along a direction, of 1, place along one, other, both.
    pure subroutine find_slope(grid, direction, component, node, factor, velocity, scale, u)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: direction                       !! Of the slope
       integer, intent(in) :: component                       !! Of the velocity
       integer, intent(in) :: node                            !! First node of the cell
@@ -149,69 +150,42 @@ contains
       u(4) = u(4) - u(2)
    end subroutine find_slope
 
-   !> Coefficients of a component of the node gradient in a cell, of 1, x, z, xz, y, xy, yz, xyz.
-   pure subroutine find_terms(grid, component, node, nodes, scale, w)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: component                       !! Of the gradient
-      integer, intent(in) :: node                            !! First node of the cell
-      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) [1/s]
-      real(wp), intent(in) :: scale                          !! Time step [s]
-      real(wp), intent(out) :: w(lanes)                      !! (term)
-      integer :: lane
-
-      do lane = 1, lanes
-         w(lane) = scale*nodes(component, node + grid%lane_offset(lane))
-      end do
-      do lane = 1, lanes, 2
-         w(lane + 1) = w(lane + 1) - w(lane)
-      end do
-      do lane = 1, lanes, 4
-         w(lane + 2:lane + 3) = w(lane + 2:lane + 3) - w(lane:lane + 1)
-      end do
-      w(5:8) = w(5:8) - w(1:4)
-   end subroutine find_terms
-
    !> Slopes at the particles of a cell, blended with values of a polynomial, in a plane.
-   ! gate: long kernel because coefficients and places are columns of their own
+   ! gate: long kernel because columns and coefficients are arguments of their own
    pure subroutine blend_plane(low, high, u, w, across, x, z, alpha, slopes)
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last one
       real(wp), intent(in) :: u(edges)                       !! (term) Of the slope
       real(wp), intent(in) :: w(lanes)                       !! (term) Of the polynomial
-      real(wp), contiguous, intent(in) :: across(:)          !! (particle) Place across the slope
-      real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Places in the cell [1]
-      real(wp), contiguous, intent(in) :: alpha(:)           !! (particle) Share of the slope [1]
+      real(wp), contiguous, intent(in) :: across(:)          !! (particle) Coordinate across
+      real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Local coordinates [1]
+      real(wp), contiguous, intent(in) :: alpha(:)           !! (particle) Weight of the slope [1]
       real(wp), contiguous, intent(inout) :: slopes(:)       !! (particle)
       integer :: p, lane
 
-      do p = low, high - 3, 4
+      do p = low, high, 4
          !$omp simd
          do lane = p, p + 3
             slopes(lane) = alpha(lane)*(u(1) + u(2)*across(lane)) + (1.0_wp - alpha(lane)) &
                *((w(1) + w(2)*x(lane)) + (w(3) + w(4)*x(lane))*z(lane))
          end do
       end do
-      !GCC$ novector
-      do lane = p, high
-         slopes(lane) = alpha(lane)*(u(1) + u(2)*across(lane)) + (1.0_wp - alpha(lane)) &
-            *((w(1) + w(2)*x(lane)) + (w(3) + w(4)*x(lane))*z(lane))
-      end do
    end subroutine blend_plane
 
-   !> The same in space.
-   ! gate: long kernel because coefficients and places are columns of their own
+   !> The same in three dimensions.
+   ! gate: long kernel because columns and coefficients are arguments of their own
    pure subroutine blend_space(low, high, u, w, across, aside, x, y, z, alpha, slopes)
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last one
       real(wp), intent(in) :: u(edges)                       !! (term) Of the slope
       real(wp), intent(in) :: w(lanes)                       !! (term) Of the polynomial
-      real(wp), contiguous, intent(in) :: across(:), aside(:) !! (particle) Places across the slope
-      real(wp), contiguous, intent(in) :: x(:), y(:), z(:)   !! (particle) Places in the cell [1]
-      real(wp), contiguous, intent(in) :: alpha(:)           !! (particle) Share of the slope [1]
+      real(wp), contiguous, intent(in) :: across(:), aside(:) !! (particle) Coordinates across
+      real(wp), contiguous, intent(in) :: x(:), y(:), z(:)   !! (particle) Local coordinates [1]
+      real(wp), contiguous, intent(in) :: alpha(:)           !! (particle) Weight of the slope [1]
       real(wp), contiguous, intent(inout) :: slopes(:)       !! (particle)
       integer :: p, lane
 
-      do p = low, high - 3, 4
+      do p = low, high, 4
          !$omp simd
          do lane = p, p + 3
             slopes(lane) = alpha(lane)*((u(1) + u(2)*across(lane)) &
@@ -219,13 +193,6 @@ contains
                *(((w(1) + w(2)*x(lane)) + (w(3) + w(4)*x(lane))*z(lane)) &
                + ((w(5) + w(6)*x(lane)) + (w(7) + w(8)*x(lane))*z(lane))*y(lane))
          end do
-      end do
-      !GCC$ novector
-      do lane = p, high
-         slopes(lane) = alpha(lane)*((u(1) + u(2)*across(lane)) &
-            + (u(3) + u(4)*across(lane))*aside(lane)) + (1.0_wp - alpha(lane)) &
-            *(((w(1) + w(2)*x(lane)) + (w(3) + w(4)*x(lane))*z(lane)) &
-            + ((w(5) + w(6)*x(lane)) + (w(7) + w(8)*x(lane))*z(lane))*y(lane))
       end do
    end subroutine blend_space
 end module transfer_edges

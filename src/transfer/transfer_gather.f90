@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Nodes to particles with the linear functions of the cell.
 !!
-!! Between its nodes a field is a polynomial with the terms 1, x, z, xz, y, xy, yz, xyz of the place
-!! in the cell. Its coefficients are found once a cell, as differences, so a uniform field has a
+!! Between its nodes a field is a polynomial with the terms 1, x, z, xz, y, xy, yz, xyz of the local
+!! coordinates. Its coefficients are found once a cell, as differences, so a uniform field has a
 !! gradient of exactly zero; then the particles of the cell are the lanes. A
 !! value costs 7 products instead of 8 and no weights, a slope 3 instead of 8. In a plane and on a
 !! line most of this is zero, so they have kernels of their own, chosen once a tile.
@@ -15,53 +15,28 @@ module transfer_gather
    private
 
    public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_motion, gather_values, &
-      gather_vector, locate
+      gather_vector
 
    integer, parameter :: tensor = 12                 !! Of its components three have no meaning
-   integer, parameter :: one(3) = [3, 1, 1]          !! First direction besides one
-   integer, parameter :: other(3) = [2, 3, 2]        !! The second
-   !> Terms with the place along a direction: alone, with that of the first of the other
+   integer, parameter :: one(3) = [3, 1, 1]          !! First of the other directions
+   integer, parameter :: other(3) = [2, 3, 2]        !! Second of them
+   !> Terms with the coordinate along a direction: alone, with that of the first of the other
    !! directions, of the second. The last term has all.
    integer, parameter :: across(3, 3) = reshape([2, 4, 6, 5, 6, 7, 3, 4, 7], [3, 3])
 
 contains
 
-   !> Place of each particle in its cell, 0 to 1 along each active direction. The same arithmetic as
-   !! that which found the cell, so that both agree to the last bit.
-   pure subroutine locate(grid, first, count, position, local)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, intent(in) :: first                           !! First particle of the tile
-      integer, intent(in) :: count                           !! Particles of the tile
-      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) [m]
-      real(wp), contiguous, intent(inout) :: local(:, :)     !! (particle of the tile, 3)
-      real(wp) :: inverse, lower, place
-      integer :: p, direction
-
-      inverse = 1.0_wp/grid%spacing
-      do direction = 1, 3
-         if (.not. grid%active(direction)) then
-            local(:count, direction) = 0.0_wp
-            cycle
-         end if
-         lower = grid%lower(direction)
-         do p = 1, count
-            place = (position(first + p - 1, direction) - lower)*inverse
-            local(p, direction) = place - real(int(place), wp)
-         end do
-      end do
-   end subroutine locate
-
    !> Scaled velocity gradient of the plain method: gradient_kl = scale sum u_k dS/dx_l.
    pure subroutine gather_gradient(grid, start, local, nodes, scale, gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: gradient(:, :)
-      real(wp) :: u(4, lanes), place(lanes, 3), slopes(lanes, 9)
-      integer :: cell, p, last, ways(lanes)
+      real(wp) :: u(4, lanes)
+      integer :: cell, p, ways(lanes)
 
       if (grid%dimensions < 3) then
          call gradient_plane(grid, start, local, nodes, scale, gradient)
@@ -73,14 +48,7 @@ contains
          call find_terms(3, 4, grid%first_node(cell), ways, size(nodes), nodes, &
             scale/grid%spacing, u)
          do p = start(cell) + 1, start(cell + 1), lanes
-            last = min(p + lanes - 1, start(cell + 1))
-            if (last == p + lanes - 1) then
-               call find_slopes(u, p - 1, size(local, 1), local, size(gradient, 1), gradient)
-            else
-               call fill_lanes(p, last, 3, local, place)
-               call find_slopes(u, 0, lanes, place, lanes, slopes)
-               gradient(p:last, :) = slopes(:last - p + 1, :)
-            end if
+            call find_slopes(u, p - 1, size(local, 1), local, size(gradient, 1), gradient)
          end do
       end do
    end subroutine gather_gradient
@@ -90,16 +58,16 @@ contains
    !! Equation (M.7) of doc/theory/method.md.
    pure subroutine gather_dual_gradient(grid, start, local, alpha, velocity, nodes, scale, &
       gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Weight alpha
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) Node gradient [1/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: u(4, lanes), w(tensor, lanes), place(lanes, 3), share(lanes, 3), slopes(lanes, 9)
-      integer :: cell, p, last, ways(lanes), far(lanes)
+      real(wp) :: u(4, lanes), w(tensor, lanes)
+      integer :: cell, p, ways(lanes), far(lanes)
 
       if (grid%dimensions < 3) then
          call dual_gradient_plane(grid, start, local, alpha, velocity, nodes, scale, gradient)
@@ -113,16 +81,8 @@ contains
             scale/grid%spacing, u)
          call find_terms(9, tensor, grid%first_node(cell), far, size(nodes), nodes, scale, w)
          do p = start(cell) + 1, start(cell + 1), lanes
-            last = min(p + lanes - 1, start(cell + 1))
-            if (last == p + lanes - 1) then
-               call blend_slopes(u, w, p - 1, size(local, 1), local, size(alpha, 1), alpha, &
-                  size(gradient, 1), gradient)
-            else
-               call fill_lanes(p, last, 3, local, place)
-               call fill_lanes(p, last, 3, alpha, share)
-               call blend_slopes(u, w, 0, lanes, place, lanes, share, lanes, slopes)
-               gradient(p:last, :) = slopes(:last - p + 1, :)
-            end if
+            call blend_slopes(u, w, p - 1, size(local, 1), local, size(alpha, 1), alpha, &
+               size(gradient, 1), gradient)
          end do
       end do
    end subroutine gather_dual_gradient
@@ -149,7 +109,7 @@ contains
       real(wp), intent(in) :: u(4, lanes)                    !! (component, term) Coefficients
       integer, intent(in) :: before                          !! Rows before the lanes
       integer, intent(in) :: rows                            !! Length of the next
-      real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Places in the cell [1]
+      real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Local coordinates [1]
       integer, intent(in) :: columns                         !! Length of a column of the next
       real(wp), intent(inout) :: slopes(columns, 9)          !! (lane, component)
       integer :: k, l
@@ -163,10 +123,10 @@ contains
       end do
    end subroutine find_slopes
 
-   !> Slope along one direction from the terms that have its place.
+   !> Slope along one direction from the terms that have its coordinate.
    pure subroutine find_slope(u1, u2, u3, u4, one, other, slopes)
       real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients
-      real(wp), intent(in) :: one(lanes)                     !! (lane) Place along one direction [1]
+      real(wp), intent(in) :: one(lanes)                     !! (lane) Coordinate along one [1]
       real(wp), intent(in) :: other(lanes)                   !! (lane) Along the other one [1]
       real(wp), intent(inout) :: slopes(lanes)               !! (lane)
       integer :: lane
@@ -179,15 +139,15 @@ contains
 
    !> Gradients of the polynomials of a vector at eight particles, blended with the values of the
    !! polynomials of a tensor.
-   ! gate: long kernel because places, shares and gradients have lengths of their own
+   ! gate: long kernel because its columns have lengths of their own
    pure subroutine blend_slopes(u, w, before, rows, local, shares, alpha, columns, slopes)
       real(wp), intent(in) :: u(4, lanes)                    !! (component, term) Of the vector
       real(wp), intent(in) :: w(tensor, lanes)                    !! (component, term) Of the tensor
       integer, intent(in) :: before                          !! Rows before the lanes
       integer, intent(in) :: rows                            !! Length of the next
-      real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Places in the cell [1]
+      real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Local coordinates [1]
       integer, intent(in) :: shares                          !! Length of a column of the next
-      real(wp), intent(in) :: alpha(shares, 3)               !! (lane, 3) Share of the vector [1]
+      real(wp), intent(in) :: alpha(shares, 3)               !! (lane, 3) Weight of the vector [1]
       integer, intent(in) :: columns                         !! Length of a column of the next
       real(wp), intent(inout) :: slopes(columns, 9)          !! (lane, component)
       integer :: k, l
@@ -207,10 +167,10 @@ contains
    ! gate: long kernel because coefficients in registers are twelve numbers
    pure subroutine blend(u1, u2, u3, u4, one, other, w, x, y, z, alpha, slopes)
       real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients of the slope
-      real(wp), intent(in) :: one(lanes)                     !! (lane) Place along one direction [1]
+      real(wp), intent(in) :: one(lanes)                     !! (lane) Coordinate along one [1]
       real(wp), intent(in) :: other(lanes)                   !! (lane) Along the other one [1]
       real(wp), intent(in) :: w(tensor*(lanes - 1) + 1)      !! Each twelfth a coefficient
-      real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Places in the cell [1]
+      real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Local coordinates [1]
       real(wp), intent(in) :: alpha(lanes)                   !! (lane) Share of the slope [1]
       real(wp), intent(inout) :: slopes(lanes)               !! (lane)
       integer :: lane
@@ -224,17 +184,17 @@ contains
       end do
    end subroutine blend
 
-   !> Velocity and position at once: velocity = keep velocity + sum S_i push_i, position = position
-   !! + dt sum S_i carry_i.
-   pure subroutine gather_motion(grid, start, first, local, push, carry, keep, dt, velocity, &
-      position)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   !> Velocity and position at once: velocity = f velocity + sum S_i increment_i, position =
+   !! position + dt sum S_i advection_i, f the flip fraction.
+   pure subroutine gather_motion(grid, start, first, local, increment, advection, flip_fraction, &
+      dt, velocity, position)
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) [m/s]
-      real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) [m/s]
-      real(wp), intent(in) :: keep                           !! Share of the old velocity
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      real(wp), contiguous, intent(in) :: increment(:, :)    !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: advection(:, :)    !! (3, node) [m/s]
+      real(wp), intent(in) :: flip_fraction                  !! Fraction of the old velocity [1]
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
@@ -242,20 +202,21 @@ contains
       integer :: cell, p, q, last, number, ways(lanes)
 
       if (grid%dimensions < 3) then
-         call motion_plane(grid, start, first, local, push, carry, keep, dt, velocity, position)
+         call motion_plane(grid, start, first, local, increment, advection, flip_fraction, dt, &
+            velocity, position)
          return
       end if
       ways = 3*grid%lane_offset
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         call find_terms(3, 4, grid%first_node(cell), ways, size(push), push, 1.0_wp, u)
-         call find_terms(3, 4, grid%first_node(cell), ways, size(carry), carry, dt, c)
+         call find_terms(3, 4, grid%first_node(cell), ways, size(increment), increment, 1.0_wp, u)
+         call find_terms(3, 4, grid%first_node(cell), ways, size(advection), advection, dt, c)
          do p = start(cell) + 1, start(cell + 1), lanes
             last = min(p + lanes - 1, start(cell + 1))
             q = first + p - 1
             if (last == p + lanes - 1) then
-               call add_vectors(u, keep, p - 1, size(local, 1), local, q - 1, size(velocity, 1), &
-                  velocity)
+               call add_vectors(u, flip_fraction, p - 1, size(local, 1), local, q - 1, &
+                  size(velocity, 1), velocity)
                call add_vectors(c, 1.0_wp, p - 1, size(local, 1), local, q - 1, &
                   size(position, 1), position)
                cycle
@@ -263,7 +224,7 @@ contains
             number = last - p + 1
             call fill_lanes(p, last, 3, local, place)
             call fill_lanes(q, q + number - 1, 3, velocity, part)
-            call add_vectors(u, keep, 0, lanes, place, 0, lanes, part)
+            call add_vectors(u, flip_fraction, 0, lanes, place, 0, lanes, part)
             velocity(q:q + number - 1, :) = part(:number, :)
             call fill_lanes(q, q + number - 1, 3, position, part)
             call add_vectors(c, 1.0_wp, 0, lanes, place, 0, lanes, part)
@@ -272,37 +233,35 @@ contains
       end do
    end subroutine gather_motion
 
-   !> Add the values of the polynomials of a vector to vectors of eight particles, of which a share
-   !! is kept.
-   ! gate: long kernel because places and vectors have lengths of their own
-   pure subroutine add_vectors(u, keep, before, rows, local, ahead, columns, values)
+   !> Add the values of the polynomials of a vector to a fraction of the vectors of eight particles.
+   pure subroutine add_vectors(u, kept, before, rows, local, ahead, columns, values)
       real(wp), intent(in) :: u(4, lanes)                    !! (component, term) Coefficients
-      real(wp), intent(in) :: keep                           !! Share of the old values [1]
-      integer, intent(in) :: before                          !! Rows of places before the lanes
+      real(wp), intent(in) :: kept                           !! Fraction of the old values [1]
+      integer, intent(in) :: before                          !! Rows before the lanes
       integer, intent(in) :: rows                            !! Length of the next
-      real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Places in the cell [1]
+      real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Local coordinates [1]
       integer, intent(in) :: ahead                           !! Rows of vectors before the lanes
       integer, intent(in) :: columns                         !! Length of a column of the next
       real(wp), intent(inout) :: values(columns, 3)          !! (lane, component)
       integer :: k
 
       do k = 1, 3
-         call add_lanes(u(k, 1), keep, local(before + 1, 1), local(before + 1, 2), &
+         call add_lanes(u(k, 1), kept, local(before + 1, 1), local(before + 1, 2), &
             local(before + 1, 3), values(ahead + 1, k))
       end do
    end subroutine add_vectors
 
    !> The same for one component.
-   pure subroutine add_lanes(u, keep, x, y, z, values)
+   pure subroutine add_lanes(u, kept, x, y, z, values)
       real(wp), intent(in) :: u(4*(lanes - 1) + 1)           !! Each fourth a coefficient
-      real(wp), intent(in) :: keep                           !! Share of the old values [1]
-      real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Places in the cell [1]
+      real(wp), intent(in) :: kept                           !! Fraction of the old values [1]
+      real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Local coordinates [1]
       real(wp), intent(inout) :: values(lanes)               !! (lane)
       integer :: lane
 
       !$omp simd
       do lane = 1, lanes
-         values(lane) = keep*values(lane) + (((u(1) + u(5)*x(lane)) &
+         values(lane) = kept*values(lane) + (((u(1) + u(5)*x(lane)) &
             + (u(9) + u(13)*x(lane))*z(lane)) + ((u(17) + u(21)*x(lane)) &
             + (u(25) + u(29)*x(lane))*z(lane))*y(lane))
       end do
@@ -311,7 +270,6 @@ contains
    !> Coefficients of the polynomials of the components of a field in a cell, the terms being
    !! 1, x, z, xz, y, xy, yz, xyz. The nodes come as one row of numbers, of which four are the
    !! lanes: those of the next node fill the row up to a multiple of four, and have no meaning.
-   ! gate: long kernel because a field is told by its numbers
    pure subroutine find_terms(components, rows, node, ways, numbers, nodes, scale, u)
       integer, intent(in) :: components              !! Numbers a node
       integer, intent(in) :: rows                    !! The same, a multiple of four
@@ -334,7 +292,6 @@ contains
    end subroutine find_terms
 
    !> The same for a cell with the last node of the tile, which nothing follows.
-   ! gate: long kernel because a field is told by its numbers
    pure subroutine find_last_terms(components, rows, before, ways, numbers, nodes, scale, u)
       integer, intent(in) :: components              !! Numbers a node
       integer, intent(in) :: rows                    !! The same, a multiple of four

@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Nodes to particles with the linear functions of the cell in scenes of one and two dimensions.
 !!
-!! Vectors lie in the plane of x and z, or along x: what nodes and particles have along y is zero
-!! and is not looked at. Between its nodes a field is a polynomial (u1 + u2 x) + (u3 + u4 x) z of
-!! the place in the cell; on a line u3 and u4 are zero. Four particles of a cell at a time are the
-!! lanes, and those left over come one by one: a loop of unknown length that is made a vector costs
-!! more than all the work in it.
+!! Vectors lie in the plane of x and z, or along x: components along y are zero and are not used.
+!! Between its nodes a field is a polynomial (u1 + u2 x) + (u3 + u4 x) z of the local coordinates;
+!! on a line u3 and u4 are zero. Four particles of a cell at a time are the lanes. Gradients go
+!! beyond the last particle of a cell as in `transfer_gather_values`. Velocity and position must
+!! not, so the last particles of a cell move one by one: a vectorised loop of unknown length costs
+!! more than the work in it.
 module transfer_gather_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -24,9 +25,9 @@ contains
 
    !> Scaled velocity gradient of the plain method: gradient_kl = scale sum u_k dS/dx_l.
    pure subroutine gradient_plane(grid, start, local, nodes, scale, gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       !> (particle of the tile, 9) Component (k, l) in column k + 3 (l - 1)
@@ -50,10 +51,10 @@ contains
    !> The gradient of the cell, blended with that of the nodes:
    !! gradient_kl = alpha_l scale sum u_k dS/dx_l + (1 - alpha_l) scale sum S_j (grad u)_j,kl.
    pure subroutine dual_gradient_plane(grid, start, local, alpha, velocity, nodes, scale, gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Weight alpha
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) Node gradient [1/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
@@ -74,32 +75,34 @@ contains
       end do
    end subroutine dual_gradient_plane
 
-   !> Velocity and position at once: velocity = keep velocity + sum S_i push_i, position = position
-   !! + dt sum S_i carry_i.
+   !> Velocity and position at once: velocity = f velocity + sum S_i increment_i, position =
+   !! position + dt sum S_i advection_i, f the flip fraction.
    ! gate: long kernel because two fields go to two others
-   pure subroutine motion_plane(grid, start, first, local, push, carry, keep, dt, velocity, &
-      position)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   pure subroutine motion_plane(grid, start, first, local, increment, advection, flip_fraction, &
+      dt, velocity, position)
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: push(:, :)         !! (3, node) [m/s]
-      real(wp), contiguous, intent(in) :: carry(:, :)        !! (3, node) [m/s]
-      real(wp), intent(in) :: keep                           !! Share of the old velocity
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      real(wp), contiguous, intent(in) :: increment(:, :)    !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: advection(:, :)    !! (3, node) [m/s]
+      real(wp), intent(in) :: flip_fraction                  !! Fraction of the old velocity [1]
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
-      real(wp) :: u(vector, size(push, 2), terms), c(vector, size(push, 2), terms)
+      real(wp) :: u(vector, size(increment, 2), terms), c(vector, size(increment, 2), terms)
       integer :: cell, node
 
-      call find_terms(vector*grid%stride(1), vector*grid%stride(3), size(push), push, 1.0_wp, u)
-      call find_terms(vector*grid%stride(1), vector*grid%stride(3), size(carry), carry, dt, c)
+      call find_terms(vector*grid%stride(1), vector*grid%stride(3), size(increment), increment, &
+         1.0_wp, u)
+      call find_terms(vector*grid%stride(1), vector*grid%stride(3), size(advection), advection, &
+         dt, c)
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
          node = grid%first_node(cell)
-         call move_cell(start(cell) + 1, start(cell + 1), first - 1, size(push, 2), node, u, c, &
-            keep, local(:, 1), local(:, 3), velocity(:, 1), velocity(:, 3), position(:, 1), &
-            position(:, 3))
+         call move_cell(start(cell) + 1, start(cell + 1), first - 1, size(increment, 2), node, u, &
+            c, flip_fraction, local(:, 1), local(:, 3), velocity(:, 1), velocity(:, 3), &
+            position(:, 1), position(:, 3))
       end do
    end subroutine motion_plane
 
@@ -144,22 +147,17 @@ contains
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last one
       real(wp), intent(in) :: u2, u3, u4                     !! Coefficients
-      real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Places in the cell [1]
+      real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Local coordinates [1]
       real(wp), contiguous, intent(inout) :: along_x(:)      !! (particle)
       real(wp), contiguous, intent(inout) :: along_z(:)      !! (particle)
       integer :: p, lane
 
-      do p = low, high - 3, 4
+      do p = low, high, 4
          !$omp simd
          do lane = p, p + 3
             along_x(lane) = u2 + u4*z(lane)
             along_z(lane) = u3 + u4*x(lane)
          end do
-      end do
-      !GCC$ novector
-      do lane = p, high
-         along_x(lane) = u2 + u4*z(lane)
-         along_z(lane) = u3 + u4*x(lane)
       end do
    end subroutine find_slopes
 
@@ -172,13 +170,13 @@ contains
       integer, intent(in) :: node                            !! First node of the cell
       real(wp), intent(in) :: u(vector, nodes, terms)        !! (component, node, term) Velocity
       real(wp), intent(in) :: w(tensor, nodes, terms)        !! The same of its node gradient
-      real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Places in the cell [1]
-      real(wp), contiguous, intent(in) :: ax(:), az(:)       !! (particle) Shares of the cell [1]
+      real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Local coordinates [1]
+      real(wp), contiguous, intent(in) :: ax(:), az(:)       !! (particle) Weights alpha [1]
       real(wp), contiguous, intent(inout) :: xx(:), zx(:)    !! (particle) Slopes along x
       real(wp), contiguous, intent(inout) :: xz(:), zz(:)    !! (particle) Slopes along z
       integer :: p, lane
 
-      do p = low, high - 3, 4
+      do p = low, high, 4
          !$omp simd
          do lane = p, p + 3
             xx(lane) = ax(lane)*(u(1, node, 2) + u(1, node, 4)*z(lane)) &
@@ -195,26 +193,12 @@ contains
                + (w(9, node, 3) + w(9, node, 4)*x(lane))*z(lane))
          end do
       end do
-      !GCC$ novector
-      do lane = p, high
-         xx(lane) = ax(lane)*(u(1, node, 2) + u(1, node, 4)*z(lane)) &
-            + (1.0_wp - ax(lane))*((w(1, node, 1) + w(1, node, 2)*x(lane)) &
-            + (w(1, node, 3) + w(1, node, 4)*x(lane))*z(lane))
-         zx(lane) = ax(lane)*(u(3, node, 2) + u(3, node, 4)*z(lane)) &
-            + (1.0_wp - ax(lane))*((w(3, node, 1) + w(3, node, 2)*x(lane)) &
-            + (w(3, node, 3) + w(3, node, 4)*x(lane))*z(lane))
-         xz(lane) = az(lane)*(u(1, node, 3) + u(1, node, 4)*x(lane)) &
-            + (1.0_wp - az(lane))*((w(7, node, 1) + w(7, node, 2)*x(lane)) &
-            + (w(7, node, 3) + w(7, node, 4)*x(lane))*z(lane))
-         zz(lane) = az(lane)*(u(3, node, 3) + u(3, node, 4)*x(lane)) &
-            + (1.0_wp - az(lane))*((w(9, node, 1) + w(9, node, 2)*x(lane)) &
-            + (w(9, node, 3) + w(9, node, 4)*x(lane))*z(lane))
-      end do
    end subroutine blend_slopes
 
    !> Move the particles of a cell.
    ! gate: long kernel because components are columns of their own
-   pure subroutine move_cell(low, high, before, nodes, node, u, c, keep, x, z, vx, vz, px, pz)
+   pure subroutine move_cell(low, high, before, nodes, node, u, c, flip_fraction, x, z, vx, vz, &
+      px, pz)
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last one
       integer, intent(in) :: before                          !! Particles before those of the tile
@@ -222,8 +206,8 @@ contains
       integer, intent(in) :: node                            !! First node of the cell
       real(wp), intent(in) :: u(vector, nodes, terms)        !! (component, node, term) Gain [m/s]
       real(wp), intent(in) :: c(vector, nodes, terms)        !! (component, node, term) Way [m]
-      real(wp), intent(in) :: keep                           !! Share of the old velocity
-      real(wp), contiguous, intent(in) :: x(:), z(:)         !! Places in the cell [1]
+      real(wp), intent(in) :: flip_fraction                  !! Fraction of the old velocity [1]
+      real(wp), contiguous, intent(in) :: x(:), z(:)         !! Local coordinates [1]
       real(wp), contiguous, intent(inout) :: vx(:), vz(:)    !! (particle) Velocity [m/s]
       real(wp), contiguous, intent(inout) :: px(:), pz(:)    !! (particle) Position [m]
       integer :: p, lane
@@ -231,9 +215,9 @@ contains
       do p = low, high - 3, 4
          !$omp simd
          do lane = p, p + 3
-            vx(before + lane) = keep*vx(before + lane) + ((u(1, node, 1) &
+            vx(before + lane) = flip_fraction*vx(before + lane) + ((u(1, node, 1) &
                + u(1, node, 2)*x(lane)) + (u(1, node, 3) + u(1, node, 4)*x(lane))*z(lane))
-            vz(before + lane) = keep*vz(before + lane) + ((u(3, node, 1) &
+            vz(before + lane) = flip_fraction*vz(before + lane) + ((u(3, node, 1) &
                + u(3, node, 2)*x(lane)) + (u(3, node, 3) + u(3, node, 4)*x(lane))*z(lane))
             px(before + lane) = px(before + lane) + ((c(1, node, 1) &
                + c(1, node, 2)*x(lane)) + (c(1, node, 3) + c(1, node, 4)*x(lane))*z(lane))
@@ -243,9 +227,9 @@ contains
       end do
       !GCC$ novector
       do lane = p, high
-         vx(before + lane) = keep*vx(before + lane) + ((u(1, node, 1) &
+         vx(before + lane) = flip_fraction*vx(before + lane) + ((u(1, node, 1) &
             + u(1, node, 2)*x(lane)) + (u(1, node, 3) + u(1, node, 4)*x(lane))*z(lane))
-         vz(before + lane) = keep*vz(before + lane) + ((u(3, node, 1) &
+         vz(before + lane) = flip_fraction*vz(before + lane) + ((u(3, node, 1) &
             + u(3, node, 2)*x(lane)) + (u(3, node, 3) + u(3, node, 4)*x(lane))*z(lane))
          px(before + lane) = px(before + lane) + ((c(1, node, 1) &
             + c(1, node, 2)*x(lane)) + (c(1, node, 3) + c(1, node, 4)*x(lane))*z(lane))

@@ -22,10 +22,10 @@ contains
 
    !> Add the sums of v S_i/r of the particles of a tile to those of the edges of their cells.
    pure subroutine add_hoop_sums(grid, start, first, local, position, volume, sums)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(inout) :: sums(:, 0:)     !! (edge, cell) [m2]
@@ -41,13 +41,13 @@ contains
    end subroutine add_hoop_sums
 
    !> Add the force of the hoop stress, - sum a_i v sigma_yy S_i/r, to column 5.
-   ! gate: long kernel because a tile is told by its grid, range and places
+   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine scatter_factored_hoop(grid, start, first, local, factor, position, volume, &
       stress, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: factor(:, 0:)      !! (edge, cell) [1]
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
@@ -72,13 +72,13 @@ contains
    end subroutine scatter_factored_hoop
 
    !> Hoop strain, scale sum a_i S_i u_i/r, into component (2, 2) of the gradient.
-   ! gate: long kernel because a tile is told by its grid, range and places
+   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine gather_factored_hoop(grid, start, first, local, factor, position, nodes, scale, &
       gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: factor(:, 0:)      !! (edge, cell) [1]
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]

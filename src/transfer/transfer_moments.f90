@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Means of a particle field around nodes with the places that they belong to, and the slope of the
-!! field in a cell that follows from them.
+!> Means of a particle field around nodes with the positions that they belong to, and the slope of
+!! the field in a cell that follows from them.
 !!
 !! The mean around a node belongs to the centre of the particles that it is taken of, not to the
 !! node. The difference of the means over that of the centres is the slope of a linear field, for
-!! any places of particles. Equation (Q.10) of doc/theory/quadratures.md.
+!! any positions of particles. Equation (Q.10) of doc/theory/quadratures.md.
 module transfer_moments
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -21,12 +21,11 @@ module transfer_moments
 contains
 
    !> Add the moments of the particles of a tile to columns of a patch.
-   ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine add_moments(grid, start, first, local, weight, stress, before, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: weight(:)          !! (particle) Volume [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -56,7 +55,7 @@ contains
             end do
          end do
          do lane = 1, lanes
-            ! ends along a direction that the scene lacks have no particles
+            ! ends along a direction that is missing have no particles
             if (.not. present_lane(grid, lane)) cycle
             node = grid%first_node(cell) + grid%lane_offset(lane)
             patch(before + 1:before + moments, node) = &
@@ -67,7 +66,7 @@ contains
 
    !> Does the scene have all directions in which a lane is an upper end?
    pure logical function present_lane(grid, lane) result(yes)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: lane                            !! 1 to 8
       integer :: k
 
@@ -90,9 +89,9 @@ contains
    end subroutine divide_moments
 
    !> Slope of the field in a cell [of the field, over a cell], 0 along directions that the scene
-   !! lacks and where the centres do not tell it.
+   !! lacks and where the centres do not determine it.
    pure function cell_slope(grid, node, means) result(slope)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: node                            !! First node of the cell
       real(wp), intent(in) :: means(:, :)                    !! (4, node) Of `divide_moments`
       real(wp) :: slope(3)
@@ -131,7 +130,7 @@ contains
 
    !> Determinant of a matrix.
    pure real(wp) function determinant(a) result(whole)
-      real(wp), intent(in) :: a(3, 3)                        !! The matrix
+      real(wp), intent(in) :: a(3, 3)                        !! Any matrix
 
       whole = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
          - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) &

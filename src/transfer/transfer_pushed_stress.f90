@@ -23,7 +23,7 @@ contains
 
    !> Copy the particles of a tile.
    pure subroutine pushed_copy(self, first, count, position, volume, stress)
-      class(pushed_stress_t), intent(inout) :: self                 !! The copy
+      class(pushed_stress_t), intent(inout) :: self
       integer, intent(in) :: first                           !! First particle of the tile
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) [m]
@@ -53,7 +53,7 @@ contains
 
    !> Give each particle unit stress.
    pure subroutine pushed_make_unit(self, count)
-      class(pushed_stress_t), intent(inout) :: self                 !! The copy
+      class(pushed_stress_t), intent(inout) :: self
       integer, intent(in) :: count                           !! Particles of the tile
       integer :: p, k
 
@@ -66,7 +66,7 @@ contains
 
    !> Take a stress away from that of each particle.
    pure subroutine pushed_subtract(self, count, values)
-      class(pushed_stress_t), intent(inout) :: self                 !! The copy
+      class(pushed_stress_t), intent(inout) :: self
       integer, intent(in) :: count                           !! Particles of the tile
       !> (particle of the tile, 6 or more) [Pa]
       real(wp), contiguous, intent(in) :: values(:, :)

@@ -17,13 +17,12 @@ module transfer_scatter_affine
 contains
 
    !> Add mass and momentum of linear velocity fields to columns 1 to 4 of a patch.
-   ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine space_affine(grid, start, first, local, mass, velocity, affine, &
       patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -75,13 +74,12 @@ contains
       end do
    end subroutine space_affine
 
-   !> Add mass and momentum of particles that turn to columns 1 to 4 of a patch.
-   ! gate: long kernel because a tile is told by its grid, range and places
+   !> Add mass and momentum of rotating particles to columns 1 to 4 of a patch.
    pure subroutine space_turning(grid, start, first, local, mass, velocity, spin, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]

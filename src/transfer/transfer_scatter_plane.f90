@@ -25,10 +25,10 @@ contains
 
    !> Add mass and momentum to columns 1 to 4 of a patch.
    pure subroutine plane_motion(grid, start, first, local, mass, velocity, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -47,9 +47,9 @@ contains
 
    !> Add sum S_i value to columns of a patch.
    pure subroutine plane_values(grid, start, local, count, values, before, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -68,9 +68,9 @@ contains
    ! gate: long kernel because columns in registers are arrays of their own
    pure subroutine add_columns(grid, start, local, c1, c2, c3, c4, number, &
       before, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: c1(:)              !! (particle of the tile) First column
       real(wp), contiguous, intent(in) :: c2(:)              !! Second one
       real(wp), contiguous, intent(in) :: c3(:)              !! Third one
@@ -104,12 +104,11 @@ contains
    end subroutine add_columns
 
    !> Add mass and momentum of linear velocity fields to columns 1 to 4 of a patch.
-   ! gate: long kernel because a tile is told by its grid, range and places
    pure subroutine plane_affine(grid, start, first, local, mass, velocity, affine, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)             !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -150,12 +149,12 @@ contains
       end do
    end subroutine plane_affine
 
-   !> Add mass and momentum of particles that turn to columns 1 to 4 of a patch.
+   !> Add mass and momentum of rotating particles to columns 1 to 4 of a patch.
    pure subroutine plane_turning(grid, start, first, local, mass, velocity, spin, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) w [1/s]
@@ -195,10 +194,10 @@ contains
 
    !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
    pure subroutine plane_force(grid, start, first, local, volume, stress, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -231,14 +230,14 @@ contains
    !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
    !! column 8, and the stress handed to the nodes, sum v (1 - alpha_l) sigma_kl S, to column
    !! 8 + k + 3 (l - 1). Without factors those of the edges are one.
-   ! gate: long kernel because a tile is told by its grid, range and places
+   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine plane_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
       factor)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Weight alpha
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -293,7 +292,7 @@ contains
 
    !> Add the sums of a cell to columns of its nodes.
    pure subroutine add_corners(grid, cell, number, before, sums, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
       integer, intent(in) :: number                          !! Columns
       integer, intent(in) :: before                          !! Columns of the patch before them
@@ -328,7 +327,7 @@ contains
    !> Constants and slopes of the lanes along one direction, times the slope of the lane along the
    !! other: together the slope along the other.
    pure subroutine signed_lanes(grid, constant, slope)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(out) :: constant(corners, 3)          !! (lane, direction) [1/m]
       real(wp), intent(out) :: slope(corners, 3)             !! (lane, direction) [1/m]
       integer :: n

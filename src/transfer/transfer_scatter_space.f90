@@ -18,7 +18,7 @@ module transfer_scatter_space
 
    public :: space_dual_force, space_force, space_motion, space_values
 
-   integer, parameter :: room = 64                   !! Particles that are prepared at once
+   integer, parameter :: batch = 64                   !! Particles that are prepared at once
    integer, parameter :: block = 4                   !! Columns that are added at once
    integer, parameter, public :: edges = lanes/2     !! Of a cell along a direction
    !> Function of an edge: constant and slope along the first of the two other directions, then
@@ -32,18 +32,18 @@ contains
 
    !> Add mass and momentum to columns 1 to 4 of a patch.
    pure subroutine space_motion(grid, start, first, local, mass, velocity, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: weight(room, lanes), values(block, room)
+      real(wp) :: weight(batch, lanes), values(block, batch)
       integer :: skipped, number, cell, p, q
 
       cell = 0
-      do skipped = 0, start(grid%tile_cells) - 1, room
+      do skipped = 0, start(grid%tile_cells) - 1, batch
          call next_particles(grid%tile_cells, start, skipped, cell, number)
          call weigh_lanes(skipped, number, size(local, 1), local, weight)
          do p = 1, number
@@ -60,18 +60,18 @@ contains
 
    !> Add sum S_i value to columns of a patch.
    pure subroutine space_values(grid, start, local, count, values, before, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: weight(room, lanes), part(block, room)
+      real(wp) :: weight(batch, lanes), part(block, batch)
       integer :: skipped, number, cell, p, skip, at(block)
 
       cell = 0
-      do skipped = 0, start(grid%tile_cells) - 1, room
+      do skipped = 0, start(grid%tile_cells) - 1, batch
          call next_particles(grid%tile_cells, start, skipped, cell, number)
          call weigh_lanes(skipped, number, size(local, 1), local, weight)
          do skip = 0, count - 1, block
@@ -91,10 +91,10 @@ contains
 
    !> Add the internal force of the plain method, - sum v sigma . grad S, to columns 5 to 7.
    pure subroutine space_force(grid, start, first, local, volume, stress, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -112,11 +112,11 @@ contains
    !! 8 + k + 3 (l - 1).
    pure subroutine space_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
       factor)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
-      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Weight alpha
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
@@ -124,11 +124,11 @@ contains
       !> The third block begins with two zeros, so that no column after the last one is touched
       integer, parameter :: before(3) = [7, 11, 13]
       real(wp) :: share(start(grid%tile_cells), 3)
-      real(wp) :: weight(room, lanes), values(block, room, 3)
+      real(wp) :: weight(batch, lanes), values(block, batch, 3)
       integer :: skipped, number, cell, p, l
 
       cell = 0
-      do skipped = 0, start(grid%tile_cells) - 1, room
+      do skipped = 0, start(grid%tile_cells) - 1, batch
          call next_particles(grid%tile_cells, start, skipped, cell, number)
          call weigh_lanes(skipped, number, size(local, 1), local, weight)
          call share_stress(skipped, first - 1, number, alpha, volume, stress, values)
@@ -152,10 +152,10 @@ contains
       integer, intent(in) :: skipped                         !! Particles of the tile before them
       integer, intent(in) :: before                          !! Particles before the tile
       integer, intent(in) :: number                          !! Of them
-      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Share of cell
+      real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Weight alpha
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
-      real(wp), intent(inout) :: values(block, room, 3)      !! (column, particle, block)
+      real(wp), intent(inout) :: values(block, batch, 3)      !! (column, particle, block)
       real(wp) :: rest
       integer :: p, q
 
@@ -197,7 +197,7 @@ contains
       do while (start(cell + 1) <= skipped)
          cell = cell + 1
       end do
-      number = min(room, start(cells) - skipped)
+      number = min(batch, start(cells) - skipped)
    end subroutine next_particles
 
    !> Weights of the eight lanes at some particles.
@@ -205,8 +205,8 @@ contains
       integer, intent(in) :: before                          !! Particles of the tile before them
       integer, intent(in) :: number                          !! Of them
       integer, intent(in) :: rows                            !! Length of the next
-      real(wp), intent(in) :: local(rows, 3)                 !! (particle of tile, 3) Place in cell
-      real(wp), intent(inout) :: weight(room, lanes)         !! (particle, lane) [1]
+      real(wp), intent(in) :: local(rows, 3)                 !! (particle, 3) Local coordinates
+      real(wp), intent(inout) :: weight(batch, lanes)         !! (particle, lane) [1]
       real(wp) :: x, y, z, w1, w2, w3, w4
       integer :: p
 
@@ -235,14 +235,14 @@ contains
    ! gate: long kernel because sums in registers are arrays of their own
    pure subroutine add_weighted(grid, start, cell, skipped, number, weight, columns, values, &
       before, rows, numbers, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: cell                            !! Cell of the first of them
       integer, intent(in) :: skipped                         !! Particles of the tile before them
       integer, intent(in) :: number                          !! Of them
-      real(wp), intent(in) :: weight(room, lanes)            !! (particle, lane) [1]
+      real(wp), intent(in) :: weight(batch, lanes)            !! (particle, lane) [1]
       integer, intent(in) :: columns                         !! Columns that are added
-      real(wp), intent(in) :: values(block, room)            !! (column, particle)
+      real(wp), intent(in) :: values(block, batch)            !! (column, particle)
       integer, intent(in) :: before                          !! Columns of the patch before them
       integer, intent(in) :: rows                            !! Columns of the patch
       integer, intent(in) :: numbers                         !! Numbers of the patch
@@ -322,13 +322,13 @@ contains
    !! signs, so the sums are those of the twelve edges: half the work of eight nodes, and each cell
    !! by itself keeps momentum exactly. Edges along x are counted along z and y, those along y along
    !! x and z, those along z along x and y.
-   ! gate: long kernel because a tile is told by its grid, range and places
+   ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine add_edges(grid, start, first, local, x_share, y_share, z_share, stress, &
       patch, factor)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle of tile, 3) Place in cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: x_share(:)         !! Volume along x over spacing [m2]
       real(wp), contiguous, intent(in) :: y_share(:)         !! Along y
       real(wp), contiguous, intent(in) :: z_share(:)         !! Along z
@@ -376,7 +376,7 @@ contains
    !> Force on the nodes of a cell: what an edge gives to its lower node it takes from its upper
    !! one.
    pure subroutine join_edges(grid, cell, kept, rows, numbers, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
       real(wp), intent(in) :: kept(edges, 3, 3)              !! (edge, component, direction) [N]
       integer, intent(in) :: rows                            !! Columns of the patch

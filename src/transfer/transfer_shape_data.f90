@@ -1,63 +1,105 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Where the particles of a tile are, as the node functions see them; scratch space of a thread.
+!> The particles of a tile as the shape functions see them: cells, local coordinates, values of the
+!! functions; scratch space of a thread.
+!!
+!! A particle q of the store has index q - first + 1 in its tile. What the method does not need is
+!! not allocated.
 module transfer_shape_data
    use base_kinds, only: wp
+   use mesh_grid, only: grid_t
+   use particle_store, only: store_t
    implicit none
    private
 
-   public :: shape_data_t
+   public :: find_local, shape_data_t
 
-   integer, parameter, public :: line = 4            !! Nodes along a line of a wide stencil
+   integer, parameter, public :: line = 4            !! Nodes along a line of an extended support
+   !> Rows after the last particle that columns of a tile have at least: kernels with particles as
+   !! lanes may write them
+   integer, parameter, public :: spare = 8
 
-   !> Places of the particles of one tile. What the method does not need is not allocated.
-   type :: shape_data_t
-      real(wp), allocatable :: local(:, :)           !! (particle, 3) Place in its cell, 0 to 1
-      real(wp), allocatable :: alpha(:, :)           !! (particle, 3) Share of the own cell
-      real(wp), allocatable :: blend(:, :)           !! (particle, 3) Place with a smooth start
+   !> Functions with extended support, by direction.
+   type :: spline_data_t
       !> (particle, node, direction) Functions of the nodes -1, 0, 1, 2 of the cell along a line
       real(wp), allocatable :: weight(:, :, :)
       real(wp), allocatable :: slope(:, :, :)        !! The same: their mean derivatives [1/m]
       integer, allocatable :: low(:, :)              !! (particle, 3) First node that counts, 1 or 2
-      real(wp), allocatable :: whole(:, :, :)        !! The same as weight, of the dual gradient
-      real(wp), allocatable :: share(:, :, :)        !! The same: alpha times derivative
-      real(wp), allocatable :: rest(:, :, :)         !! The same: (1 - alpha) times function
-      real(wp), allocatable :: corner(:, :, :)       !! (corner, direction, particle) In its cell
-      integer, allocatable :: corner_node(:, :)      !! (corner, particle) First node of that cell
+   contains
+      procedure :: reserve => spline_reserve
+   end type spline_data_t
+
+   !> Means of the dual gradient over sub-points, indices as of spline_data_t.
+   type :: mean_data_t
+      real(wp), allocatable :: value(:, :, :)        !! Functions of the nodes
+      real(wp), allocatable :: cell_slope(:, :, :)   !! alpha times derivative [1/m]
+      real(wp), allocatable :: node_value(:, :, :)   !! (1 - alpha) times function
+   contains
+      procedure :: reserve => mean_reserve
+   end type mean_data_t
+
+   !> Corners of the parallelepipeds of particles.
+   type :: corner_data_t
+      real(wp), allocatable :: local(:, :, :)        !! (corner, direction, particle) In its cell
+      integer, allocatable :: node(:, :)             !! (corner, particle) First node of that cell
       real(wp), allocatable :: edge(:, :)            !! (9, particle) Half edges, one after another
       real(wp), allocatable :: inverse(:, :)         !! (9, particle) The inverse of their matrix
+   contains
+      procedure :: reserve => corner_reserve
+   end type corner_data_t
+
+   !> Shape data of the particles of one tile.
+   type :: shape_data_t
+      integer :: count = 0                           !! Particles of the tile
+      integer, allocatable :: start(:)               !! (0:cells) Particles before each cell
+      real(wp), allocatable :: local(:, :)           !! (particle, 3) Local coordinates, 0 to 1
+      real(wp), allocatable :: alpha(:, :)           !! (particle, 3) Weight alpha of the cell
+      real(wp), allocatable :: blend(:, :)           !! (particle, 3) Smoothed local coordinates
+      type(spline_data_t) :: spline
+      type(mean_data_t) :: mean
+      type(corner_data_t) :: corner
       !> (edge, cell) Factors of the part of the gradient on the cell, if sums are normalised [1]
       real(wp), allocatable :: factor(:, :)
       real(wp), allocatable :: vector(:, :)          !! (particle, 3) What is mapped
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
       real(wp), allocatable :: affine(:, :)          !! (particle, 9) Linear velocity fields [1/s]
    contains
-      procedure :: reserve => places_reserve         !! Room for the particles of a tile
-      procedure :: reserve_wide => places_reserve_wide !! Room for wide stencils
-      procedure :: reserve_affine => places_reserve_affine !! Room for linear velocity fields
-      procedure :: reserve_corners => places_reserve_corners !! Room for corners
-      procedure :: reserve_split => places_reserve_split !! Room for means of the dual gradient
+      procedure :: reserve => shape_reserve
+      procedure :: reserve_affine => shape_reserve_affine
+      procedure :: take_tile => shape_take_tile      !! Cells and local coordinates of a tile
    end type shape_data_t
 
 contains
 
-   !> Make room for a number of particles. What was there is lost.
-   pure subroutine places_reserve(self, particles)
-      class(shape_data_t), intent(inout) :: self         !! The scratch space
+   !> Reserve memory for a number of particles. Former values are lost.
+   pure subroutine shape_reserve(self, particles)
+      class(shape_data_t), intent(inout) :: self
       integer, intent(in) :: particles               !! Most particles in a tile
       integer :: n
 
       if (allocated(self%local)) then
-         if (size(self%local, 1) >= particles) return
+         if (size(self%local, 1) >= particles + spare) return
          deallocate (self%local, self%alpha, self%blend, self%vector, self%values)
       end if
-      n = room_for(particles)
+      n = column_length(particles)
       allocate (self%local(n, 3), self%alpha(n, 3), self%blend(n, 3), self%vector(n, 3), &
          self%values(n, 9))
-   end subroutine places_reserve
+   end subroutine shape_reserve
 
-   !> Make room for the functions of wide stencils. What was there is lost.
-   pure subroutine places_reserve_wide(self, particles)
-      class(shape_data_t), intent(inout) :: self         !! The scratch space
+   !> Reserve memory for linear velocity fields. Former values are lost.
+   pure subroutine shape_reserve_affine(self, particles)
+      class(shape_data_t), intent(inout) :: self
+      integer, intent(in) :: particles               !! Most particles in a tile
+
+      if (allocated(self%affine)) then
+         if (size(self%affine, 1) >= particles + spare) return
+         deallocate (self%affine)
+      end if
+      allocate (self%affine(column_length(particles), 9))
+   end subroutine shape_reserve_affine
+
+   !> Reserve memory for functions with extended support. Former values are lost.
+   pure subroutine spline_reserve(self, particles)
+      class(spline_data_t), intent(inout) :: self
       integer, intent(in) :: particles               !! Most particles in a tile
       integer :: n
 
@@ -65,57 +107,91 @@ contains
          if (size(self%weight, 1) >= particles) return
          deallocate (self%weight, self%slope, self%low)
       end if
-      n = room_for(particles)
+      n = column_length(particles)
       allocate (self%weight(n, line, 3), self%slope(n, line, 3), self%low(n, 3))
-   end subroutine places_reserve_wide
+   end subroutine spline_reserve
 
-   !> Make room for the corners of particles. What was there is lost.
-   pure subroutine places_reserve_corners(self, particles, corners)
-      class(shape_data_t), intent(inout) :: self         !! The scratch space
+   !> Reserve memory for means of the dual gradient. Former values are lost.
+   pure subroutine mean_reserve(self, particles)
+      class(mean_data_t), intent(inout) :: self
+      integer, intent(in) :: particles               !! Most particles in a tile
+      integer :: n
+
+      if (allocated(self%value)) then
+         if (size(self%value, 1) >= particles) return
+         deallocate (self%value, self%cell_slope, self%node_value)
+      end if
+      n = column_length(particles)
+      allocate (self%value(n, line, 3), self%cell_slope(n, line, 3), self%node_value(n, line, 3))
+   end subroutine mean_reserve
+
+   !> Reserve memory for the corners of particles. Former values are lost.
+   pure subroutine corner_reserve(self, particles, corners)
+      class(corner_data_t), intent(inout) :: self
       integer, intent(in) :: particles               !! Most particles in a tile
       integer, intent(in) :: corners                 !! Corners of a particle
       integer :: n
 
-      if (allocated(self%corner)) then
-         if (size(self%corner, 3) >= particles) return
-         deallocate (self%corner, self%corner_node, self%edge, self%inverse)
+      if (allocated(self%local)) then
+         if (size(self%local, 3) >= particles) return
+         deallocate (self%local, self%node, self%edge, self%inverse)
       end if
-      n = room_for(particles)
-      allocate (self%corner(corners, 3, n), self%corner_node(corners, n), self%edge(9, n), &
+      n = column_length(particles)
+      allocate (self%local(corners, 3, n), self%node(corners, n), self%edge(9, n), &
          self%inverse(9, n))
-   end subroutine places_reserve_corners
+   end subroutine corner_reserve
 
-   !> Make room for the two parts of the dual gradient. What was there is lost.
-   pure subroutine places_reserve_split(self, particles)
-      class(shape_data_t), intent(inout) :: self         !! The scratch space
-      integer, intent(in) :: particles               !! Most particles in a tile
-      integer :: n
-
-      if (allocated(self%share)) then
-         if (size(self%share, 1) >= particles) return
-         deallocate (self%whole, self%share, self%rest)
-      end if
-      n = room_for(particles)
-      allocate (self%whole(n, line, 3), self%share(n, line, 3), self%rest(n, line, 3))
-   end subroutine places_reserve_split
-
-   !> Make room for linear velocity fields. What was there is lost.
-   pure subroutine places_reserve_affine(self, particles)
-      class(shape_data_t), intent(inout) :: self         !! The scratch space
-      integer, intent(in) :: particles               !! Most particles in a tile
-
-      if (allocated(self%affine)) then
-         if (size(self%affine, 1) >= particles) return
-         deallocate (self%affine)
-      end if
-      allocate (self%affine(room_for(particles), 9))
-   end subroutine places_reserve_affine
-
-   !> Length of columns: not as long as the particles are many, since a length that is a power of
-   !! two would put all columns into the same few places of the cache.
-   pure integer function room_for(particles) result(room)
+   !> Length of columns for some particles. It is not a power of two, since such columns would share
+   !! a few sets of the cache.
+   pure integer function column_length(particles) result(length)
       integer, intent(in) :: particles               !! Particles of a tile
 
-      room = 64*((particles + particles/4 + 63)/64) + 8
-   end function room_for
+      length = 64*((particles + particles/4 + 63)/64) + spare
+   end function column_length
+
+   !> Copy the cells of the particles of a tile and find their local coordinates. Memory must have
+   !! been reserved.
+   pure subroutine shape_take_tile(self, grid, store, tile)
+      class(shape_data_t), intent(inout) :: self
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
+      integer :: cell
+
+      self%count = store%count(tile)
+      if (allocated(self%start)) then
+         if (ubound(self%start, 1) /= grid%tile_cells) deallocate (self%start)
+      end if
+      if (.not. allocated(self%start)) allocate (self%start(0:grid%tile_cells))
+      do cell = 0, grid%tile_cells
+         self%start(cell) = store%cell_start(cell, tile)
+      end do
+      call find_local(grid, store%first(tile), self%count, store%position, self%local)
+      self%local(self%count + 1:self%count + spare, :) = 0.0_wp
+   end subroutine shape_take_tile
+
+   !> Local coordinates of each particle in its cell, 0 to 1 along each active direction. The same
+   !! arithmetic as that which found the cell, so that both agree to the last bit.
+   pure subroutine find_local(grid, first, count, position, local)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: first                           !! First particle of the tile
+      integer, intent(in) :: count                           !! Particles of the tile
+      real(wp), contiguous, intent(in) :: position(:, :)     !! (particle, 3) [m]
+      real(wp), contiguous, intent(inout) :: local(:, :)     !! (particle of the tile, 3)
+      real(wp) :: inverse, lower, cells
+      integer :: p, direction
+
+      inverse = 1.0_wp/grid%spacing
+      do direction = 1, 3
+         if (.not. grid%active(direction)) then
+            local(:count, direction) = 0.0_wp
+            cycle
+         end if
+         lower = grid%lower(direction)
+         do p = 1, count
+            cells = (position(first + p - 1, direction) - lower)*inverse
+            local(p, direction) = cells - real(int(cells), wp)
+         end do
+      end do
+   end subroutine find_local
 end module transfer_shape_data

@@ -28,7 +28,7 @@ contains
    !> Trace of the strain of the step that viscosity resists, for the particles of a tile. The hoop
    !! strain of axisymmetry is no part of it: it is the same all the way around, never a jump.
    pure subroutine find_jump(grid, start, velocity, gradient, strain, jump)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) That strains [m/s]
       real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) Its node gradient [1/s]
@@ -55,7 +55,7 @@ contains
    !! in any case. Particles that answer for more than their own volume are strained by more than
    !! their surroundings, and viscosity goes by the square of that. Hoop strains count as they are.
    pure subroutine bound_jump(grid, start, velocity, dt, strain, jump)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) That strains [m/s]
       real(wp), intent(in) :: dt                             !! Time step [s]
@@ -78,7 +78,7 @@ contains
 
    !> Rate at which the edges of a cell are compressed, the greatest along each direction [1/s].
    pure real(wp) function edge_compression(grid, base, velocity) result(rate)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: base                            !! First node of the cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       integer, parameter :: component(3) = [1, 3, 2]         ! of the bits of a lane
@@ -99,7 +99,7 @@ contains
 
    !> Rate at which a cell is compressed, the mean over its edges [1/s].
    pure real(wp) function compression(grid, base, velocity) result(rate)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: base                            !! First node of the cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       integer, parameter :: component(3) = [1, 3, 2]         ! of the bits of a lane
@@ -119,7 +119,7 @@ contains
    !> Share of the compression of a cell that is not smooth: 0 to 1. A node without cells of weight
    !! has no gradient, so isolated particles keep all of it.
    pure real(wp) function share_left(grid, base, velocity, gradient) result(left)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: base                            !! First node of the cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) [1/s]

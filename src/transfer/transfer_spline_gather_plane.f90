@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> From nodes to particles in scenes of one and two dimensions, with node functions that are
+!> From nodes to particles in scenes of one and two dimensions, with shape functions that are
 !! products of functions of one coordinate, given along x and z on the nodes -1 to 2 of the cell.
 !!
 !! All particles of a cell share a block of 4 x 4 nodes, and are the lanes. On a line all layers are
-!! the same nodes, and only the first has a function that is not zero. Vectors have no component
-!! along y, and it is not looked at.
+!! the same nodes, and only the first has a function that is not zero. Components of vectors
+!! along y are not used.
 module transfer_spline_gather_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -12,35 +12,34 @@ module transfer_spline_gather_plane
    implicit none
    private
 
-   public :: collect_plane, collect_slopes_plane
+   public :: gather_plane_values, gather_plane_gradient
 
 contains
 
    !> Values sum S_i node_i of any number of columns.
-   pure subroutine collect_plane(grid, start, shape, nodes, values)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   pure subroutine gather_plane_values(grid, shape, nodes, values)
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: block(line, line)
       integer :: cell, c
 
       do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
+         if (shape%start(cell + 1) == shape%start(cell)) cycle
          do c = 1, size(nodes, 1)
             call load_block(grid, cell, c, 1.0_wp, nodes, block)
-            call add_values(start(cell) + 1, start(cell + 1), size(shape%weight, 1), &
-               shape%weight(:, :, 1), shape%weight(:, :, 3), block, values(:, c))
+            call add_values(shape%start(cell) + 1, shape%start(cell + 1), &
+               size(shape%spline%weight, 1), shape%spline%weight(:, :, 1), &
+               shape%spline%weight(:, :, 3), block, values(:, c))
          end do
       end do
-   end subroutine collect_plane
+   end subroutine gather_plane_values
 
    !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
-   pure subroutine collect_slopes_plane(grid, start, shape, nodes, scale, gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+   pure subroutine gather_plane_gradient(grid, shape, nodes, scale, gradient)
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) Velocity [m/s]
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
@@ -49,24 +48,25 @@ contains
 
       do k = 1, 9
          if (k == 1 .or. k == 3 .or. k == 7 .or. k == 9) cycle
-         gradient(:start(grid%tile_cells), k) = 0.0_wp
+         gradient(:shape%count, k) = 0.0_wp
       end do
       do cell = 0, grid%tile_cells - 1
-         if (start(cell + 1) == start(cell)) cycle
+         if (shape%start(cell + 1) == shape%start(cell)) cycle
          do k = 1, 3, 2
             call load_block(grid, cell, k, scale, nodes, block)
-            call add_slopes(start(cell) + 1, start(cell + 1), size(shape%weight, 1), &
-               shape%weight(:, :, 1), shape%weight(:, :, 3), shape%slope(:, :, 1), &
-               shape%slope(:, :, 3), block, gradient(:, k), gradient(:, k + 6))
+            call add_slopes(shape%start(cell) + 1, shape%start(cell + 1), &
+               size(shape%spline%weight, 1), shape%spline%weight(:, :, 1), &
+               shape%spline%weight(:, :, 3), shape%spline%slope(:, :, 1), &
+               shape%spline%slope(:, :, 3), block, gradient(:, k), gradient(:, k + 6))
          end do
       end do
-   end subroutine collect_slopes_plane
+   end subroutine gather_plane_gradient
 
    !> Values of a column on the nodes of the block of a cell.
    pure subroutine load_block(grid, cell, column, scale, nodes, block)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
-      integer, intent(in) :: column                          !! Which column
+      integer, intent(in) :: column                          !! Index of the column
       real(wp), intent(in) :: scale                          !! Factor
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), intent(out) :: block(line, line)             !! (along x, along z)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Maps with node functions that are products of functions of one coordinate, given along each
+!> Maps with shape functions that are products of functions of one coordinate, given along each
 !! direction on the nodes -1 to 2 of the cell.
 !!
 !! All particles of a cell share a block of 4 nodes along each direction. The components of the four
@@ -11,50 +11,52 @@ module transfer_spline_kernels
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use transfer_shape_data, only: line, shape_data_t
-   use transfer_spline_plane, only: before_block, columns, plane_forces, plane_spread
+   use transfer_spline_plane, only: before_block, columns, scatter_plane_loads, &
+      scatter_plane_columns
    implicit none
    private
 
-   public :: collect_lines, collect_slopes, spread_affine_lines, spread_lines, spread_stress_lines
+   public :: gather_spline_values, gather_spline_gradient, scatter_spline_affine, &
+      scatter_spline_values, scatter_spline_stress
 
 contains
 
    !> Add sum S_i value to columns of a patch, four columns at a time.
-   pure subroutine spread_lines(grid, after, start, shape, count, values, before, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   pure subroutine scatter_spline_values(grid, after, shape, count, values, before, patch)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: after                           !! Layers after the first one
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: part(columns, start(grid%tile_cells)), sums(columns*size(patch, 2))
+      real(wp) :: part(columns, shape%count), sums(columns*size(patch, 2))
       integer :: p, c, skip
 
       do skip = 0, count - 1, columns
          part = 0.0_wp
          do c = 1, min(count - skip, columns)
-            do p = 1, start(grid%tile_cells)
+            do p = 1, shape%count
                part(c, p) = values(p, skip + c)
             end do
          end do
          sums = 0.0_wp
          if (grid%active(2)) then
-            call space_spread(grid, after, start, size(shape%weight, 1), shape%weight, &
-               shape%low, part, size(sums), sums)
+            call scatter_space_columns(grid, after, shape%start, size(shape%spline%weight, 1), &
+               shape%spline%weight, shape%spline%low, part, size(sums), sums)
          else
-            call plane_spread(grid, after, start, size(shape%weight, 1), shape%weight, &
-               shape%low, part, size(sums), sums)
+            call scatter_plane_columns(grid, after, shape%start, size(shape%spline%weight, 1), &
+               shape%spline%weight, shape%spline%low, part, size(sums), sums)
          end if
          call add_nodes(size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
       end do
-   end subroutine spread_lines
+   end subroutine scatter_spline_values
 
    !> Add sum S_i value of four columns to the sums of the nodes.
-   ! gate: long kernel because arrays are told by their sizes
-   pure subroutine space_spread(grid, after, start, rows, weight, low, values, numbers, sums)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   ! gate: long kernel because arrays are given by their sizes
+   pure subroutine scatter_space_columns(grid, after, start, rows, weight, low, values, numbers, &
+      sums)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: after                           !! Lines and layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: rows                            !! Length of the next two
@@ -63,35 +65,46 @@ contains
       real(wp), contiguous, intent(in) :: values(:, :)       !! (column, particle of the tile)
       integer, intent(in) :: numbers                         !! Four a node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
-      real(wp) :: w1, w2, w3, w4, yz, value
-      integer :: cell, p, j, k, c, base, at, up
+      real(wp) :: functions(line)
+      integer :: cell, p, j, k, base, at, up
 
       up = columns*grid%stride(2)
       do cell = 0, grid%tile_cells - 1
          do p = start(cell) + 1, start(cell + 1)
             base = columns*before_block(grid, cell) + (low(p, 2) - 1)*up
-            w1 = weight(p, 1, 1)
-            w2 = weight(p, 2, 1)
-            w3 = weight(p, 3, 1)
-            w4 = weight(p, 4, 1)
+            functions = weight(p, :, 1)
             do k = low(p, 3), low(p, 3) + after
                at = base + columns*(k - 1)*grid%stride(3)
                do j = low(p, 2), low(p, 2) + after
-                  yz = weight(p, k, 3)*weight(p, j, 2)
-                  !$omp simd private(value)
-                  do c = 1, columns
-                     value = yz*values(c, p)
-                     sums(at + c) = sums(at + c) + w1*value
-                     sums(at + columns + c) = sums(at + columns + c) + w2*value
-                     sums(at + 2*columns + c) = sums(at + 2*columns + c) + w3*value
-                     sums(at + 3*columns + c) = sums(at + 3*columns + c) + w4*value
-                  end do
+                  call add_columns(weight(p, k, 3)*weight(p, j, 2), functions, values(:, p), at, &
+                     numbers, sums)
                   at = at + up
                end do
             end do
          end do
       end do
-   end subroutine space_spread
+   end subroutine scatter_space_columns
+
+   !> Add values to the four nodes of a line.
+   pure subroutine add_columns(factor, weight, values, before, numbers, sums)
+      real(wp), intent(in) :: factor                         !! Function of the line
+      real(wp), intent(in) :: weight(line)                   !! Functions of its nodes
+      real(wp), intent(in) :: values(columns)                !! (column)
+      integer, intent(in) :: before                          !! Numbers before the line
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
+      real(wp) :: value
+      integer :: c
+
+      !$omp simd private(value)
+      do c = 1, columns
+         value = factor*values(c)
+         sums(before + c) = sums(before + c) + weight(1)*value
+         sums(before + columns + c) = sums(before + columns + c) + weight(2)*value
+         sums(before + 2*columns + c) = sums(before + 2*columns + c) + weight(3)*value
+         sums(before + 3*columns + c) = sums(before + 3*columns + c) + weight(4)*value
+      end do
+   end subroutine add_columns
 
    !> Add sums of all nodes of a tile to columns of the patch.
    pure subroutine add_nodes(nodes, number, sums, before, patch)
@@ -121,14 +134,11 @@ contains
 
    !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
    !! A. Stomakhin, ACM Trans. Graph. 34 (2015) 51).
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine spread_affine_lines(grid, after, start, first, shape, mass, velocity, affine, &
-      patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   pure subroutine scatter_spline_affine(grid, after, shape, first, mass, velocity, affine, patch)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: after                           !! Layers after the first one
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
@@ -144,10 +154,10 @@ contains
       z = 0.0_wp
       do cell = 0, grid%tile_cells - 1
          base = columns*before_block(grid, cell)
-         do p = start(cell) + 1, start(cell + 1)
+         do p = shape%start(cell) + 1, shape%start(cell + 1)
             q = first + p - 1
             do i = 1, line
-               weight = mass(q)*shape%weight(p, i, 1)
+               weight = mass(q)*shape%spline%weight(p, i, 1)
                d = grid%spacing*(real(i - 2, wp) - shape%local(p, 1))
                x(1, i) = weight
                do n = 1, 3
@@ -156,14 +166,14 @@ contains
                   z(1 + n, i) = weight*affine(q, n + 6)
                end do
             end do
-            do k = shape%low(p, 3), shape%low(p, 3) + after
+            do k = shape%spline%low(p, 3), shape%spline%low(p, 3) + after
                d_z = merge(grid%spacing*(real(k - 2, wp) - shape%local(p, 3)), 0.0_wp, &
                   grid%active(3))
                at = base + columns*(k - 1)*grid%stride(3)
-               do j = shape%low(p, 2), shape%low(p, 2) + lines_after
+               do j = shape%spline%low(p, 2), shape%spline%low(p, 2) + lines_after
                   d_y = merge(grid%spacing*(real(j - 2, wp) - shape%local(p, 2)), 0.0_wp, &
                      grid%active(2))
-                  weight = shape%weight(p, j, 2)*shape%weight(p, k, 3)
+                  weight = shape%spline%weight(p, j, 2)*shape%spline%weight(p, k, 3)
                   call add_field(weight*[1.0_wp, d_y, d_z], x, y, z, at + (j - 1)*up, size(sums), &
                      sums)
                end do
@@ -171,7 +181,7 @@ contains
          end do
       end do
       call add_nodes(size(patch, 2), columns, sums, 0, patch)
-   end subroutine spread_affine_lines
+   end subroutine scatter_spline_affine
 
    !> Add three fields of a line with their factors.
    pure subroutine add_field(factor, x, y, z, before, numbers, sums)
@@ -192,42 +202,42 @@ contains
    end subroutine add_field
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
-   pure subroutine spread_stress_lines(grid, after, start, first, shape, volume, stress, patch)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   pure subroutine scatter_spline_stress(grid, after, shape, first, volume, stress, patch)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: after                           !! Layers after the first one
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: shape                   !! Of the tile
+      type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer, parameter :: component(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
-      real(wp) :: load(columns, 3, start(grid%tile_cells)), sums(columns*size(patch, 2))
+      real(wp) :: load(columns, 3, shape%count), sums(columns*size(patch, 2))
       integer :: p, k, l
 
       load(columns, :, :) = 0.0_wp
       do l = 1, 3
          do k = 1, 3
-            do p = 1, start(grid%tile_cells)
+            do p = 1, shape%count
                load(k, l, p) = -volume(first + p - 1)*stress(first + p - 1, component(k, l))
             end do
          end do
       end do
       sums = 0.0_wp
       if (grid%active(2)) then
-         call space_forces(grid, after, start, size(shape%weight, 1), shape%weight, &
-            shape%slope, shape%low, load, size(sums), sums)
+         call scatter_space_loads(grid, after, shape%start, size(shape%spline%weight, 1), &
+            shape%spline%weight, shape%spline%slope, shape%spline%low, load, size(sums), sums)
       else
-         call plane_forces(grid, after, start, size(shape%weight, 1), shape%weight, &
-            shape%slope, shape%low, load, size(sums), sums)
+         call scatter_plane_loads(grid, after, shape%start, size(shape%spline%weight, 1), &
+            shape%spline%weight, shape%spline%slope, shape%spline%low, load, size(sums), sums)
       end if
       call add_nodes(size(patch, 2), 3, sums, 4, patch)
-   end subroutine spread_stress_lines
+   end subroutine scatter_spline_stress
 
    !> Add the force of loads to the sums of the nodes.
-   ! gate: long kernel because arrays are told by their sizes
-   pure subroutine space_forces(grid, after, start, rows, weight, slope, low, load, numbers, sums)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   ! gate: long kernel because arrays are given by their sizes
+   pure subroutine scatter_space_loads(grid, after, start, rows, weight, slope, low, load, &
+      numbers, sums)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: after                           !! Lines and layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: rows                            !! Length of the next three
@@ -258,7 +268,7 @@ contains
             end do
          end do
       end do
-   end subroutine space_forces
+   end subroutine scatter_space_loads
 
    !> Add forces to the four nodes of a line.
    ! gate: long kernel because factors in registers are three numbers
@@ -289,9 +299,10 @@ contains
 
    !> Values sum S_i node_i of three columns in three dimensions. The nodes come as one row of
    !! numbers, in which those of a line lie together.
-   ! gate: long kernel because arrays are told by their sizes
-   pure subroutine collect_lines(grid, after, start, rows, weight, low, number, nodes, skip, values)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   ! gate: long kernel because arrays are given by their sizes
+   pure subroutine gather_spline_values(grid, after, start, rows, weight, low, number, nodes, &
+      skip, values)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: rows                            !! Length of the next two
@@ -302,8 +313,9 @@ contains
       integer, intent(in) :: skip                            !! Columns of the values before them
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: sums(3*line), y(line), z
-      integer :: cell, p, k, n, base, at
+      integer :: cell, p, k, n, base, at, up
 
+      up = 3*grid%stride(2)
       do cell = 0, grid%tile_cells - 1
          base = before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)
@@ -314,13 +326,11 @@ contains
             do k = low(p, 3), low(p, 3) + after
                at = 3*(base + (k - 1)*grid%stride(3))
                z = weight(p, k, 3)
-               associate (up => 3*grid%stride(2))
-                  !$omp simd
-                  do n = 1, 3*line
-                     sums(n) = sums(n) + z*((y(1)*nodes(at + n) + y(2)*nodes(at + up + n)) &
-                        + (y(3)*nodes(at + 2*up + n) + y(4)*nodes(at + 3*up + n)))
-                  end do
-               end associate
+               !$omp simd
+               do n = 1, 3*line
+                  sums(n) = sums(n) + z*((y(1)*nodes(at + n) + y(2)*nodes(at + up + n)) &
+                     + (y(3)*nodes(at + 2*up + n) + y(4)*nodes(at + 3*up + n)))
+               end do
             end do
             do n = 1, 3
                values(p, skip + n) = (weight(p, 1, 1)*sums(n) &
@@ -329,14 +339,14 @@ contains
             end do
          end do
       end do
-   end subroutine collect_lines
+   end subroutine gather_spline_values
 
    !> Scaled velocity gradient scale sum u_k dS_i/dx_l in three dimensions. The nodes come as one
    !! row of numbers.
-   ! gate: long kernel because arrays are told by their sizes
-   pure subroutine collect_slopes(grid, after, start, rows, weight, slope, low, number, nodes, &
-      scale, gradient)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   ! gate: long kernel because arrays are given by their sizes
+   pure subroutine gather_spline_gradient(grid, after, start, rows, weight, slope, low, number, &
+      nodes, scale, gradient)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: after                           !! Layers after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: rows                            !! Length of the next three
@@ -348,8 +358,9 @@ contains
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       real(wp) :: x(3*line), y(3*line), z(3*line), b(line), db(line), c, dc, even, odd
-      integer :: cell, p, k, n, base, at
+      integer :: cell, p, k, n, base, at, up
 
+      up = 3*grid%stride(2)
       do cell = 0, grid%tile_cells - 1
          base = before_block(grid, cell)
          do p = start(cell) + 1, start(cell + 1)
@@ -364,18 +375,16 @@ contains
                at = 3*(base + (k - 1)*grid%stride(3))
                c = scale*weight(p, k, 3)
                dc = scale*slope(p, k, 3)
-               associate (up => 3*grid%stride(2))
-                  !$omp simd private(even, odd)
-                  do n = 1, 3*line
-                     even = (b(1)*nodes(at + n) + b(2)*nodes(at + up + n)) &
-                        + (b(3)*nodes(at + 2*up + n) + b(4)*nodes(at + 3*up + n))
-                     odd = (db(1)*nodes(at + n) + db(2)*nodes(at + up + n)) &
-                        + (db(3)*nodes(at + 2*up + n) + db(4)*nodes(at + 3*up + n))
-                     x(n) = x(n) + c*even
-                     y(n) = y(n) + c*odd
-                     z(n) = z(n) + dc*even
-                  end do
-               end associate
+               !$omp simd private(even, odd)
+               do n = 1, 3*line
+                  even = (b(1)*nodes(at + n) + b(2)*nodes(at + up + n)) &
+                     + (b(3)*nodes(at + 2*up + n) + b(4)*nodes(at + 3*up + n))
+                  odd = (db(1)*nodes(at + n) + db(2)*nodes(at + up + n)) &
+                     + (db(3)*nodes(at + 2*up + n) + db(4)*nodes(at + 3*up + n))
+                  x(n) = x(n) + c*even
+                  y(n) = y(n) + c*odd
+                  z(n) = z(n) + dc*even
+               end do
             end do
             do n = 1, line
                b(n) = weight(p, n, 1)
@@ -388,5 +397,5 @@ contains
             end do
          end do
       end do
-   end subroutine collect_slopes
+   end subroutine gather_spline_gradient
 end module transfer_spline_kernels

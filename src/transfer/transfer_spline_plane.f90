@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Maps with node functions that are products of functions of one coordinate, in one and two
+!> Maps with shape functions that are products of functions of one coordinate, in one and two
 !! dimensions: a layer along z is one line along x. Otherwise as in `transfer_spline_kernels`, whose
 !! node
 !! sums and node values these are; functions come as whole arrays, so that a particle finds them
@@ -11,7 +11,7 @@ module transfer_spline_plane
    implicit none
    private
 
-   public :: before_block, plane_forces, plane_spread
+   public :: before_block, scatter_plane_loads, scatter_plane_columns
 
    integer, parameter, public :: columns = 4         !! Components of a node that are summed at once
 
@@ -19,16 +19,17 @@ contains
 
    !> Node before the block of a cell.
    pure integer function before_block(grid, cell) result(node)
-      type(grid_t), intent(in) :: grid                       !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
 
       node = grid%first_node(cell) - sum(grid%stride) - 1
    end function before_block
 
    !> Add sum S_i value of four columns to the sums of the nodes.
-   ! gate: long kernel because arrays are told by their sizes
-   pure subroutine plane_spread(grid, after, start, rows, weight, low, values, numbers, sums)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   ! gate: long kernel because arrays are given by their sizes
+   pure subroutine scatter_plane_columns(grid, after, start, rows, weight, low, values, numbers, &
+      sums)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: after                           !! Lines after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: rows                            !! Length of the next two
@@ -61,12 +62,13 @@ contains
             end do
          end do
       end do
-   end subroutine plane_spread
+   end subroutine scatter_plane_columns
 
    !> Add the force of loads to the sums of the nodes.
-   ! gate: long kernel because arrays are told by their sizes
-   pure subroutine plane_forces(grid, after, start, rows, weight, slope, low, load, numbers, sums)
-      type(grid_t), intent(in) :: grid                       !! The grid
+   ! gate: long kernel because arrays are given by their sizes
+   pure subroutine scatter_plane_loads(grid, after, start, rows, weight, slope, low, load, &
+      numbers, sums)
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: after                           !! Lines after the first one
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: rows                            !! Length of the next three
@@ -108,5 +110,5 @@ contains
             end do
          end do
       end do
-   end subroutine plane_forces
+   end subroutine scatter_plane_loads
 end module transfer_spline_plane

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> How node velocities come back to particles, and particle velocities to nodes.
 !!
-!! Without anything said otherwise a transfer is PIC: v <- S (u + a dt), with u and a velocity and
+!! By default a transfer is PIC: v <- S (u + a dt), with u and a velocity and
 !! acceleration of the nodes, dt the time that the forces act, and S the way from nodes to
-!! particles. Velocities stand in the middle between positions, so u + a dt also moves the particles
-!! through the whole step. A transfer says what it does differently.
+!! particles. Velocities are defined midway between positions, so u + a dt also moves the particles
+!! through the whole step. Each transfer overrides what differs.
 !!
-!! Some transfers want the series w = y_0 + y_1 + ... + y_n of node velocities with y_(s+1) = y_s -
+!! Some transfers use the series w = y_0 + y_1 + ... + y_n of node velocities with y_(s+1) = y_s -
 !! S^+ S y_s, where S^+ is the way from particles to nodes, divided by the mass of nodes. With n + 1
 !! = k it is the sum over l of (-1)**(l+1) binomial(k, l) (S^+ S)**(l-1) y_0, without its large
 !! terms of alternating sign. Each y is one sweep from nodes to particles and back. Equations (T.1),
@@ -31,12 +31,12 @@ module transfer_velocity
       procedure :: read => velocity_read             !! Reads them
       procedure :: affine => velocity_affine         !! Do particles carry a linear velocity field?
       procedure :: turning => velocity_turning       !! Do they carry its rotation only?
-      procedure :: keep => velocity_keep             !! Share of its velocity that a particle keeps
+      procedure :: flip_fraction => velocity_flip_fraction
       procedure :: sweeps => velocity_sweeps         !! Terms n of the series
       procedure :: first_term => velocity_first_term !! Its first term
       procedure :: loss_weight => velocity_loss_weight !! Share of its terms in the lost energy
-      procedure :: push => velocity_push             !! What nodes add to particle velocities
-      procedure :: carry => velocity_carry           !! What nodes add to particle positions
+      procedure :: velocity_increment => velocity_increment !! What nodes add to particle velocities
+      procedure :: advection_velocity => velocity_advection !! What nodes add to particle positions
       procedure :: heat_fields => velocity_heat_fields !! Node fields of the lost kinetic energy
       procedure :: heat => velocity_heat             !! Gives it to the particles
    end type velocity_t
@@ -45,48 +45,48 @@ contains
 
    !> Declare the keys of &method that belong to the transfer. Most have none.
    subroutine velocity_declare(self, schema)
-      class(velocity_t), intent(in) :: self                  !! The transfer
-      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+      class(velocity_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
    end subroutine velocity_declare
 
    !> Read them.
    subroutine velocity_read(self, deck, group)
-      class(velocity_t), intent(inout) :: self               !! The transfer
-      type(deck_t), intent(inout) :: deck                    !! Collects complaints
-      type(group_t), intent(in) :: group                     !! &method
+      class(velocity_t), intent(inout) :: self
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: group
    end subroutine velocity_read
 
-   !> Do particles carry a linear velocity field round them?
+   !> Do particles carry a linear velocity field around them?
    pure logical function velocity_affine(self) result(affine)
-      class(velocity_t), intent(in) :: self                  !! The transfer
+      class(velocity_t), intent(in) :: self
 
       affine = .false.
    end function velocity_affine
 
-   !> Do particles carry the rotation of the velocity round them and nothing else of it?
+   !> Do particles carry the rotation of the velocity around them and nothing else of it?
    pure logical function velocity_turning(self) result(turning)
-      class(velocity_t), intent(in) :: self                  !! The transfer
+      class(velocity_t), intent(in) :: self
 
       turning = .false.
    end function velocity_turning
 
    !> Share of its own velocity that a particle keeps in a step.
-   pure real(wp) function velocity_keep(self) result(keep)
-      class(velocity_t), intent(in) :: self                  !! The transfer
+   pure real(wp) function velocity_flip_fraction(self) result(fraction)
+      class(velocity_t), intent(in) :: self
 
-      keep = 0.0_wp
-   end function velocity_keep
+      fraction = 0.0_wp
+   end function velocity_flip_fraction
 
    !> Terms of the series after the first one, each a sweep over the particles.
    pure integer function velocity_sweeps(self) result(sweeps)
-      class(velocity_t), intent(in) :: self                  !! The transfer
+      class(velocity_t), intent(in) :: self
 
       sweeps = 0
    end function velocity_sweeps
 
    !> First term of the series: the velocity before the forces.
    pure subroutine velocity_first_term(self, dt, velocity, acceleration, term)
-      class(velocity_t), intent(in) :: self                  !! The transfer
+      class(velocity_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
@@ -98,40 +98,40 @@ contains
    !> Factor of <y_0, A**power y_0>, A = 1 - S^+ S, in the kinetic energy that the series loses, as
    !! far as it is summed over nodes, 2 to 2 n.
    pure real(wp) function velocity_loss_weight(self, power) result(weight)
-      class(velocity_t), intent(in) :: self                  !! The transfer
+      class(velocity_t), intent(in) :: self
       integer, intent(in) :: power                           !! Power of A
 
       weight = 0.0_wp
    end function velocity_loss_weight
 
-   !> What nodes add to particle velocities: v <- keep v + S push. Equation (T.1).
-   pure subroutine velocity_push(self, dt, acceleration, filtered, push)
-      class(velocity_t), intent(in) :: self                  !! The transfer
+   !> What nodes add to particle velocities: v <- f v + S increment. Equation (T.1).
+   pure subroutine velocity_increment(self, dt, acceleration, filtered, increment)
+      class(velocity_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
-      real(wp), contiguous, intent(inout) :: push(:, :)      !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: increment(:, :) !! (3, node) [m/s]
 
-      call combine(dt, acceleration, 1.0_wp - self%keep(), filtered, push)
-   end subroutine velocity_push
+      call combine(dt, acceleration, 1.0_wp - self%flip_fraction(), filtered, increment)
+   end subroutine velocity_increment
 
-   !> What moves the particles: x <- x + S carry times the length of the step. Equation (T.2).
-   pure subroutine velocity_carry(self, dt, velocity, acceleration, filtered, carry)
-      class(velocity_t), intent(in) :: self                  !! The transfer
+   !> What moves the particles: x <- x + S advection times the length of the step. Equation (T.2).
+   pure subroutine velocity_advection(self, dt, velocity, acceleration, filtered, advection)
+      class(velocity_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
-      real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: advection(:, :) !! (3, node) [m/s]
 
-      call combine(1.0_wp, velocity, dt, acceleration, carry)
-   end subroutine velocity_carry
+      call combine(1.0_wp, velocity, dt, acceleration, advection)
+   end subroutine velocity_advection
 
-   !> Node fields that `heat` wants.
+   !> Node fields that `heat` uses.
    ! gate: long kernel because it sees all that the nodes know
    pure subroutine velocity_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
-      class(velocity_t), intent(in) :: self                  !! The transfer
+      class(velocity_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
@@ -145,7 +145,7 @@ contains
 
       if (.not. allocated(fields)) &
          allocate (fields(7, size(velocity, 2)), scalar(1, 0))
-      given = 1.0_wp - self%keep()
+      given = 1.0_wp - self%flip_fraction()
       do node = 1, size(velocity, 2)
          associate (u => velocity(:, node), a => acceleration(:, node))
             fields(1:3, node) = dt*a + given*u
@@ -158,21 +158,19 @@ contains
 
    !> Give the kinetic energy that gets lost on the way from particles to nodes and back to the
    !! particles as heat, before they get their new velocities.
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine velocity_heat(self, grid, basis, start, first, shape, fields, scalar, &
-      velocity, energy)
-      class(velocity_t), intent(in) :: self                  !! The transfer
-      type(grid_t), intent(in) :: grid                       !! The grid
-      class(basis_t), intent(in) :: basis                    !! Node functions
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   ! gate: long kernel because columns of a tile are arguments of their own
+   pure subroutine velocity_heat(self, grid, basis, shape, first, fields, scalar, velocity, energy)
+      class(velocity_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      class(basis_t), intent(in) :: basis
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: fields(:, :)       !! (column, node) Of `heat_fields`
       real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) Of `heat_fields`
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
 
-      call basis%gather_heat(grid, start, first, shape, fields, 1.0_wp - self%keep(), velocity, &
+      call basis%gather_heat(grid, shape, first, fields, 1.0_wp - self%flip_fraction(), velocity, &
          energy)
    end subroutine velocity_heat
 end module transfer_velocity

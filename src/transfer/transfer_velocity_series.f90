@@ -37,7 +37,7 @@ module transfer_velocity_series
       pure function mixing_i(self) result(factors)
          import :: velocity_series_t, wp
          implicit none
-         class(velocity_series_t), intent(in) :: self        !! The transfer
+         class(velocity_series_t), intent(in) :: self
          real(wp) :: factors(4)
       end function mixing_i
    end interface
@@ -46,30 +46,28 @@ contains
 
    !> Read the order.
    subroutine series_read(self, deck, group)
-      class(velocity_series_t), intent(inout) :: self        !! The transfer
-      type(deck_t), intent(inout) :: deck                    !! Collects complaints
-      type(group_t), intent(in) :: group                     !! &method
+      class(velocity_series_t), intent(inout) :: self
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: group
 
       call group%get("order_k", self%order)
    end subroutine series_read
 
    !> Terms after the first one.
    pure integer function series_sweeps(self) result(sweeps)
-      class(velocity_series_t), intent(in) :: self           !! The transfer
+      class(velocity_series_t), intent(in) :: self
 
       sweeps = self%order - 1
    end function series_sweeps
 
    !> Heat 1/2 |v - S x|**2 + S scalar - (factors of squares and products at the particle).
-   ! gate: long kernel because a tile is told by its grid, range and places
-   pure subroutine series_heat(self, grid, basis, start, first, shape, fields, scalar, velocity, &
-      energy)
-      class(velocity_series_t), intent(in) :: self           !! The transfer
-      type(grid_t), intent(in) :: grid                       !! The grid
-      class(basis_t), intent(in) :: basis                    !! Node functions
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+   ! gate: long kernel because columns of a tile are arguments of their own
+   pure subroutine series_heat(self, grid, basis, shape, first, fields, scalar, velocity, energy)
+      class(velocity_series_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      class(basis_t), intent(in) :: basis
       integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(inout) :: shape                !! Of the tile
+      type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: fields(:, :)       !! (9, node) x, a dt, y_(k-1) [m/s]
       real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) [J/kg]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
@@ -78,9 +76,9 @@ contains
       integer :: p, q, k
 
       factors = self%mixing()
-      call basis%collect(grid, start, shape, scalar, shape%vector)
-      call basis%collect(grid, start, shape, fields, shape%values)
-      do p = 1, start(grid%tile_cells)
+      call basis%gather_values(grid, shape, scalar, shape%vector)
+      call basis%gather_values(grid, shape, fields, shape%values)
+      do p = 1, shape%count
          q = first + p - 1
          heat = shape%vector(p, 1)
          do k = 1, 3

@@ -21,13 +21,13 @@ contains
 
    !> The share is declared by FLIP for both.
    subroutine aflip_declare(self, schema)
-      class(velocity_aflip_t), intent(in) :: self            !! The transfer
-      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+      class(velocity_aflip_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
    end subroutine aflip_declare
 
    !> Particles carry a linear velocity field.
    pure logical function aflip_affine(self) result(affine)
-      class(velocity_aflip_t), intent(in) :: self            !! The transfer
+      class(velocity_aflip_t), intent(in) :: self
 
       affine = .true.
    end function aflip_affine

@@ -19,7 +19,7 @@ contains
 
    !> Particles carry a linear velocity field.
    pure logical function apic_affine(self) result(affine)
-      class(velocity_apic_t), intent(in) :: self             !! The transfer
+      class(velocity_apic_t), intent(in) :: self
 
       affine = .true.
    end function apic_affine

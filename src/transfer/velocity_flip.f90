@@ -16,17 +16,17 @@ module velocity_flip
    type, extends(velocity_t) :: velocity_flip_t
       real(wp) :: share = 1.0_wp                     !! Share of increments, the rest is PIC [1]
    contains
-      procedure :: declare => flip_declare           !! The share
+      procedure :: declare => flip_declare           !! Share of increments
       procedure :: read => flip_read                 !! Reads it
-      procedure :: keep => flip_keep                 !! Share of its velocity that a particle keeps
+      procedure :: flip_fraction => flip_flip_fraction
    end type velocity_flip_t
 
 contains
 
    !> Declare the share, for all transfers that have one.
    subroutine flip_declare(self, schema)
-      class(velocity_flip_t), intent(in) :: self             !! The transfer
-      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+      class(velocity_flip_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.999", &
          range=">= 0 <= 1", owner="transfer = flip aflip rflip")
@@ -34,17 +34,17 @@ contains
 
    !> Read the share.
    subroutine flip_read(self, deck, group)
-      class(velocity_flip_t), intent(inout) :: self          !! The transfer
-      type(deck_t), intent(inout) :: deck                    !! Collects complaints
-      type(group_t), intent(in) :: group                     !! &method
+      class(velocity_flip_t), intent(inout) :: self
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: group
 
       call group%get("flip", self%share)
    end subroutine flip_read
 
    !> Share of its own velocity that a particle keeps in a step.
-   pure real(wp) function flip_keep(self) result(keep)
-      class(velocity_flip_t), intent(in) :: self             !! The transfer
+   pure real(wp) function flip_flip_fraction(self) result(fraction)
+      class(velocity_flip_t), intent(in) :: self
 
-      keep = self%share
-   end function flip_keep
+      fraction = self%share
+   end function flip_flip_fraction
 end module velocity_flip

@@ -18,8 +18,8 @@ module velocity_fmpm
       procedure :: declare => fmpm_declare           !! Nothing of its own
       procedure :: first_term => fmpm_first_term     !! Velocity after the forces
       procedure :: loss_weight => fmpm_loss_weight   !! Share of terms in the lost energy
-      procedure :: push => fmpm_push                 !! What nodes add to velocities
-      procedure :: carry => fmpm_carry               !! What nodes add to positions
+      procedure :: velocity_increment => fmpm_increment !! What nodes add to velocities
+      procedure :: advection_velocity => fmpm_advection !! What nodes add to positions
       procedure :: heat_fields => fmpm_heat_fields   !! Node fields of the lost energy
       procedure :: mixing => fmpm_mixing             !! Factors of gathered fields in it
    end type velocity_fmpm_t
@@ -28,13 +28,13 @@ contains
 
    !> The order is declared by XPIC for both.
    subroutine fmpm_declare(self, schema)
-      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
-      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+      class(velocity_fmpm_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
    end subroutine fmpm_declare
 
    !> Velocity after the forces.
    pure subroutine fmpm_first_term(self, dt, velocity, acceleration, term)
-      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      class(velocity_fmpm_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
@@ -47,7 +47,7 @@ contains
    !! back gains; what is lost on the way to the nodes outweighs it. The first power is a variance
    !! of the velocity itself, which would see a uniform velocity on the nodes: particles take it.
    pure real(wp) function fmpm_loss_weight(self, power) result(weight)
-      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      class(velocity_fmpm_t), intent(in) :: self
       integer, intent(in) :: power                           !! Power of A
 
       weight = merge(0.5_wp, 0.0_wp, power < 2*self%order - 1)
@@ -56,27 +56,27 @@ contains
    end function fmpm_loss_weight
 
    !> The sum of the series is all.
-   pure subroutine fmpm_push(self, dt, acceleration, filtered, push)
-      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+   pure subroutine fmpm_increment(self, dt, acceleration, filtered, increment)
+      class(velocity_fmpm_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
-      real(wp), contiguous, intent(inout) :: push(:, :)      !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: increment(:, :) !! (3, node) [m/s]
 
-      push = filtered
-   end subroutine fmpm_push
+      increment = filtered
+   end subroutine fmpm_increment
 
    !> The new velocity of the particles.
-   pure subroutine fmpm_carry(self, dt, velocity, acceleration, filtered, carry)
-      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+   pure subroutine fmpm_advection(self, dt, velocity, acceleration, filtered, advection)
+      class(velocity_fmpm_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
-      real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: advection(:, :) !! (3, node) [m/s]
 
-      carry = filtered
-   end subroutine fmpm_carry
+      advection = filtered
+   end subroutine fmpm_advection
 
    !> With y the last term, r = v - S u, a for a dt, and var and cov of node values at a particle:
    !! 1/2 r**2 on the way to the nodes, 1/2 var(u) - 1/2 var(u + a) there and back, 1/2 var(y) and
@@ -84,7 +84,7 @@ contains
    ! gate: long kernel because it sees all that the nodes know
    pure subroutine fmpm_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
-      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      class(velocity_fmpm_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
@@ -111,7 +111,7 @@ contains
 
    !> Of a.a, y.y, a.y and a.u. Order 1 is PIC, with u for y.
    pure function fmpm_mixing(self) result(factors)
-      class(velocity_fmpm_t), intent(in) :: self             !! The transfer
+      class(velocity_fmpm_t), intent(in) :: self
       real(wp) :: factors(4)
 
       if (self%order == 1) then

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> In RFLIP particles carry the rotation of the velocity round them to the nodes, as with the rigid
+!> In RFLIP particles carry the rotation of the velocity around them to the nodes, as with the rigid
 !! particles of C. Jiang, C. Schroeder, A. Selle, J. Teran, A. Stomakhin, ACM Trans. Graph. 34
 !! (2015) 51, and take increments back as with FLIP. Three numbers a particle keep the spin of a
 !! body and free its surface from noise; unlike a whole linear field they do not go on stretching
@@ -21,7 +21,7 @@ contains
 
    !> Particles carry a rotation only.
    pure logical function rflip_turning(self) result(turning)
-      class(velocity_rflip_t), intent(in) :: self            !! The transfer
+      class(velocity_rflip_t), intent(in) :: self
 
       turning = .true.
    end function rflip_turning

@@ -28,8 +28,8 @@ contains
 
    !> Declare the order, for all transfers that have one.
    subroutine xpic_declare(self, schema)
-      class(velocity_xpic_t), intent(in) :: self             !! The transfer
-      type(schema_t), intent(inout) :: schema                !! Keys of the deck
+      class(velocity_xpic_t), intent(in) :: self
+      type(schema_t), intent(inout) :: schema
 
       call schema%integer("method", "order_k", "order of the filter of velocities: terms of "// &
          "its series; xpic has 2 at least", default="2", range=">= 1 <= 100", &
@@ -38,9 +38,9 @@ contains
 
    !> Read the order. The first one is PIC.
    subroutine xpic_read(self, deck, group)
-      class(velocity_xpic_t), intent(inout) :: self          !! The transfer
-      type(deck_t), intent(inout) :: deck                    !! Collects complaints
-      type(group_t), intent(in) :: group                     !! &method
+      class(velocity_xpic_t), intent(inout) :: self
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: group
 
       call group%get("order_k", self%order)
       if (self%order < 2) call deck%complain(group, "xpic of order 1 is pic; write transfer = "// &
@@ -50,7 +50,7 @@ contains
 
    !> The lost energy is the sum of all powers from k to 2 k - 1.
    pure real(wp) function xpic_loss_weight(self, power) result(weight)
-      class(velocity_xpic_t), intent(in) :: self             !! The transfer
+      class(velocity_xpic_t), intent(in) :: self
       integer, intent(in) :: power                           !! Power of A
 
       weight = merge(1.0_wp, 0.0_wp, power >= self%order .and. power < 2*self%order - 1)
@@ -61,7 +61,7 @@ contains
    ! gate: long kernel because it sees all that the nodes know
    pure subroutine xpic_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
-      class(velocity_xpic_t), intent(in) :: self             !! The transfer
+      class(velocity_xpic_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
@@ -82,7 +82,7 @@ contains
 
    !> Of a.a, y.y, a.y and a.w.
    pure function xpic_mixing(self) result(factors)
-      class(velocity_xpic_t), intent(in) :: self             !! The transfer
+      class(velocity_xpic_t), intent(in) :: self
       real(wp) :: factors(4)
 
       factors = [0.5_wp, 1.0_wp, 1.0_wp, 0.0_wp]
