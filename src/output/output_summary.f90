@@ -13,10 +13,10 @@ module output_summary
    use output_checkpoint, only: describe_state
    use output_streams, only: outputs_t
    use output_summary_steps, only: add_rules, steps_text
-   use step_advance, only: count_particles
    use step_exact_error, only: take_errors
    use step_ledger, only: balance_t, entries, entry_names, removed_mass, removed_particles
    use step_simulation, only: nodes_t, simulation_t
+   use step_sort_particles, only: count_particles
    use step_trust, only: final_trust, warn_of_balance
    use step_trust_record, only: add_trust, trust_t, trust_text
    implicit none
@@ -175,12 +175,11 @@ contains
                + 4_int64*(size(store%home) + size(store%cell_start))
          end associate
       end do
-      total = total + node_bytes(simulation%nodes)
+      do index = 1, size(simulation%fields)
+         total = total + node_bytes(simulation%fields(index)%nodes)
+      end do
       if (allocated(simulation%contact)) then
          associate (contact => simulation%contact)
-            do index = 1, size(contact%field)
-               total = total + node_bytes(contact%field(index)%nodes)
-            end do
             total = total + 8_int64*(length(contact%outward) + length(contact%area) &
                + length(contact%reach))
          end associate

@@ -164,7 +164,7 @@ contains
       if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
       if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
       if (allocated(simulation%contact)) columns = real(contact_columns(simulation%contact), wp) &
-         + real(size(simulation%contact%field), wp)*columns
+         + real(size(simulation%fields), wp)*columns
       if (allocated(simulation%conduction)) columns = columns &
          + merge(26.0_wp, 7.0_wp, simulation%method%dual)
       if (simulation%repacks) columns = columns + 1.0_wp

@@ -16,12 +16,13 @@ module program_time_loop
    use program_signals, only: signal_caught, watch_signal
    use program_threads, only: adjust_threads, is_starved, starved_text
    use scene_load_balance, only: read_balancing
-   use step_advance, only: advance, count_particles
+   use step_advance, only: advance
    use step_bounds, only: rule_deck, rule_end
    use step_ledger, only: balance_t, kinetic
    use step_load_balance, only: balance_ranks, balancing_t, watch_costs
    use step_offending_particle, only: name_limiting, replay_text
    use step_simulation, only: requests_t, simulation_t
+   use step_sort_particles, only: count_particles
    use step_trust, only: begin_trust, watch_trust
    implicit none
    private

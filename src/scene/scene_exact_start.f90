@@ -6,8 +6,8 @@ module scene_exact_start
    use exact_solution, only: determinant, exact_t, inverse
    use particle_place, only: place_tile
    use particle_store, only: moved_out, store_t
-   use step_advance, only: sort_particles
    use step_simulation, only: simulation_t
+   use step_sort_particles, only: sort_particles
    use transfer_affine, only: keep_affine
    implicit none
    private

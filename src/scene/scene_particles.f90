@@ -13,11 +13,12 @@ module scene_particles
    use particle_place, only: find_place
    use particle_store, only: traits_t
    use scene_contact, only: bond_stores, store_name
-   use step_advance, only: count_particles, limit_step, sort_particles
    use step_conduction, only: greatest_diffusivity
    use step_ledger, only: cross
    use step_normalised_sums, only: choose_normalised
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, velocity_field_t
+   use step_sort_particles, only: count_particles, sort_particles
+   use step_time_step, only: limit_step
    implicit none
    private
 
@@ -92,6 +93,8 @@ contains
 
       if (allocated(simulation%stores)) deallocate (simulation%stores)
       allocate (simulation%stores(size(simulation%materials)))
+      if (.not. allocated(simulation%contact)) &
+         simulation%fields = [velocity_field_t(last_store=size(simulation%stores))]
       simulation%carries_energy = .false.
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))

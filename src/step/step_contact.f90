@@ -9,7 +9,7 @@ module step_contact
    use particle_store, only: store_t
    use step_contact_surface, only: direction_of, guess_area, reach_row
    use step_particles_to_nodes, only: find_plain_places
-   use step_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
+   use step_simulation, only: empty_mass, guesses, scratch_t, simulation_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_contact, only: bond_traction, contact_bonded, push_apart, state_bonded, &
       state_closed, state_open
@@ -33,8 +33,8 @@ contains
       integer :: tile, field
 
       call simulation%timer%start(simulation%phase%contact)
-      do field = 1, size(simulation%contact%field)
-         call ensure_patch(simulation%contact%field(field)%nodes%rubbed, 1, &
+      do field = 1, size(simulation%fields)
+         call ensure_patch(simulation%fields(field)%nodes%rubbed, 1, &
             simulation%grid%tile_nodes, simulation%tiles%all)
       end do
       if (simulation%contact%bonded) call ensure_broken(simulation)
@@ -57,7 +57,7 @@ contains
          if (allocated(contact%broken)) then
             if (size(contact%broken, 3) < all) deallocate (contact%broken)
          end if
-         if (.not. allocated(contact%broken)) allocate (contact%broken(size(contact%field), &
+         if (.not. allocated(contact%broken)) allocate (contact%broken(size(contact%law, 1), &
             simulation%grid%tile_nodes, all + all/16))
       end associate
    end subroutine ensure_broken
@@ -68,10 +68,10 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
       real(wp), allocatable :: greatest(:, :)
-      integer :: who(size(simulation%contact%field)), node, field, here
+      integer :: who(size(simulation%fields)), node, field, here
 
-      do field = 1, size(simulation%contact%field)
-         simulation%contact%field(field)%nodes%rubbed(:, :, tile) = 0.0_wp
+      do field = 1, size(simulation%fields)
+         simulation%fields(field)%nodes%rubbed(:, :, tile) = 0.0_wp
       end do
       if (simulation%contact%bonded) simulation%contact%broken(:, :, tile) = .false.
       if (.not. simulation%contact%meets(tile)) return
@@ -81,7 +81,7 @@ contains
       do node = 1, simulation%grid%tile_nodes
          here = 0
          do field = 1, size(who)
-            if (.not. simulation%contact%field(field)%nodes%mass(1, node, tile) > empty_mass) cycle
+            if (.not. simulation%fields(field)%nodes%mass(1, node, tile) > empty_mass) cycle
             here = here + 1
             who(here) = field
          end do
@@ -104,7 +104,7 @@ contains
 
       call survey_node(simulation, tile, node, who, reach, area, normal, state)
       if (all(state == state_open)) return
-      associate (field => simulation%contact%field, law => simulation%contact%law(who, who))
+      associate (field => simulation%fields, law => simulation%contact%law(who, who))
          do a = 1, size(who)
             mass(a) = field(who(a))%nodes%mass(1, node, tile)
             velocity(:, a) = field(who(a))%nodes%strain(:, node, tile)
@@ -124,7 +124,7 @@ contains
          end do
          if (again) call push_apart(mass, velocity, normal, state, law, push)
       end associate
-      call give_push(simulation%contact, tile, node, who, mass, push, dt)
+      call give_push(simulation%fields, tile, node, who, mass, push, dt)
    end subroutine touch_node
 
    !> How the fields at a node lie to each other. Of the guessed normals the one counts along which
@@ -152,8 +152,8 @@ contains
                   normal(:, a, b), gap)
                if (gap <= slack*spacing) state(a, b) = state_closed
                if (contact%law(who(a), who(b))%kind /= contact_bonded) cycle
-               if (gap <= bond_reach*spacing .and. holds(contact, tile, node, who(a)) .and. &
-                  holds(contact, tile, node, who(b))) state(a, b) = state_bonded
+               if (gap <= bond_reach*spacing .and. holds(simulation, tile, node, who(a)) .and. &
+                  holds(simulation, tile, node, who(b))) state(a, b) = state_bonded
             end do
          end do
       end associate
@@ -193,20 +193,20 @@ contains
    end subroutine choose_normal
 
    !> Do the bonds of most of the mass of a field at a node hold?
-   pure logical function holds(contact, tile, node, field) result(most)
-      type(contact_t), intent(in) :: contact         !! The fields
+   pure logical function holds(simulation, tile, node, field) result(most)
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: field                   !! Which field
 
-      most = contact%area(4*field, node, tile) > &
-         held*contact%field(field)%nodes%mass(1, node, tile)
+      most = simulation%contact%area(4*field, node, tile) > &
+         held*simulation%fields(field)%nodes%mass(1, node, tile)
    end function holds
 
    !> Give the fields at a node what pushes them. The work that the pushes take from all of them
    !! together becomes heat, the same for each mass. Equation (C.6).
-   subroutine give_push(contact, tile, node, who, mass, push, dt)
-      type(contact_t), intent(inout) :: contact      !! The fields
+   subroutine give_push(fields, tile, node, who, mass, push, dt)
+      type(velocity_field_t), intent(inout) :: fields(:)
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: who(:)                  !! The fields
@@ -223,7 +223,7 @@ contains
             if (b < a) total = total + push(:, b, a)
             if (b > a) total = total - push(:, a, b)
          end do
-         associate (nodes => contact%field(who(a))%nodes)
+         associate (nodes => fields(who(a))%nodes)
             nodes%strain(:, node, tile) = nodes%strain(:, node, tile) + total/mass(a)
             nodes%acceleration(:, node, tile) = nodes%acceleration(:, node, tile) &
                + total/(dt*mass(a))
@@ -232,7 +232,7 @@ contains
          end associate
       end do
       do a = 1, size(who)
-         contact%field(who(a))%nodes%rubbed(1, node, tile) = lost/sum(mass)
+         fields(who(a))%nodes%rubbed(1, node, tile) = lost/sum(mass)
       end do
    end subroutine give_push
 
@@ -245,9 +245,9 @@ contains
       !$omp parallel do default(none) shared(simulation) private(tile, field, index) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%tiles%own
-         do field = 1, size(simulation%contact%field)
+         do field = 1, size(simulation%fields)
             if (.not. any(simulation%contact%broken(field, :, tile))) cycle
-            do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+            do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
                if (.not. allocated(simulation%stores(index)%bond)) cycle
                call break_tile(simulation, simulation%scratch(omp_get_thread_num()), &
                   simulation%contact%broken(field, :, tile), tile, simulation%stores(index))

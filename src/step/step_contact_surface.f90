@@ -29,7 +29,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run; fields have their masses
       integer :: fields, rows
 
-      fields = size(simulation%contact%field)
+      fields = size(simulation%fields)
       rows = area_rows(simulation%contact)*fields
       call simulation%timer%start(simulation%phase%contact)
       call find_meetings(simulation)
@@ -66,8 +66,8 @@ contains
       !$omp parallel do default(none) shared(simulation) private(tile, field, here) schedule(static)
       do tile = 1, simulation%tiles%all
          here = 0
-         do field = 1, size(simulation%contact%field)
-            where (simulation%contact%field(field)%nodes%mass(1, :, tile) > empty_mass) &
+         do field = 1, size(simulation%fields)
+            where (simulation%fields(field)%nodes%mass(1, :, tile) > empty_mass) &
                here = here + 1
          end do
          simulation%contact%meets(tile) = any(here > 1)
@@ -121,10 +121,10 @@ contains
       call clear_patch(patch)
       if (.not. simulation%contact%meets(tile)) return
       rows = area_rows(simulation%contact)
-      do field = 1, size(simulation%contact%field)
+      do field = 1, size(simulation%fields)
          before = rows*(field - 1)
          call clear_patch(wide)
-         do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+         do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
             if (simulation%stores(index)%count(tile) == 0) cycle
             associate (store => simulation%stores(index), grid => simulation%grid, &
                basis => simulation%method%basis, pushed => scratch%pushed, &
@@ -184,7 +184,7 @@ contains
       associate (contact => simulation%contact)
          call assemble(simulation%grid, simulation%tiles, contact%outward, tile, &
             contact%area(:, :, tile))
-         do field = 1, size(contact%field)
+         do field = 1, size(contact%law, 1)
             before = area_rows(contact)*(field - 1)
             tensor = 0.0_wp
             do k = 1, 3
@@ -230,7 +230,7 @@ contains
       integer, intent(in) :: a, b                    !! The fields
       integer, intent(in) :: guess                   !! 1 to 3
 
-      row = guesses*(size(contact%field)*(a - 1) + b - 1) + guess
+      row = guesses*(size(contact%law, 1)*(a - 1) + b - 1) + guess
    end function reach_row
 
    !> Its direction; nothing where it is too small to have one.
@@ -256,7 +256,7 @@ contains
 
       patch = -huge(1.0_wp)
       if (.not. simulation%contact%meets(tile)) return
-      do b = 2, size(simulation%contact%field)
+      do b = 2, size(simulation%fields)
          do a = 1, b - 1
             do guess = 1, guesses
                call find_normals(simulation, tile, a, b, guess, normal)
@@ -283,10 +283,10 @@ contains
       integer :: node
 
       normal = 0.0_wp
-      associate (contact => simulation%contact)
+      associate (contact => simulation%contact, fields => simulation%fields)
          do node = 1, size(normal, 2)
-            if (.not. contact%field(a)%nodes%mass(1, node, tile) > empty_mass) cycle
-            if (.not. contact%field(b)%nodes%mass(1, node, tile) > empty_mass) cycle
+            if (.not. fields(a)%nodes%mass(1, node, tile) > empty_mass) cycle
+            if (.not. fields(b)%nodes%mass(1, node, tile) > empty_mass) cycle
             normal(:, node) = direction_of(simulation, &
                guess_area(contact, tile, node, a, b, guess))
          end do
@@ -303,7 +303,7 @@ contains
       real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
       integer :: index
 
-      do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+      do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index), grid => simulation%grid, &
             start => simulation%stores(index)%cell_start(:, tile), &

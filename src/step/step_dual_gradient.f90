@@ -8,7 +8,7 @@ module step_dual_gradient
    use step_method, only: stress_after
    use step_node_sums, only: divide, ensure_sums, keep_sums, slots
    use step_particles_to_nodes, only: nodes_seen, tensor_rows, vector_rows
-   use step_simulation, only: empty_mass, simulation_t
+   use step_simulation, only: empty_mass, simulation_t, velocity_field_t
    use step_small_masses, only: calm_light_nodes, light_may_gain
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
@@ -19,36 +19,40 @@ module step_dual_gradient
 contains
 
    !> Weights and volumes of the dual gradient, and the force of the stress on the nodes.
-   subroutine dual_fields(simulation)
+   subroutine dual_fields(simulation, field)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer :: tile
       real(wp) :: began
 
       call simulation%timer%start(simulation%phase%grid)
-      call ensure_dual(simulation)
-      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
+      call ensure_dual(simulation, field)
+      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      !$omp schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
-         call weigh_tile(simulation, tile)
+         call weigh_tile(simulation, field, tile)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      associate (nodes => simulation%nodes)
+      associate (nodes => field%nodes)
          call nodes%weighted%line_up(simulation%grid, simulation%tiles)
          call nodes%share%ensure(nodes%weighted%nodes())
          call nodes%force%ensure(nodes%weighted%nodes())
       end associate
-      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
+      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      !$omp schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
-         call share_tile(simulation, tile)
+         call share_tile(simulation, field, tile)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
+      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      !$omp schedule(static)
       do tile = 1, simulation%tiles%all
          began = cost_clock(simulation)
-         call force_tile(simulation, tile)
+         call force_tile(simulation, field, tile)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
@@ -56,14 +60,15 @@ contains
    end subroutine dual_fields
 
    !> Make room for the fields of the dual gradient, but for pieces whose boxes are not known yet.
-   pure subroutine ensure_dual(simulation)
+   pure subroutine ensure_dual(simulation, field)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
 
-      associate (nodes => simulation%nodes, grid => simulation%grid, all => simulation%tiles%all)
-         call ensure_sums(simulation)
+      associate (nodes => field%nodes, grid => simulation%grid, all => simulation%tiles%all)
+         call ensure_sums(simulation, field)
          call ensure_weights(nodes%weight, grid%tile_cells, all)
          call nodes%weighted%ensure(all)
-         call ensure_patch(nodes%volume, 1, grid%tile_nodes, slots(simulation))
+         call ensure_patch(nodes%volume, 1, grid%tile_nodes, slots(simulation, field))
          if (simulation%repacks) call ensure_patch(nodes%filled, 1, grid%tile_nodes, all)
          if (allocated(nodes%share%row)) return
          call nodes%share%keep(1, [.true.])
@@ -75,15 +80,16 @@ contains
    end subroutine ensure_dual
 
    !> Weights of the cells of a tile.
-   subroutine weigh_tile(simulation, tile)
+   subroutine weigh_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       integer, parameter :: filled = 8               ! row of the patch
       real(wp) :: around(simulation%grid%tile_nodes)
       real(wp) :: sums(filled, simulation%grid%tile_nodes)
       logical :: weighs(simulation%grid%tile_cells)
 
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
+      associate (grid => simulation%grid, nodes => field%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
          call nodes%motion(1)%assemble(grid, simulation%tiles, nodes%touched, tile, sums)
          if (.not. nodes%lean) call keep_sums(nodes, tile, sums)
@@ -99,12 +105,13 @@ contains
    end subroutine weigh_tile
 
    !> Share of the cells of a tile in the volumes of the nodes.
-   subroutine share_tile(simulation, tile)
+   subroutine share_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: patch(1, simulation%grid%tile_nodes)
 
-      associate (grid => simulation%grid, nodes => simulation%nodes)
+      associate (grid => simulation%grid, nodes => field%nodes)
          call clear_patch(patch)
          call simulation%dual%add_volume(grid, simulation%tiles%coordinate(:, tile), &
             nodes%weight(:, tile), patch)
@@ -113,28 +120,30 @@ contains
    end subroutine share_tile
 
    !> Volumes of the nodes of a tile.
-   pure subroutine find_volumes(simulation, tile, slot)
+   pure subroutine find_volumes(simulation, field, tile, slot)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: slot                    !! Where its fields are
 
-      associate (nodes => simulation%nodes)
+      associate (nodes => field%nodes)
          call nodes%share%assemble(simulation%grid, simulation%tiles, nodes%weighted, tile, &
             nodes%volume(:, :, slot))
       end associate
    end subroutine find_volumes
 
    !> Force of the node stress of the cells of a tile.
-   subroutine force_tile(simulation, tile)
+   subroutine force_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: stress(9, simulation%grid%tile_nodes), force(3, simulation%grid%tile_nodes)
       integer :: slot
 
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
+      associate (grid => simulation%grid, nodes => field%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
          slot = nodes%slot(tile)
-         call find_volumes(simulation, tile, slot)
+         call find_volumes(simulation, field, tile, slot)
          call nodes%motion(2)%assemble(grid, simulation%tiles, nodes%touched, tile, stress)
          if (allocated(nodes%normal)) then
             call normalise(nodes%volume(:, :, slot), nodes%normal(:, :, tile), stress)
@@ -183,16 +192,17 @@ contains
    end subroutine add_star
 
    !> Bound what light nodes of a tile gain in the velocity that strains.
-   pure subroutine calm_tile(simulation, tile, slot, dt)
+   pure subroutine calm_tile(simulation, field, tile, slot, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: slot                    !! Where its fields are
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
 
       if (.not. (simulation%method%dual .and. simulation%method%stress == stress_after)) return
-      associate (nodes => simulation%nodes)
+      associate (nodes => field%nodes)
          if (.not. light_may_gain(simulation%grid, dt, nodes%acceleration(:, :, slot))) return
-         if (nodes%lean) call find_volumes(simulation, tile, slot)
+         if (nodes%lean) call find_volumes(simulation, field, tile, slot)
          call calm_light_nodes(simulation%grid, simulation%tiles%coordinate(:, tile), &
             nodes%volume(1, :, slot), dt, nodes%velocity(:, :, slot), &
             nodes%acceleration(:, :, slot), nodes%strain(:, :, slot))
@@ -200,8 +210,9 @@ contains
    end subroutine calm_tile
 
    !> Share of the cells of a tile in the node gradient of a velocity.
-   pure subroutine put_gradient(simulation, tile, velocity, gradient)
+   pure subroutine put_gradient(simulation, field, tile, velocity, gradient)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       type(packed_patch_t), intent(inout) :: gradient      !! Gets it [m3/s]
@@ -209,14 +220,15 @@ contains
 
       call clear_patch(patch)
       call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
-         simulation%nodes%weight(:, tile), velocity, patch)
-      call gradient%put(simulation%grid, simulation%nodes%weighted, tile, 1, patch)
+         field%nodes%weight(:, tile), velocity, patch)
+      call gradient%put(simulation%grid, field%nodes%weighted, tile, 1, patch)
    end subroutine put_gradient
 
    !> Sum of the pieces of a node gradient, divided by the volumes of the nodes. Equation (M.6) of
    !! doc/theory/method.md.
-   subroutine node_gradient(simulation, tile, pieces, gradient)
+   subroutine node_gradient(simulation, field, tile, pieces, gradient)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       type(packed_patch_t), intent(in) :: pieces           !! Shares of the cells [m3/s]
       !> (9, node) [1/s]; only where the particles of the tile see it
@@ -224,14 +236,14 @@ contains
       integer :: low, high
 
       if (.not. allocated(gradient)) allocate (gradient(9, simulation%grid%tile_nodes))
-      call pieces%assemble(simulation%grid, simulation%tiles, simulation%nodes%weighted, tile, &
+      call pieces%assemble(simulation%grid, simulation%tiles, field%nodes%weighted, tile, &
          gradient)
-      call nodes_seen(simulation, tile, low, high)
-      if (allocated(simulation%nodes%normal)) then
-         call normalise(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), &
-            simulation%nodes%normal(:, low:high, tile), gradient(:, low:high))
+      call nodes_seen(simulation, field, tile, low, high)
+      if (allocated(field%nodes%normal)) then
+         call normalise(field%nodes%volume(:, low:high, field%nodes%slot(tile)), &
+            field%nodes%normal(:, low:high, tile), gradient(:, low:high))
       else
-         call divide(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), 1, &
+         call divide(field%nodes%volume(:, low:high, field%nodes%slot(tile)), 1, &
             gradient(:, low:high))
       end if
       call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &

@@ -3,7 +3,7 @@
 !! tiles are worked on while it travels. Packing is timed apart from waiting.
 module step_exchange
    use base_kinds, only: wp
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, velocity_field_t
    implicit none
    private
 
@@ -51,8 +51,9 @@ contains
    end subroutine pass_patches
 
    !> The same for the pieces of the motion.
-   subroutine pass_motion(simulation, part)
+   subroutine pass_motion(simulation, field, part)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: part                    !! What is done
       real(wp) :: waited
       integer :: kinds
@@ -60,7 +61,7 @@ contains
       if (simulation%communicator%size == 1) return
       kinds = merge(2, 1, simulation%method%dual)
       associate (communicator => simulation%communicator, phase => simulation%phase, &
-         nodes => simulation%nodes)
+         nodes => field%nodes)
          call simulation%timer%start(phase%exchange)
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then

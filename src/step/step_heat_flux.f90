@@ -36,26 +36,26 @@ contains
       integer :: index, tile
 
       call simulation%timer%start(simulation%phase%grid)
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
-         call ensure_patch(nodes%heat, content, number, simulation%tiles%own)
-         call ensure_patch(nodes%flux, 1, number, simulation%tiles%own)
-         call ensure_patch(nodes%warmth, passed, number, simulation%tiles%own)
+      associate (heat => simulation%heat_flux, number => simulation%grid%tile_nodes)
+         call ensure_patch(heat%content, content, number, simulation%tiles%own)
+         call ensure_patch(heat%flux, 1, number, simulation%tiles%own)
+         call ensure_patch(heat%total, passed, number, simulation%tiles%own)
       end associate
       do index = 1, size(simulation%stores)
          if (.not. flows(simulation, index)) cycle
-         call each_own(simulation, index, dt, spread_energy, simulation%nodes%heat)
+         call each_own(simulation, index, dt, spread_energy, simulation%heat_flux%content)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
          do tile = 1, simulation%tiles%own
             call find_energy(simulation, tile)
          end do
          !$omp end parallel do
-         call each_own(simulation, index, dt, spread_conductance, simulation%nodes%flux)
+         call each_own(simulation, index, dt, spread_conductance, simulation%heat_flux%flux)
          !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
          do tile = 1, simulation%tiles%own
             call find_passed(simulation, tile, dt)
          end do
          !$omp end parallel do
-         call each_own(simulation, index, dt, spread_flux, simulation%nodes%flux)
+         call each_own(simulation, index, dt, spread_flux, simulation%heat_flux%flux)
          !$omp parallel do default(none) shared(simulation, index, dt) private(tile) &
          !$omp schedule(dynamic, 1)
          do tile = 1, simulation%tiles%own
@@ -140,8 +140,8 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: sums(content, simulation%grid%tile_nodes)
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%heat, tile, sums)
-      simulation%nodes%warmth(:content, :, tile) = sums
+      call assemble(simulation%grid, simulation%tiles, simulation%heat_flux%content, tile, sums)
+      simulation%heat_flux%total(:content, :, tile) = sums
    end subroutine find_energy
 
    !> Conductance of all edges of the cells that end in a node [W kg/J].
@@ -184,12 +184,12 @@ contains
       real(wp) :: given(1, simulation%grid%tile_nodes)
       integer :: node
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%flux, tile, given)
-      associate (warmth => simulation%nodes%warmth(:, :, tile))
+      call assemble(simulation%grid, simulation%tiles, simulation%heat_flux%flux, tile, given)
+      associate (total => simulation%heat_flux%total(:, :, tile))
          do node = 1, size(given, 2)
-            warmth(passed, node) = merge(1.0_wp, 0.0_wp, warmth(mass, node) > empty_mass)
-            if (dt*given(1, node) > warmth(mass, node)) &
-               warmth(passed, node) = warmth(mass, node)/(dt*given(1, node))
+            total(passed, node) = merge(1.0_wp, 0.0_wp, total(mass, node) > empty_mass)
+            if (dt*given(1, node) > total(mass, node)) &
+               total(passed, node) = total(mass, node)/(dt*given(1, node))
          end do
       end associate
    end subroutine find_passed
@@ -205,10 +205,10 @@ contains
       real(wp) :: energy(1, size(patch, 2)), weight(4), place(3), conductance, flow
       integer :: low(4), p, cell, direction, edges, edge, high
 
-      energy(1, :) = simulation%nodes%warmth(content, :, tile)
-      call divide(simulation%nodes%warmth(:, :, tile), mass, energy)
+      energy(1, :) = simulation%heat_flux%total(content, :, tile)
+      call divide(simulation%heat_flux%total(:, :, tile), mass, energy)
       associate (store => simulation%stores(index), grid => simulation%grid, &
-         share => simulation%nodes%warmth(passed, :, tile))
+         share => simulation%heat_flux%total(passed, :, tile))
          call find_plain_places(simulation, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
@@ -282,15 +282,15 @@ contains
       real(wp) :: flow(1, simulation%grid%tile_nodes), change(2, simulation%grid%tile_nodes), given
       integer :: node, p, q
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%flux, tile, flow)
+      call assemble(simulation%grid, simulation%tiles, simulation%heat_flux%flux, tile, flow)
       change = 0.0_wp
-      associate (warmth => simulation%nodes%warmth(:, :, tile))
+      associate (total => simulation%heat_flux%total(:, :, tile))
          do node = 1, size(change, 2)
             ! by mass what is gained, by energy what is lost
             if (flow(1, node) > 0.0_wp) then
-               change(1, node) = dt*flow(1, node)/warmth(mass, node)
+               change(1, node) = dt*flow(1, node)/total(mass, node)
             else if (flow(1, node) < 0.0_wp) then
-               change(2, node) = dt*flow(1, node)/warmth(content, node)
+               change(2, node) = dt*flow(1, node)/total(content, node)
             end if
          end do
       end associate

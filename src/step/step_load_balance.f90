@@ -4,8 +4,8 @@ module step_load_balance
    use base_kinds, only: int64, wp
    use mesh_tiles, only: partition_pieces
    use particle_store, only: moved_away, store_t
-   use step_advance, only: count_particles, sort_particles
    use step_simulation, only: simulation_t
+   use step_sort_particles, only: count_particles, sort_particles
    implicit none
    private
 

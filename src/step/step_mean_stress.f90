@@ -8,7 +8,7 @@ module step_mean_stress
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_particles_to_nodes, only: find_places
-   use step_simulation, only: empty_mass, scratch_t, simulation_t
+   use step_simulation, only: empty_mass, scratch_t, simulation_t, velocity_field_t
    implicit none
    private
 
@@ -19,21 +19,23 @@ module step_mean_stress
 contains
 
    !> Mean stress on the nodes inside of bodies; less towards their surfaces and none there.
-   subroutine find_star(simulation)
+   subroutine find_star(simulation, field)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+      associate (nodes => field%nodes, number => simulation%grid%tile_nodes)
          call simulation%timer%start(simulation%phase%scatter)
          call ensure_patch(nodes%mean, columns, number, simulation%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
-               call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
-                  simulation%nodes%mean(:, :, tiles(n)))
+               call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
+                  tiles(n), &
+                  field%nodes%mean(:, :, tiles(n)))
             end do
             !$omp end parallel do
             call pass_patches(simulation, part, nodes%mean)
@@ -41,9 +43,9 @@ contains
          call simulation%timer%stop(simulation%phase%scatter)
          call simulation%timer%start(simulation%phase%grid)
          call ensure_patch(nodes%star, columns - 1, number, simulation%tiles%all)
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
          do tile = 1, simulation%tiles%all
-            call divide_tile(simulation, tile)
+            call divide_tile(simulation, field, tile)
          end do
          !$omp end parallel do
          call simulation%timer%stop(simulation%phase%grid)
@@ -51,18 +53,19 @@ contains
    end subroutine find_star
 
    !> Volume and stress of the particles of a tile.
-   subroutine scatter_tile(simulation, scratch, tile, patch)
+   subroutine scatter_tile(simulation, field, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index, p, q, k
 
       call clear_patch(patch)
-      do index = simulation%first_store, simulation%end_store()
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_places(simulation, scratch, store, tile)
+            call find_places(simulation, field, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                scratch%shape%values(p, 1) = store%state%volume(q)
@@ -83,14 +86,15 @@ contains
    !> Mean stress of the nodes of a tile, times the least fill of all nodes around: twice their
    !! volume of particles over their own, at most 1. Nodes beyond the box do not count. Equation
    !! (Q.2).
-   subroutine divide_tile(simulation, tile)
+   subroutine divide_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: total(columns, simulation%grid%tile_nodes)
       real(wp) :: around(simulation%grid%tile_nodes), fill(simulation%grid%tile_nodes)
       integer :: node, direction
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%mean, tile, total)
+      call assemble(simulation%grid, simulation%tiles, field%nodes%mean, tile, total)
       call simulation%grid%node_volume(simulation%tiles%coordinate(:, tile), around)
       do node = 1, size(fill)
          fill(node) = 1.0_wp
@@ -100,9 +104,9 @@ contains
          if (simulation%grid%active(direction)) call take_least(simulation%grid, direction, fill)
       end do
       do node = 1, size(fill)
-         simulation%nodes%star(:, node, tile) = 0.0_wp
+         field%nodes%star(:, node, tile) = 0.0_wp
          if (total(1, node) > empty_mass) &
-            simulation%nodes%star(:, node, tile) = fill(node)*total(2:, node)/total(1, node)
+            field%nodes%star(:, node, tile) = fill(node)*total(2:, node)/total(1, node)
       end do
    end subroutine divide_tile
 

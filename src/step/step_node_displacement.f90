@@ -5,7 +5,7 @@ module step_node_displacement
    use mesh_grid, only: lane_bit
    use step_bounds, only: slow_nodes
    use step_method, only: stress_after
-   use step_simulation, only: empty_mass, reach_t, simulation_t
+   use step_simulation, only: empty_mass, reach_t, simulation_t, velocity_field_t
    implicit none
    private
 
@@ -27,8 +27,8 @@ contains
    end function worse
 
    !> Is the step that comes to be looked at? Where particles have been strained before the force,
-   !! or see the gain of nodes however light, a shorter step does not help; and a step that the deck
-   !! fixes stays.
+   !! or see the gain of nodes however light, a shorter step does not help; a step that the deck
+   !! fixes stays; and with contact bonds may have broken, so the step cannot be repeated.
    pure logical function asks(simulation) result(asked)
       type(simulation_t), intent(in) :: simulation   !! The run
 
@@ -36,13 +36,15 @@ contains
          asked = method%remaps() .or. (method%dual .and. &
             method%stress == stress_after)
       end associate
-      asked = asked .and. simulation%guard%bounds%dt_free
+      asked = asked .and. simulation%guard%bounds%dt_free .and. &
+         .not. allocated(simulation%contact)
    end function asks
 
    !> How far the nodes of a tile would go that its particles see. Most tiles are so slow that their
    !! greatest velocity tells, others fly as a whole. Equation (S.7) of doc/theory/time_step.md.
-   pure subroutine look_at_tile(simulation, tile, slot, dt, reach)
+   pure subroutine look_at_tile(simulation, field, tile, slot, dt, reach)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: slot                    !! Where its fields are
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -51,8 +53,8 @@ contains
 
       far = max(part_moved, simulation%method%cfl)
       apart = strain_share*simulation%guard%bounds%strain_max
-      associate (velocity => simulation%nodes%strain(:, :, slot), grid => simulation%grid, &
-         mass => simulation%nodes%mass(1, :, slot))
+      associate (velocity => field%nodes%strain(:, :, slot), grid => simulation%grid, &
+         mass => field%nodes%mass(1, :, slot))
          ! bounds for each component that hold whatever the other components are
          if (slow_nodes(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
             *grid%spacing/dt)) return

@@ -21,7 +21,7 @@ module step_nodes_to_particles
    use step_particles_to_nodes, only: find_places, nodes_seen
    use step_pressure_relaxation, only: normalised, relax_pressures
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: scratch_t, simulation_t, velocity_field_t
    use step_strain_average, only: average_strain, keep_earlier
    use step_tile_cost, only: cost_clock, record_cost
    use step_velocity_remap, only: find_filtered, find_slopes
@@ -64,24 +64,26 @@ module step_nodes_to_particles
 contains
 
    !> Give the particles what the nodes hold.
-   subroutine nodes_to_particles(simulation, parts, dt)
+   subroutine nodes_to_particles(simulation, field, parts, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       call simulation%timer%start(simulation%phase%gather)
       if (allocated(simulation%method%splitting) .and. parts%strain) &
-         call ensure_opening(simulation%stores(simulation%first_store:simulation%end_store()))
-      !$omp parallel default(none) shared(simulation, parts, dt)
-      call gather_some(simulation, parts, dt)
+         call ensure_opening(simulation%stores(field%first_store:field%last_store))
+      !$omp parallel default(none) shared(simulation, field, parts, dt)
+      call gather_some(simulation, field, parts, dt)
       !$omp end parallel
       call simulation%timer%stop(simulation%phase%gather)
    end subroutine nodes_to_particles
 
    !> The tiles of one thread. Its view keeps its memory from tile to tile: getting it anew costs as
    !! much as all else where a tile has a particle or two.
-   subroutine gather_some(simulation, parts, dt)
+   subroutine gather_some(simulation, field, parts, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t) :: view
@@ -94,7 +96,7 @@ contains
          do tile = 1, simulation%tiles%own
             began = cost_clock(simulation)
             lap = scratch%laps%clock()
-            call gather_tile(simulation, scratch, tile, parts, dt, view)
+            call gather_tile(simulation, field, scratch, tile, parts, dt, view)
             call scratch%laps%book(lap)
             call record_cost(simulation, tile, began)
          end do
@@ -114,8 +116,9 @@ contains
    end subroutine ensure_opening
 
    !> One tile.
-   subroutine gather_tile(simulation, scratch, tile, parts, dt, view)
+   subroutine gather_tile(simulation, field, scratch, tile, parts, dt, view)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
@@ -126,14 +129,14 @@ contains
 
       if (allocated(simulation%contact)) then
          if (all([(simulation%stores(index)%count(tile) == 0, &
-            index=simulation%first_store, simulation%last_store)])) return
+            index=field%first_store, field%last_store)])) return
       end if
-      call recall_seen(simulation, tile)
-      call look(simulation, tile, parts, view)
-      do index = simulation%first_store, simulation%end_store()
+      call recall_seen(simulation, field, tile)
+      call look(simulation, field, tile, parts, view)
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_places(simulation, scratch, store, tile)
+            call find_places(simulation, field, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile))
             if (parts%work .and. allocated(store%state%energy)) &
                call add_work(simulation, scratch, store, tile, view)
@@ -143,10 +146,10 @@ contains
             if (parts%motion .and. simulation%materials(index)%repacks) &
                call repack_particles(simulation, scratch, index, tile, view)
             if (parts%motion .and. allocated(simulation%contact)) &
-               call add_rubbed(simulation, scratch, store, tile)
+               call add_rubbed(simulation, field, scratch, store, tile)
             fastest = 0.0_wp
             steepest = scratch%steepest
-            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, &
+            if (parts%strain) call strain_particles(simulation, field, scratch, index, tile, view, &
                dt, .not. parts%motion, fastest)
             if (parts%motion) then
                call move_particles(simulation, scratch, index, tile, view, dt)
@@ -160,15 +163,16 @@ contains
    end subroutine gather_tile
 
    !> Heat of contact to the particles of a tile; matter that carries no internal energy books it.
-   subroutine add_rubbed(simulation, scratch, store, tile)
+   subroutine add_rubbed(simulation, field, scratch, store, tile)
       type(simulation_t), intent(in) :: simulation   !! The run with contact
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(inout) :: store          !! The particles
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: lost
       integer :: p, q
 
-      associate (rubbed => simulation%nodes%rubbed(:, :, tile), shape => scratch%shape)
+      associate (rubbed => field%nodes%rubbed(:, :, tile), shape => scratch%shape)
          if (.not. any(abs(rubbed) > 0.0_wp)) return
          call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), shape, &
             rubbed, shape%values)
@@ -215,40 +219,42 @@ contains
    end subroutine judge_particles
 
    !> The node fields of a tile as the particles see them.
-   subroutine look(simulation, tile, parts, view)
+   subroutine look(simulation, field, tile, parts, view)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       type(view_t), intent(inout) :: view            !! What the particles see
       integer :: low, high
 
       view%slow = .false.
-      view%slot = simulation%nodes%slot(tile)
+      view%slot = field%nodes%slot(tile)
       if (parts%work) then
-         call nodes_seen(simulation, tile, low, high)
+         call nodes_seen(simulation, field, tile, low, high)
          if (.not. allocated(view%centre)) &
             allocate (view%centre(3, simulation%grid%tile_nodes), source=0.0_wp)
-         view%centre(:, low:high) = simulation%nodes%velocity(:, low:high, view%slot) &
-            + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, low:high, view%slot)
+         view%centre(:, low:high) = field%nodes%velocity(:, low:high, view%slot) &
+            + 0.5_wp*simulation%kick*field%nodes%acceleration(:, low:high, view%slot)
       end if
-      if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
-      if (parts%strain) call look_steep(simulation, view)
+      if (parts%motion) call look_motion(simulation, field, tile, simulation%kick, view)
+      if (parts%strain) call look_steep(simulation, field, view)
       if (.not. simulation%method%dual) return
       if (parts%motion .and. simulation%repacks) call excess_fill(simulation%grid, &
          simulation%boundary, simulation%tiles%coordinate(:, tile), &
-         simulation%nodes%filled(:, :, tile), simulation%nodes%volume(:, :, tile), view%excess)
+         field%nodes%filled(:, :, tile), field%nodes%volume(:, :, tile), view%excess)
       if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
-         call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
+         call node_gradient(simulation, field, tile, field%nodes%gradient, view%gradient)
       if (parts%work .and. simulation%carries_energy) &
-         call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
+         call node_gradient(simulation, field, tile, field%nodes%middle, view%middle)
       if (parts%strain .and. simulation%method%averages()) &
-         call node_gradient(simulation, tile, simulation%nodes%earlier, view%earlier)
+         call node_gradient(simulation, field, tile, field%nodes%earlier, view%earlier)
    end subroutine look
 
    !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
    !! where gradients are those of functions between nodes their velocities alone tell.
-   subroutine look_steep(simulation, view)
+   subroutine look_steep(simulation, field, view)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       type(view_t), intent(inout) :: view            !! What the particles see
 
       associate (method => simulation%method, grid => simulation%grid)
@@ -256,15 +262,16 @@ contains
             simulation%dt_next)
          if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
          ! nine components, each at most twice the greatest velocity over the edge of a cell
-         view%slow = slow_nodes(3*grid%tile_nodes, simulation%nodes%strain(:, :, view%slot), &
+         view%slow = slow_nodes(3*grid%tile_nodes, field%nodes%strain(:, :, view%slot), &
             0.9_wp/6.0_wp*grid%spacing*view%matters)
       end associate
    end subroutine look_steep
 
    !> The node fields that move the particles of a tile, and those of the kinetic energy that the
    !! way to the nodes and back loses. Without leapfrog (M.21) of doc/theory/method.md moves them.
-   subroutine look_motion(simulation, tile, dt, view)
+   subroutine look_motion(simulation, field, tile, dt, view)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       type(view_t), intent(inout) :: view            !! What the particles see
@@ -272,10 +279,10 @@ contains
 
       if (.not. allocated(view%push)) allocate (view%push(3, simulation%grid%tile_nodes), &
          view%carry(3, simulation%grid%tile_nodes))
-      call find_filtered(simulation, tile, dt, view%filtered)
-      associate (transfer => simulation%method%transfer, nodes => simulation%nodes, &
-         velocity => simulation%nodes%velocity(:, :, view%slot), filtered => view%filtered, &
-         acceleration => simulation%nodes%acceleration(:, :, view%slot))
+      call find_filtered(simulation, field, tile, dt, view%filtered)
+      associate (transfer => simulation%method%transfer, nodes => field%nodes, &
+         velocity => field%nodes%velocity(:, :, view%slot), filtered => view%filtered, &
+         acceleration => field%nodes%acceleration(:, :, view%slot))
          call transfer%push(dt, acceleration, filtered, view%push)
          if (simulation%method%leapfrog) then
             call transfer%carry(dt, velocity, acceleration, filtered, view%carry)
@@ -433,8 +440,9 @@ contains
    end subroutine find_gradient
 
    !> Strain the particles of a tile and let their material answer.
-   subroutine strain_particles(simulation, scratch, index, tile, view, dt, over, fastest)
+   subroutine strain_particles(simulation, field, scratch, index, tile, view, dt, over, fastest)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
@@ -451,12 +459,12 @@ contains
          deformation%plane = simulation%grid%dimensions < 3
          if (method%averages()) then
             call find_gradient(simulation, scratch, store, tile, &
-               simulation%nodes%velocity(:, :, view%slot), view%earlier, simulation%dt)
+               field%nodes%velocity(:, :, view%slot), view%earlier, simulation%dt)
             call centre_backward(n, deformation%plane, deformation%gradient)
             call keep_earlier(n, deformation%gradient, scratch%earlier)
          end if
          call find_gradient(simulation, scratch, store, tile, &
-            simulation%nodes%strain(:, :, view%slot), view%gradient, dt)
+            field%nodes%strain(:, :, view%slot), view%gradient, dt)
          if (.not. view%slow) call find_steepest(deformation%gradient, &
             store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
             scratch%steepest_identity)
@@ -473,14 +481,14 @@ contains
          if (method%averages()) call average_strain(store, tile, scratch%earlier, &
             deformation%gradient)
          if (method%limited) call find_jump(simulation%grid, store%cell_start(:, tile), &
-            simulation%nodes%strain(:, :, view%slot), view%gradient, deformation%gradient, &
+            field%nodes%strain(:, :, view%slot), view%gradient, deformation%gradient, &
             deformation%jump)
          if (normalised(simulation, index)) call bound_jump(simulation%grid, &
-            store%cell_start(:, tile), simulation%nodes%strain(:, :, view%slot), dt, &
+            store%cell_start(:, tile), field%nodes%strain(:, :, view%slot), dt, &
             deformation%gradient, deformation%jump)
          call scratch%laps%update(simulation%materials(index), store%state, deformation, &
             first, first + n - 1, dt, simulation%grid%spacing)
-         call relax_pressures(simulation, index, tile, scratch%shape%local, &
+         call relax_pressures(simulation, field, index, tile, scratch%shape%local, &
             deformation%wave_speed, dt)
          fastest = 0.0_wp
          do p = 1, n

@@ -20,7 +20,7 @@ module step_normalised_sums
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_particles_to_nodes, only: find_plain_places
    use step_pressure_relaxation, only: evens_pressure
-   use step_simulation, only: empty_mass, scratch_t, simulation_t
+   use step_simulation, only: empty_mass, scratch_t, simulation_t, velocity_field_t
    use step_walls, only: stand_walls
    use transfer_cut_cells, only: cut_cells, ramp
    use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals, edges
@@ -81,13 +81,14 @@ contains
    end function plain_columns
 
    !> Factors of all edges and nodes for the particles as they are.
-   subroutine find_factors(simulation)
+   subroutine find_factors(simulation, field)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
       logical :: evens
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+      associate (nodes => field%nodes, number => simulation%grid%tile_nodes)
          call simulation%timer%start(simulation%phase%scatter)
          evens = any([(evens_pressure(simulation, n), n=1, size(simulation%stores))])
          call ensure_patch(nodes%counted, plain_columns(simulation) + merge(moments, 0, evens), &
@@ -96,12 +97,13 @@ contains
             simulation%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
-               call count_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
-                  simulation%nodes%counted(:, :, tiles(n)), &
-                  simulation%nodes%factor(:, :, tiles(n)))
+               call count_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
+                  tiles(n), &
+                  field%nodes%counted(:, :, tiles(n)), &
+                  field%nodes%factor(:, :, tiles(n)))
             end do
             !$omp end parallel do
             call pass_patches(simulation, part, nodes%counted)
@@ -116,14 +118,14 @@ contains
             simulation%tiles%all)
          call ensure_patch(nodes%normal, rows + merge(moments - 1, 0, evens), number, &
             simulation%tiles%all)
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
          do tile = 1, simulation%tiles%all
-            call judge_cells(simulation, tile)
+            call judge_cells(simulation, field, tile)
          end do
          !$omp end parallel do
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
          do tile = 1, simulation%tiles%all
-            call judge_nodes(simulation, tile)
+            call judge_nodes(simulation, field, tile)
          end do
          !$omp end parallel do
          call simulation%timer%stop(simulation%phase%grid)
@@ -132,8 +134,9 @@ contains
 
    !> Cells whose nodes count as full, of a material without strength; others are not halved by the
    !! place there is.
-   subroutine find_full(simulation, index, full)
+   subroutine find_full(simulation, field, index, full)
       type(simulation_t), intent(in) :: simulation   !! The run after its forces
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: index                   !! Which material
       logical, allocatable, intent(out) :: full(:, :) !! (0:cells - 1, tile)
       integer :: tile, cell, lane
@@ -141,12 +144,12 @@ contains
       if (.not. allocated(simulation%flows)) return
       if (.not. simulation%flows(index)) return
       allocate (full(0:simulation%grid%tile_cells - 1, simulation%tiles%own), source=.true.)
-      !$omp parallel do default(none) shared(simulation, full) private(tile, cell, lane) &
+      !$omp parallel do default(none) shared(simulation, field, full) private(tile, cell, lane) &
       !$omp schedule(static)
       do tile = 1, simulation%tiles%own
          do cell = 0, simulation%grid%tile_cells - 1
             do lane = 1, 2**simulation%grid%dimensions
-               full(cell, tile) = full(cell, tile) .and. simulation%nodes%normal(4, &
+               full(cell, tile) = full(cell, tile) .and. field%nodes%normal(4, &
                   simulation%grid%first_node(cell) + simulation%grid%lane_offset(lane), &
                   tile) > 0.0_wp
             end do
@@ -156,8 +159,9 @@ contains
    end subroutine find_full
 
    !> Sums of the particles of a tile round its nodes and the edges of its cells.
-   subroutine count_tile(simulation, scratch, tile, patch, sums)
+   subroutine count_tile(simulation, field, scratch, tile, patch, sums)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
@@ -166,7 +170,7 @@ contains
 
       call clear_patch(patch)
       sums = 0.0_wp
-      do index = simulation%first_store, simulation%end_store()
+      do index = field%first_store, field%last_store
          count = simulation%stores(index)%count(tile)
          if (count == 0) cycle
          first = simulation%stores(index)%first(tile)
@@ -197,10 +201,11 @@ contains
 
    !> How far the cells of a tile are full, and the factors of their edges. What the node part
    !! leaves to the cell, where its cell counts less than in full, the edges take.
-   subroutine judge_cells(simulation, tile)
+   subroutine judge_cells(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: sums(size(simulation%nodes%counted, 1), simulation%grid%tile_nodes)
+      real(wp) :: sums(size(field%nodes%counted, 1), simulation%grid%tile_nodes)
       real(wp) :: filled(volume, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
       real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
       real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells)
@@ -208,7 +213,7 @@ contains
       real(wp) :: ring(size(hoop_edges), simulation%grid%tile_cells)
       integer :: cell
 
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
+      associate (grid => simulation%grid, nodes => field%nodes, &
          coordinate => simulation%tiles%coordinate(:, tile))
          call assemble(grid, simulation%tiles, nodes%counted, tile, sums)
          nodes%normal(:3, :, tile) = sums(unblended + 1:unblended + 3, :)
@@ -234,7 +239,7 @@ contains
          ring = 1.0_wp
          if (allocated(simulation%rigid)) then
             ! of nodes in rigid regions the cells count that there are: others hold no particles
-            call add_present(simulation, tile, around)
+            call add_present(simulation, field, tile, around)
             if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
                simulation%rigid, tile, simulation%method%quadrature%smooth, shares, ring)
             ! nodes must not carry more than there is room for
@@ -244,7 +249,7 @@ contains
          end if
          nodes%weight(:size(weight), tile) = weight
          if (tile > simulation%tiles%own) return
-         call find_cell_factors(simulation, tile, full, own, weight, shares, ring)
+         call find_cell_factors(simulation, field, tile, full, own, weight, shares, ring)
       end associate
    end subroutine judge_cells
 
@@ -274,8 +279,9 @@ contains
    end subroutine find_fill
 
    !> Factors of the edges of the cells of a tile.
-   subroutine find_cell_factors(simulation, tile, full, own, weight, shares, ring)
+   subroutine find_cell_factors(simulation, field, tile, full, own, weight, shares, ring)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: full(:)                !! (cell) How far it is full, 0 to 1
       real(wp), intent(in) :: own(:)                 !! (cell) How far it is in the scope, 0 to 1
@@ -285,7 +291,7 @@ contains
       real(wp) :: whole(cell_edges), rest(cell_edges)
       integer :: cell
 
-      associate (grid => simulation%grid, factor => simulation%nodes%factor(:, :, tile))
+      associate (grid => simulation%grid, factor => field%nodes%factor(:, :, tile))
          whole = edge_integrals(grid, 0)
          do cell = 1, size(full)
             rest = (1.0_wp - simulation%mean_alpha)*weight(cell)
@@ -319,19 +325,20 @@ contains
    end subroutine count_inner
 
    !> Volume of the cells of a tile round its nodes in rigid regions.
-   subroutine add_present(simulation, tile, around)
+   subroutine add_present(simulation, field, tile, around)
       type(simulation_t), intent(inout) :: simulation !! The run with rigid regions
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
       real(wp) :: one(simulation%grid%tile_cells), whole(volume, size(around))
 
-      call clear_patch(simulation%nodes%present(:, :, tile))
+      call clear_patch(field%nodes%present(:, :, tile))
       if (.not. simulation%rigid%holds(tile)) return
       ! all cells of the tile that are in the box
       whole = spread(around, 1, volume)
       call simulation%dual%cell_weights(simulation%grid, whole, volume, around, one)
       call simulation%dual%add_volume(simulation%grid, simulation%tiles%coordinate(:, tile), one, &
-         simulation%nodes%present(:, :, tile))
+         field%nodes%present(:, :, tile))
    end subroutine add_present
 
    !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
@@ -380,20 +387,21 @@ contains
 
    !> What the node stress and the node gradient are multiplied by along each direction where the
    !! cells around are full, and how far they are. Equation (Q.8).
-   subroutine judge_nodes(simulation, tile)
+   subroutine judge_nodes(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: covered(1, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
       real(wp) :: due(simulation%grid%tile_nodes)
       real(wp) :: whole, cells, own, ratio
       integer :: node, l
 
-      associate (grid => simulation%grid, nodes => simulation%nodes)
+      associate (grid => simulation%grid, nodes => field%nodes)
          call assemble(grid, simulation%tiles, nodes%covered, tile, covered)
          call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
          ! a cell without matter, that with the smaller share beside the axis too, ends the scope
          cells = merge(6.0_wp, real(2**grid%dimensions, wp), grid%axisymmetric)
-         call find_due(simulation, tile, around, due)
+         call find_due(simulation, field, tile, around, due)
          do node = 1, size(around)
             associate (normal => nodes%normal(:, node, tile))
                own = normal(5)
@@ -414,8 +422,9 @@ contains
 
    !> Volume that must be full for nodes to count as such: that around them, of nodes in rigid
    !! regions that of the cells that there are.
-   pure subroutine find_due(simulation, tile, around, due)
+   pure subroutine find_due(simulation, field, tile, around, due)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
       real(wp), intent(out) :: due(:)                !! (node) [m3]
@@ -424,7 +433,7 @@ contains
       due = around
       if (.not. allocated(simulation%rigid)) return
       if (.not. simulation%rigid%holds(tile)) return
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%present, tile, present)
+      call assemble(simulation%grid, simulation%tiles, field%nodes%present, tile, present)
       associate (node => simulation%rigid%held(tile)%node)
          due(node) = present(1, node)
       end associate

@@ -8,7 +8,7 @@ module step_particles_to_nodes
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_motion
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: scratch_t, simulation_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_bbar, only: even_stress
    use transfer_scatter, only: dual_columns, motion_columns
@@ -25,56 +25,58 @@ contains
 
    !> Mass, momentum and force of all particles to the patches of their tiles, and the patches of
    !! other ranks.
-   subroutine particles_to_nodes(simulation)
+   subroutine particles_to_nodes(simulation, field)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: part, n
       real(wp) :: began
 
       call simulation%timer%start(simulation%phase%scatter)
-      call find_boxes(simulation)
-      call ensure_motion(simulation)
+      call find_boxes(simulation, field)
+      call ensure_motion(simulation, field)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
+         !$omp parallel do default(none) shared(simulation, field, tiles) private(n, began) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
             began = cost_clock(simulation)
-            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n))
+            call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tiles(n))
             call record_cost(simulation, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_motion(simulation, part)
+         call pass_motion(simulation, field, part)
       end do
       call simulation%timer%stop(simulation%phase%scatter)
    end subroutine particles_to_nodes
 
    !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
    !! these alone.
-   subroutine find_boxes(simulation)
+   subroutine find_boxes(simulation, field)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       logical :: used(simulation%grid%tile_cells)
       integer :: tile, index
 
-      associate (touched => simulation%nodes%touched, grid => simulation%grid, &
+      associate (touched => field%nodes%touched, grid => simulation%grid, &
          own => simulation%tiles%own)
          call touched%ensure(own)
-         !$omp parallel do default(none) shared(simulation) private(tile, index, used) &
+         !$omp parallel do default(none) shared(simulation, field) private(tile, index, used) &
          !$omp schedule(static)
          do tile = 1, simulation%tiles%own
-            call empty_box(simulation%nodes%touched%box(:, :, tile))
-            do index = simulation%first_store, simulation%end_store()
+            call empty_box(field%nodes%touched%box(:, :, tile))
+            do index = field%first_store, field%last_store
                associate (store => simulation%stores(index))
                   if (store%count(tile) == 0) cycle
                   used = store%cell_start(1:, tile) &
                      > store%cell_start(:simulation%grid%tile_cells - 1, tile)
                end associate
-               call widen_box(simulation%grid, used, simulation%nodes%touched%box(:, :, tile))
+               call widen_box(simulation%grid, used, field%nodes%touched%box(:, :, tile))
             end do
          end do
          !$omp end parallel do
          call touched%line_up(grid, simulation%tiles)
-         simulation%nodes%lean = may_be_lean(simulation) .and. &
+         field%nodes%lean = may_be_lean(simulation) .and. &
             int(own, int64)*grid%tile_nodes > count_own(simulation)
       end associate
    end subroutine find_boxes
@@ -106,10 +108,11 @@ contains
 
    !> Make room for the pieces of the motion. The memory of the node stress served for the node
    !! gradient in the step before.
-   pure subroutine ensure_motion(simulation)
+   pure subroutine ensure_motion(simulation, field)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
 
-      associate (nodes => simulation%nodes, grid => simulation%grid, dual => simulation%method%dual)
+      associate (nodes => field%nodes, grid => simulation%grid, dual => simulation%method%dual)
          if (.not. allocated(nodes%motion(1)%row)) then
             if (dual) then
                call nodes%motion(1)%keep(motion_columns + 1, [.true., vector_rows(grid), &
@@ -147,8 +150,9 @@ contains
    end function tensor_rows
 
    !> One tile.
-   subroutine scatter_tile(simulation, scratch, tile)
+   subroutine scatter_tile(simulation, field, scratch, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: patch(merge(dual_columns, motion_columns, simulation%method%dual), &
@@ -156,11 +160,11 @@ contains
       integer :: index
 
       call clear_patch(patch)
-      do index = simulation%first_store, simulation%end_store()
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
-         call scatter_store(simulation, scratch, index, tile, patch)
+         call scatter_store(simulation, field, scratch, index, tile, patch)
       end do
-      associate (nodes => simulation%nodes)
+      associate (nodes => field%nodes)
          call nodes%motion(1)%put(simulation%grid, nodes%touched, tile, 1, patch)
          if (simulation%method%dual) call nodes%motion(2)%put(simulation%grid, nodes%touched, &
             tile, motion_columns + 2, patch)
@@ -168,8 +172,9 @@ contains
    end subroutine scatter_tile
 
    !> The particles of one material in a tile.
-   subroutine scatter_store(simulation, scratch, index, tile, patch)
+   subroutine scatter_store(simulation, field, scratch, index, tile, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
@@ -179,7 +184,7 @@ contains
          method => simulation%method, shape => scratch%shape, &
          start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile), state => simulation%stores(index)%state)
-         call find_places(simulation, scratch, store, tile)
+         call find_places(simulation, field, scratch, store, tile)
          if (allocated(store%affine)) then
             call method%basis%spread_affine(grid, start, first, shape, state%mass, &
                store%velocity, store%affine, patch)
@@ -191,7 +196,7 @@ contains
                store%velocity, patch)
          end if
          if (method%even .or. method%controlled()) then
-            call change_stress(simulation, scratch, store, tile)
+            call change_stress(simulation, field, scratch, store, tile)
             call push_nodes(simulation, shape, start, 1, scratch%pushed%position, &
                scratch%pushed%volume, scratch%pushed%stress, patch)
          else
@@ -204,8 +209,9 @@ contains
    end subroutine scatter_store
 
    !> The stress that particles of a tile push the nodes with, where it is not their own.
-   subroutine change_stress(simulation, scratch, store, tile)
+   subroutine change_stress(simulation, field, scratch, store, tile)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
@@ -217,7 +223,7 @@ contains
          if (simulation%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
          if (simulation%method%controlled()) then
             call simulation%method%basis%collect(grid, start, shape, &
-               simulation%nodes%star(:, :, tile), shape%values)
+               field%nodes%star(:, :, tile), shape%values)
             call pushed%subtract(store%count(tile), shape%values)
          end if
       end associate
@@ -277,15 +283,16 @@ contains
 
    !> Where the particles of a tile are, as basis and modified gradient see them, with the factors
    !! of normalised sums of the velocity field at hand.
-   subroutine find_places(simulation, scratch, store, tile)
+   subroutine find_places(simulation, field, scratch, store, tile)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
 
       call locate_tile(simulation, scratch, store, tile)
       if (allocated(simulation%normalises)) &
-         scratch%shape%factor = simulation%nodes%factor(:, :, tile)
+         scratch%shape%factor = field%nodes%factor(:, :, tile)
    end subroutine find_places
 
    !> The same without factors, for what has its own sums or concerns all velocity fields.
@@ -316,14 +323,15 @@ contains
    end subroutine locate_tile
 
    !> First and last of the nodes that the particles of a tile see.
-   pure subroutine nodes_seen(simulation, tile, low, high)
+   pure subroutine nodes_seen(simulation, field, tile, low, high)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! An own tile
       integer, intent(out) :: low, high              !! First and last; 1 and 0 without particles
 
       low = 1
       high = 0
-      associate (grid => simulation%grid, box => simulation%nodes%touched%box(:, :, tile))
+      associate (grid => simulation%grid, box => field%nodes%touched%box(:, :, tile))
          if (any(box(:, 2) < box(:, 1))) return
          low = 1 + dot_product(box(:, 1) + merge(grid%margin, 0, grid%active), grid%stride)
          high = 1 + dot_product(box(:, 2) + merge(grid%margin, 0, grid%active), grid%stride)

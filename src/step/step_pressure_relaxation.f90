@@ -10,7 +10,7 @@
 !! Equations (Q.11) and (Q.12) of doc/theory/quadratures.md.
 module step_pressure_relaxation
    use base_kinds, only: wp
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, velocity_field_t
    use transfer_moments, only: cell_slope, moments
    implicit none
    private
@@ -45,8 +45,9 @@ contains
 
    !> Bring the pressures of the particles of a material in a tile nearer to the mean of their cell
    !! and the slope that nodes see.
-   subroutine relax_pressures(simulation, index, tile, local, speed, dt)
+   subroutine relax_pressures(simulation, field, index, tile, local, speed, dt)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
@@ -57,7 +58,7 @@ contains
 
       if (.not. evens_pressure(simulation, index)) return
       associate (store => simulation%stores(index), grid => simulation%grid, &
-         normal => simulation%nodes%normal)
+         normal => field%nodes%normal)
          before = store%first(tile) - 1
          seen = size(normal, 1) - moments + 2
          do cell = 0, grid%tile_cells - 1

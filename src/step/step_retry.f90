@@ -9,7 +9,7 @@ module step_retry
    use step_node_displacement, only: asks, look_at_tile, worse
    use step_node_sums, only: renew_sums
    use step_offending_particle, only: spread, step_text
-   use step_simulation, only: reach_t, simulation_t
+   use step_simulation, only: reach_t, simulation_t, velocity_field_t
    implicit none
    private
 
@@ -28,12 +28,16 @@ contains
       real(wp), intent(inout) :: dt                  !! Time step [s]
       logical, intent(out) :: again                  !! Is the step to be done again?
       type(error_t), allocatable, intent(out) :: error !! No step is short enough
-      type(reach_t) :: worst
+      type(reach_t) :: worst, reach
       real(wp) :: excess
+      integer :: n
 
       again = .false.
       if (.not. asks(simulation)) return
-      call find_worst(simulation, dt, worst)
+      do n = 1, size(simulation%fields)
+         call find_worst(simulation, simulation%fields(n), dt, reach)
+         if (worse(reach, worst)) worst = reach
+      end do
       excess = worst%excess
       if (simulation%communicator%size > 1) then
          call simulation%timer%start(simulation%phase%wait)
@@ -59,7 +63,7 @@ contains
    !> Sums of the nodes as before they moved, and books without what faces and gravity did then.
    subroutine put_back(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run
-      integer :: thread, k
+      integer :: thread, k, n
 
       do thread = 0, ubound(simulation%scratch, 1)
          associate (sums => simulation%scratch(thread)%ledger%sums)
@@ -70,18 +74,22 @@ contains
             call sums(external_work)%clear()
          end associate
       end do
-      if (simulation%method%dual) call renew_sums(simulation)
+      if (.not. simulation%method%dual) return
+      do n = 1, size(simulation%fields)
+         call renew_sums(simulation, simulation%fields(n))
+      end do
    end subroutine put_back
 
    !> The node of this rank that goes farthest over the bounds.
-   subroutine find_worst(simulation, dt, worst)
+   subroutine find_worst(simulation, field, dt, worst)
       type(simulation_t), intent(in) :: simulation   !! The run, its nodes just moved
+      type(velocity_field_t), intent(in) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: worst            !! It
       type(reach_t) :: mine, reach
       integer :: tile, thread
 
-      if (simulation%nodes%lean) then
+      if (field%nodes%lean) then
          ! the threads looked when they moved the nodes
          do thread = 0, ubound(simulation%scratch, 1)
             if (worse(simulation%scratch(thread)%reach, worst)) &
@@ -89,11 +97,11 @@ contains
          end do
          return
       end if
-      !$omp parallel default(none) shared(simulation, dt, worst) private(tile, mine, reach)
+      !$omp parallel default(none) shared(simulation, field, dt, worst) private(tile, mine, reach)
       mine = reach_t()
       !$omp do schedule(static)
       do tile = 1, simulation%tiles%own
-         call look_at_tile(simulation, tile, tile, dt, reach)
+         call look_at_tile(simulation, field, tile, tile, dt, reach)
          if (worse(reach, mine)) mine = reach
       end do
       !$omp end do

@@ -31,8 +31,9 @@ module step_simulation
    implicit none
    private
 
-   public :: conduction_t, contact_t, load_t, nodes_t, phases_t, reach_t, requests_t, scratch_t, &
-      simulation_t
+   public :: conduction_t, contact_t, heat_flux_t, load_t, nodes_t, phases_t, reach_t, &
+      requests_t, scratch_t, &
+      simulation_t, velocity_field_t
 
    !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
    !> divides stays finite.
@@ -54,8 +55,6 @@ module step_simulation
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
-      !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
-      real(wp), allocatable :: turn(:, :, :)
       !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
       real(wp), allocatable :: extra(:, :, :)
       real(wp), allocatable :: filtered(:, :, :) !! (3) Sum of the series of velocities [m/s]
@@ -83,29 +82,25 @@ module step_simulation
       !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
       !! of two, of the velocity before the step [m3/s]
       type(packed_patch_t) :: gradient, middle, earlier
-      !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
-      real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
       !> (3) What faces and gravity add to the velocities, where it is booked later: with contact,
       !! and with musl; there also what faces take of the velocities before the step [m/s]
       real(wp), allocatable :: push(:, :, :), taken(:, :, :)
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
    contains
-      procedure :: move_to => nodes_move_to          !! Hand all fields over to another
       procedure :: slot => nodes_slot                !! Where the fields of a tile are
    end type nodes_t
 
    integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
 
-   !> Bodies that move with one velocity where they meet.
+   !> Bodies that move with one velocity: all of them without contact.
    type :: velocity_field_t
-      integer :: first = 1                           !! First of its stores
-      integer :: last = 0                            !! Last of its stores
-      type(nodes_t) :: nodes                         !! While others are worked on
+      integer :: first_store = 1                     !! First of its stores
+      integer :: last_store = 0                      !! Last of its stores
+      type(nodes_t) :: nodes                         !! Its node fields
    end type velocity_field_t
 
-   !> Contact between bodies: each velocity field has node fields of its own.
+   !> Contact between bodies that have velocity fields of their own.
    type :: contact_t
-      type(velocity_field_t), allocatable :: field(:) !! The velocity fields
       type(pair_law_t), allocatable :: law(:, :)     !! (field, field) What holds between two
       logical :: bonded = .false.                    !! Can bonds break?
       integer, allocatable :: field_of_body(:)       !! (body) Its velocity field
@@ -133,6 +128,13 @@ module step_simulation
       real(wp), allocatable :: slope(:, :, :)        !! Patch (9): gradient in rows 1, 4, 7 [K m2]
       real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
    end type conduction_t
+
+   !> Artificial heat flux of one material at a time.
+   type :: heat_flux_t
+      real(wp), allocatable :: content(:, :, :)      !! Patch (2): mass [kg], internal energy [J]
+      real(wp), allocatable :: flux(:, :, :)         !! Patch (1): conductance, then energy [J]
+      real(wp), allocatable :: total(:, :, :)        !! (3) Sums of the content, limit of the flux
+   end type heat_flux_t
 
    !> How far nodes would go in a step: that which goes farthest over the bounds.
    type :: reach_t
@@ -201,7 +203,7 @@ module step_simulation
       type(store_t), allocatable :: stores(:)        !! Their particles
       type(method_t) :: method                       !! The numerical method
       type(dual_t) :: dual                           !! The dual gradient
-      type(nodes_t) :: nodes                         !! Node fields
+      type(velocity_field_t), allocatable :: fields(:) !! One without contact
       type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
       real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
       type(motion_t), allocatable :: shaking         !! Gravity by a table of time [m/s2]
@@ -213,8 +215,9 @@ module step_simulation
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
       logical :: keeps_nodes = .false.               !! Are the fields of all nodes asked for?
       type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
-      integer :: first_store = 1                     !! First store of the velocity field at hand
-      integer :: last_store = huge(1)                !! Its last one, if there are so many
+      type(heat_flux_t) :: heat_flux                 !! Node fields of the artificial heat flux
+      !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
+      real(wp), allocatable :: turn(:, :, :)
       logical :: erosion = .false.                   !! Are failed particles taken out?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
       integer(int64) :: step = 0                     !! Steps done
@@ -235,40 +238,9 @@ module step_simulation
       type(trust_t) :: trust                         !! How far results can be trusted
       type(timer_t) :: timer                         !! Wall time by phase
       type(phases_t) :: phase                        !! Indices of the phases
-   contains
-      procedure :: end_store => simulation_end_store !! Last store of the velocity field at hand
-      procedure :: take_field => simulation_take_field !! Work on a velocity field
-      procedure :: return_field => simulation_return_field !! Put it back
    end type simulation_t
 
 contains
-
-   !> Last store of the velocity field at hand; without contact the last of all.
-   pure integer function simulation_end_store(self) result(last)
-      class(simulation_t), intent(in) :: self        !! The run
-
-      last = min(self%last_store, size(self%stores))
-   end function simulation_end_store
-
-   !> Work on a velocity field: its node fields become those of the run.
-   pure subroutine simulation_take_field(self, field)
-      class(simulation_t), intent(inout) :: self     !! The run with contact
-      integer, intent(in) :: field                   !! Which field
-
-      self%first_store = self%contact%field(field)%first
-      self%last_store = self%contact%field(field)%last
-      call self%contact%field(field)%nodes%move_to(self%nodes)
-   end subroutine simulation_take_field
-
-   !> Put the velocity field at hand back, and see all stores again.
-   pure subroutine simulation_return_field(self, field)
-      class(simulation_t), intent(inout) :: self     !! The run with contact
-      integer, intent(in) :: field                   !! Which field
-
-      self%first_store = 1
-      self%last_store = huge(1)
-      call self%nodes%move_to(self%contact%field(field)%nodes)
-   end subroutine simulation_return_field
 
    !> Where the fields of a tile are: its own place, or that of the thread which works on it.
    integer function nodes_slot(self, tile) result(slot)
@@ -278,47 +250,6 @@ contains
       slot = tile
       if (self%lean) slot = 1 + omp_get_thread_num()
    end function nodes_slot
-
-   !> Hand all fields over to another holder, without a copy.
-   pure subroutine nodes_move_to(self, other)
-      class(nodes_t), intent(inout) :: self          !! Empty afterwards
-      type(nodes_t), intent(inout) :: other          !! Gets them
-      integer :: n
-
-      do n = 1, size(self%motion)
-         call self%motion(n)%move_to(other%motion(n))
-      end do
-      call self%touched%move_to(other%touched)
-      call self%weighted%move_to(other%weighted)
-      call move_alloc(self%mass, other%mass)
-      call move_alloc(self%velocity, other%velocity)
-      call move_alloc(self%acceleration, other%acceleration)
-      call move_alloc(self%extra, other%extra)
-      call move_alloc(self%filtered, other%filtered)
-      call move_alloc(self%term, other%term)
-      call move_alloc(self%loss, other%loss)
-      call move_alloc(self%strain, other%strain)
-      call move_alloc(self%mean, other%mean)
-      call move_alloc(self%star, other%star)
-      call move_alloc(self%unit, other%unit)
-      call move_alloc(self%difference, other%difference)
-      call move_alloc(self%counted, other%counted)
-      call move_alloc(self%covered, other%covered)
-      call move_alloc(self%present, other%present)
-      call move_alloc(self%normal, other%normal)
-      call move_alloc(self%factor, other%factor)
-      call move_alloc(self%weight, other%weight)
-      call self%share%move_to(other%share)
-      call move_alloc(self%volume, other%volume)
-      call move_alloc(self%filled, other%filled)
-      call self%force%move_to(other%force)
-      call self%gradient%move_to(other%gradient)
-      call self%middle%move_to(other%middle)
-      call self%earlier%move_to(other%earlier)
-      call move_alloc(self%push, other%push)
-      call move_alloc(self%taken, other%taken)
-      call move_alloc(self%rubbed, other%rubbed)
-   end subroutine nodes_move_to
 
    !> Note how evenly the ranks worked in a step.
    pure subroutine load_look(self, step, ratio)

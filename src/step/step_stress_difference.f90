@@ -12,7 +12,7 @@ module step_stress_difference
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_places
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: scratch_t, simulation_t, velocity_field_t
    use transfer_scatter, only: dual_columns
    implicit none
    private
@@ -27,21 +27,23 @@ contains
 
    !> What the force of each node is to be changed by. Weights and volumes of the dual gradient are
    !! known.
-   subroutine find_difference(simulation)
+   subroutine find_difference(simulation, field)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
+      associate (nodes => field%nodes, number => simulation%grid%tile_nodes)
          call simulation%timer%start(simulation%phase%scatter)
          call ensure_patch(nodes%mean, columns, number, simulation%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
-               call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
-                  simulation%nodes%mean(:, :, tiles(n)))
+               call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
+                  tiles(n), &
+                  field%nodes%mean(:, :, tiles(n)))
             end do
             !$omp end parallel do
             call pass_patches(simulation, part, nodes%mean)
@@ -51,14 +53,14 @@ contains
          call ensure_patch(nodes%star, 6, number, simulation%tiles%all)
          call ensure_patch(nodes%unit, 3, number, simulation%tiles%all)
          call ensure_patch(nodes%difference, 3, number, simulation%tiles%all)
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
          do tile = 1, simulation%tiles%all
-            call unit_tile(simulation, tile)
+            call unit_tile(simulation, field, tile)
          end do
          !$omp end parallel do
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
          do tile = 1, simulation%tiles%all
-            call difference_tile(simulation, tile)
+            call difference_tile(simulation, field, tile)
          end do
          !$omp end parallel do
          call simulation%timer%stop(simulation%phase%grid)
@@ -67,20 +69,21 @@ contains
 
    !> Stress times volume of the particles of a tile, and what they push the nodes with under unit
    !! stress.
-   subroutine scatter_tile(simulation, scratch, tile, patch)
+   subroutine scatter_tile(simulation, field, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index, p, k
 
       call clear_patch(patch)
-      do index = simulation%first_store, simulation%end_store()
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index), grid => simulation%grid, &
             method => simulation%method, shape => scratch%shape, pushed => scratch%pushed, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, scratch, store, tile)
+            call find_places(simulation, field, scratch, store, tile)
             call pushed%copy(store%first(tile), store%count(tile), store%position, &
                store%state%volume, store%state%stress)
             ! the volume once more: that of the rule need not have the functions of the basis
@@ -107,14 +110,15 @@ contains
    end subroutine scatter_tile
 
    !> Mean stress of the nodes of a tile; force of the node stress of unit stress less unit stress.
-   subroutine unit_tile(simulation, tile)
+   subroutine unit_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp) :: total(columns, simulation%grid%tile_nodes)
       real(wp) :: stress(9, simulation%grid%tile_nodes)
       integer :: node, k
 
-      associate (nodes => simulation%nodes)
+      associate (nodes => field%nodes)
          call assemble(simulation%grid, simulation%tiles, nodes%mean, tile, total)
          nodes%star(:before, :, tile) = total(:before, :)
          nodes%star(before + 1:, :, tile) = total(dual_columns + 1:columns - 1, :)
@@ -134,15 +138,16 @@ contains
    end subroutine unit_tile
 
    !> Change of the force of the nodes of a tile. Equation (Q.4).
-   subroutine difference_tile(simulation, tile)
+   subroutine difference_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
       real(wp) :: unit(3, simulation%grid%tile_nodes), stress(9, simulation%grid%tile_nodes)
       real(wp) :: inside(simulation%grid%tile_nodes)
       integer :: node, k
 
-      associate (nodes => simulation%nodes)
+      associate (nodes => field%nodes)
          call assemble(simulation%grid, simulation%tiles, nodes%unit, tile, unit)
          do node = 1, size(stress, 2)
             do k = 1, 9
@@ -151,7 +156,7 @@ contains
          end do
          call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
             stress)
-         call find_inside(simulation, tile, inside)
+         call find_inside(simulation, field, tile, inside)
          do node = 1, size(stress, 2)
             do k = 1, 3
                unit(k, node) = inside(node)*(unit(k, node) + nodes%difference(k, node, tile))
@@ -167,8 +172,9 @@ contains
    !> How far the nodes of a tile are inside of bodies: 1 if all cells around count in full, and 0
    !! once one of them does not count. The weights do not tell where in its cells a surface is, so
    !! the exact force is wrong there. Equation (Q.6).
-   pure subroutine find_inside(simulation, tile, inside)
+   pure subroutine find_inside(simulation, field, tile, inside)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(out) :: inside(:)             !! (node) 0 to 1
       real(wp) :: around(size(inside)), cells
@@ -179,7 +185,7 @@ contains
       inside = 0.0_wp
       do node = 1, size(inside)
          if (around(node) > 0.0_wp) inside(node) = max(0.0_wp, &
-            1.0_wp - cells*(1.0_wp - simulation%nodes%volume(1, node, tile)/around(node)))
+            1.0_wp - cells*(1.0_wp - field%nodes%volume(1, node, tile)/around(node)))
       end do
    end subroutine find_inside
 end module step_stress_difference

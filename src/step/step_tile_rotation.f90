@@ -32,16 +32,16 @@ contains
       integer :: part, n, tile
 
       call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(simulation%nodes%turn, columns, simulation%grid%tile_nodes, &
+      call ensure_patch(simulation%turn, columns, simulation%grid%tile_nodes, &
          simulation%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
          !$omp parallel do default(none) shared(simulation, tiles) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            call add_tile(simulation, tiles(n), simulation%nodes%turn(:, :, tiles(n)))
+            call add_tile(simulation, tiles(n), simulation%turn(:, :, tiles(n)))
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, simulation%nodes%turn)
+         call pass_patches(simulation, part, simulation%turn)
       end do
       !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
       do tile = 1, simulation%tiles%own
@@ -115,7 +115,7 @@ contains
       real(wp) :: lower(3), inverse(3)
       integer :: node(corners), corner, index
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%turn, tile, total)
+      call assemble(simulation%grid, simulation%tiles, simulation%turn, tile, total)
       call find_corners(simulation, tile, node)
       call measure_tile(simulation, tile, lower, inverse)
       turn = 0.0_wp

@@ -3,7 +3,7 @@
 module step_walls
    use base_kinds, only: wp
    use mesh_rigid, only: held_t
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, velocity_field_t
    implicit none
    private
 
@@ -106,16 +106,17 @@ contains
    !> Where a wall with friction, or a rigid region, held a node in the step, let it hold the
    !! velocity after the step that strains: one that may leave the wall but not enter it would
    !! lift pressed matter by the noise of particles, step by step.
-   pure subroutine keep_at_walls(simulation, tile, velocity)
+   pure subroutine keep_at_walls(simulation, field, tile, velocity)
       type(simulation_t), intent(in) :: simulation   !! The run
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
       real(wp) :: ended(3, size(velocity, 2))
 
       if (.not. (simulation%boundary%rubs() .or. allocated(simulation%rigid))) return
       if (.not. walls_touch(simulation, tile)) return
-      ended = simulation%nodes%velocity(:, :, tile) &
-         + simulation%kick*simulation%nodes%acceleration(:, :, tile)
+      ended = field%nodes%velocity(:, :, tile) &
+         + simulation%kick*field%nodes%acceleration(:, :, tile)
       if (simulation%boundary%rubs()) call simulation%boundary%keep(simulation%grid, &
          simulation%tiles%coordinate(:, tile), ended, velocity)
       if (allocated(simulation%rigid)) call simulation%rigid%keep(tile, ended, velocity)
