@@ -101,8 +101,8 @@ contains
       case (of_cells, of_bins)
          call choose_means(stores, [field], kind == of_cells, means, error)
       case (of_ledger)
-         call choose_history([field], allocated(simulation%exact), simulation%grid, &
-            allocated(simulation%gravity), history, error)
+         call choose_history([field], allocated(simulation%effects%exact), simulation%space%grid, &
+            allocated(simulation%effects%gravity), history, error)
       case default
          call choose_columns(stores, [field], columns, error)
       end select

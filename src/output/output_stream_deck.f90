@@ -146,8 +146,10 @@ contains
       call group%get("compress", stream%format%compress)
       call read_rule(group, deck, shapes, stream%format%pick_rule_t)
       if (stream%kind /= of_cells) call group%get("stride", stream%format%stride)
-      if (stream%kind == of_slices) call read_plane(group, deck, simulation%grid, stream%format)
-      if (stream%kind == of_cells) stream%cells = most_cells_of(simulation%grid, stream%format)
+      if (stream%kind == of_slices) call read_plane(group, deck, simulation%space%grid, &
+         stream%format)
+      if (stream%kind == of_cells) stream%cells = most_cells_of(simulation%space%grid, &
+         stream%format)
    end subroutine plan_snapshots
 
    !> What a table shows.
@@ -167,12 +169,13 @@ contains
          call read_fields(group, deck, simulation, table%kind, fields)
          call choose_means(simulation%stores, fields, .false., table%profile%means, error)
          call read_rule(group, deck, shapes, table%profile%rule)
-         table%profile%axis = axis_of(group, deck, simulation%grid)
-         table%profile%lower = simulation%grid%lower(table%profile%axis)
-         table%profile%upper = simulation%grid%upper(table%profile%axis)
+         table%profile%axis = axis_of(group, deck, simulation%space%grid)
+         table%profile%lower = simulation%space%grid%lower(table%profile%axis)
+         table%profile%upper = simulation%space%grid%upper(table%profile%axis)
          call group%get("bins", table%profile%bins)
          if (any(table%profile%means%weight == highest) .and. (table%profile%axis == 3 .or. &
-            .not. simulation%grid%active(3))) call deck%complain(group, "surface_height is a "// &
+            .not. simulation%space%grid%active(3))) call deck%complain(group, &
+               "surface_height is a "// &
             "height along z and needs bins along x or y in a scene that has a z", "fields")
       case (of_fragments)
          call read_rule(group, deck, shapes, table%fragments%rule)
@@ -182,8 +185,8 @@ contains
          if (limit > unset) table%fragments%velocity_cut = limit
       case default
          call read_fields(group, deck, simulation, table%kind, fields)
-         call choose_history(fields, allocated(simulation%exact), simulation%grid, &
-            allocated(simulation%gravity), table%columns, error)
+         call choose_history(fields, allocated(simulation%effects%exact), simulation%space%grid, &
+            allocated(simulation%effects%gravity), table%columns, error)
       end select
    end subroutine plan_table
 

@@ -68,8 +68,8 @@ contains
       self%snapshots(1)%schedule%interval = time_end
       self%tables(1)%name = self%case//"_history.csv"
       self%tables(1)%schedule%interval = time_end/100.0_wp
-      call choose_history(["default"], allocated(simulation%exact), simulation%grid, &
-         allocated(simulation%gravity), self%tables(1)%columns, error)
+      call choose_history(["default"], allocated(simulation%effects%exact), simulation%space%grid, &
+         allocated(simulation%effects%gravity), self%tables(1)%columns, error)
    end subroutine outputs_plan
 
    !> Open the streams; after a restart what was written later than the checkpoint is cut away.
@@ -85,16 +85,16 @@ contains
       note = ""
       do n = 1, size(self%snapshots)
          self%snapshots(n)%series%of_grids = self%snapshots(n)%kind == of_cells
-         call self%snapshots(n)%series%open(simulation%communicator, self%folder, &
+         call self%snapshots(n)%series%open(simulation%machine%communicator, self%folder, &
             self%snapshots(n)%prefix, self%snapshots(n)%next, left_out, error)
          if (allocated(error)) return
          note = note//left_out
       end do
       do n = 1, size(self%tables)
          self%tables(n)%file%units = self%header%units
-         call self%tables(n)%file%open(simulation%communicator, &
+         call self%tables(n)%file%open(simulation%machine%communicator, &
             self%folder//"/"//self%tables(n)%name, headings(self%tables(n)), &
-            merge(simulation%step, -1_int64, restarted), error)
+            merge(simulation%clock%step, -1_int64, restarted), error)
          if (allocated(error)) return
       end do
    end subroutine outputs_open
@@ -127,22 +127,22 @@ contains
       note = ""
       do n = 1, size(self%tables)
          associate (stream => self%tables(n))
-            due = stream%schedule%due(simulation%step, simulation%time)
-            if (.not. (due .or. last) .or. stream%last_step == simulation%step) cycle
-            call simulation%timer%start(simulation%phase%ledger)
+            due = stream%schedule%due(simulation%clock%step, simulation%clock%time)
+            if (.not. (due .or. last) .or. stream%last_step == simulation%clock%step) cycle
+            call simulation%machine%timer%start(simulation%machine%phase%ledger)
             call write_rows(stream, simulation, error)
-            call simulation%timer%stop(simulation%phase%ledger)
+            call simulation%machine%timer%stop(simulation%machine%phase%ledger)
             if (allocated(error)) return
-            stream%last_step = simulation%step
+            stream%last_step = simulation%clock%step
          end associate
       end do
       do n = 1, size(self%snapshots)
          associate (stream => self%snapshots(n))
-            due = stream%schedule%due(simulation%step, simulation%time)
-            if (.not. (due .or. last) .or. stream%last_step == simulation%step) cycle
-            call simulation%timer%start(simulation%phase%output)
+            due = stream%schedule%due(simulation%clock%step, simulation%clock%time)
+            if (.not. (due .or. last) .or. stream%last_step == simulation%clock%step) cycle
+            call simulation%machine%timer%start(simulation%machine%phase%output)
             call write_snapshot(self, stream, simulation, note, error)
-            call simulation%timer%stop(simulation%phase%output)
+            call simulation%machine%timer%stop(simulation%machine%phase%output)
             if (allocated(error)) return
          end associate
       end do
@@ -157,18 +157,20 @@ contains
 
       select case (stream%kind)
       case (of_bins)
-         call profile_rows(simulation%communicator, simulation%grid, simulation%stores, &
+         call profile_rows(simulation%machine%communicator, simulation%space%grid, &
+            simulation%stores, &
             stream%profile, rows)
       case (of_fragments)
-         call fragment_rows(simulation%communicator, simulation%grid, &
-            simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
+         call fragment_rows(simulation%machine%communicator, simulation%space%grid, &
+            simulation%space%tiles%coordinate(:, :simulation%space%tiles%own), simulation%stores, &
             stream%fragments, rows)
       case default
          call history_row(simulation, stream%columns, row)
-         call stream%file%row(simulation%communicator, row, error)
+         call stream%file%row(simulation%machine%communicator, row, error)
          return
       end select
-      call stream%file%rows(simulation%communicator, [simulation%time, real(simulation%step, &
+      call stream%file%rows(simulation%machine%communicator, [simulation%clock%time, &
+         real(simulation%clock%step, &
          wp)], rows, error)
    end subroutine write_rows
 
@@ -183,29 +185,32 @@ contains
       character(len=:), allocatable :: path
       character(len=16) :: text
 
-      self%header%time = simulation%time
-      self%header%dt = simulation%dt
-      self%header%dt_next = simulation%dt_next
-      self%header%velocity_lag = simulation%method%lag(simulation%dt)
-      self%header%step = simulation%step
+      self%header%time = simulation%clock%time
+      self%header%dt = simulation%clock%dt
+      self%header%dt_next = simulation%clock%dt_next
+      self%header%velocity_lag = simulation%scheme%method%lag(simulation%clock%dt)
+      self%header%step = simulation%clock%step
       path = stream%series%path(stream%next)
       if (stream%kind == of_cells) then
-         call grid_write(simulation%communicator, path, simulation%grid, &
-            simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
+         call grid_write(simulation%machine%communicator, path, simulation%space%grid, &
+            simulation%space%tiles%coordinate(:, :simulation%space%tiles%own), simulation%stores, &
             stream%means, stream%format, self%header, error)
       else
-         if (any(stream%fields == "fragment")) call fragment_labels(simulation%communicator, &
-            simulation%grid, simulation%tiles%coordinate(:, :simulation%tiles%own), &
+         if (any(stream%fields == "fragment")) call &
+            fragment_labels(simulation%machine%communicator, &
+            simulation%space%grid, simulation%space%tiles%coordinate(:, &
+               :simulation%space%tiles%own), &
             simulation%stores, stream%fragments, labels)
-         call snapshot_write(simulation%communicator, path, simulation%stores, stream%fields, &
+         call snapshot_write(simulation%machine%communicator, path, simulation%stores, &
+            stream%fields, &
             stream%format, self%header, error, labels)
       end if
       if (allocated(error)) return
-      call stream%series%add(simulation%communicator, path, error)
+      call stream%series%add(simulation%machine%communicator, path, error)
       if (allocated(error)) return
       stream%next = stream%next + 1
-      stream%last_step = simulation%step
-      write (text, "(es12.5)") simulation%time
+      stream%last_step = simulation%clock%step
+      write (text, "(es12.5)") simulation%clock%time
       if (len(note) > 0) note = note//new_line("a")
       note = note//"  wrote "//path(index(path, "/", back=.true.) + 1:)//"  t = "// &
          trim(adjustl(text))//" s"

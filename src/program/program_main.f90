@@ -72,11 +72,12 @@ contains
       end if
       if (allocated(error)) then
          code = error%code
-         if (session%simulation%communicator%rank == 0) call session%log%error(error%message)
+         if (session%simulation%machine%communicator%rank == 0) call &
+            session%log%error(error%message)
       end if
       call session%log%close()
-      call session%simulation%communicator%finish()
-      if (allocated(session%previewed) .and. session%simulation%communicator%rank == 0) &
+      call session%simulation%machine%communicator%finish()
+      if (allocated(session%previewed) .and. session%simulation%machine%communicator%rank == 0) &
          call draw(session)
    end subroutine run_program
 
@@ -122,7 +123,7 @@ contains
                text = list_text(command%list, session%schema)
             end if
          else
-            call file_digest(session%simulation%communicator, command%digest, digest, error)
+            call file_digest(session%simulation%machine%communicator, command%digest, digest, error)
             text = digest
          end if
       end associate
@@ -182,7 +183,7 @@ contains
       call share_cores()
       call yield_when_waiting(program_arguments())
       if (.not. (session%command%check .or. session%command%point .or. &
-         allocated(session%command%job))) call session%simulation%communicator%start()
+         allocated(session%command%job))) call session%simulation%machine%communicator%start()
       call read_plan(session, error)
       if (allocated(error)) return
       if (session%command%point) then
@@ -219,7 +220,7 @@ contains
       type(session_t), intent(inout) :: session      !! Laid out
 
       session%most_threads = omp_get_max_threads()
-      associate (survey => session%survey, ranks => session%simulation%communicator%size)
+      associate (survey => session%survey, ranks => session%simulation%machine%communicator%size)
          call choose_threads(session%most_threads, (size(survey%key) + ranks - 1)/ranks, &
             survey%particles/ranks)
       end associate
@@ -262,7 +263,7 @@ contains
 
       begin = wall_seconds()
       code = exit_success
-      session%simulation%guard%expected = expected_steps(session%simulation, session%bodies, &
+      session%simulation%clock%guard%expected = expected_steps(session%simulation, session%bodies, &
          session%limits)
       ! a run that cannot go on leaves the files of the one before as they are
       call guard_results(session, error)
@@ -291,7 +292,7 @@ contains
          code = error%code
          reason = error%message
       end if
-      call session%outputs%close(session%simulation%communicator, late)
+      call session%outputs%close(session%simulation%machine%communicator, late)
       if (allocated(late) .and. .not. allocated(error)) then
          call move_alloc(late, error)
          code = error%code
@@ -301,11 +302,11 @@ contains
       call group%get("timing", timing)
       call summarise(session%simulation, session%outputs, session%log, wall_seconds() - begin, &
          timing, code, reason, late)
-      call agree(session%simulation%communicator, late)
+      call agree(session%simulation%machine%communicator, late)
       if (.not. allocated(error)) then
          call session%log%info("ended     "//reason)
          if (code == exit_again) call session%log%info("go on     "//resume_command( &
-            session%simulation%communicator%size))
+            session%simulation%machine%communicator%size))
          call move_alloc(late, error)
       end if
    end subroutine perform
@@ -334,7 +335,8 @@ contains
       character(len=:), allocatable :: line, stem
       character(len=16) :: ranks, threads
 
-      associate (communicator => session%simulation%communicator, outputs => session%outputs)
+      associate (communicator => session%simulation%machine%communicator, outputs => &
+         session%outputs)
          if (communicator%rank == 0) call make_folder(outputs%folder, error)
          call agree(communicator, error)
          if (allocated(error)) return
@@ -390,7 +392,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! There are results, or they cannot go
       type(former_run_t) :: former
 
-      associate (communicator => session%simulation%communicator, command => session%command, &
+      associate (communicator => session%simulation%machine%communicator, command => &
+         session%command, &
          outputs => session%outputs)
          if (communicator%rank == 0) then
             call find_former_run(outputs%folder, outputs%case, outputs%header%echo, former)
@@ -460,8 +463,8 @@ contains
       if (allocated(error)) return
       associate (now => session%simulation, limits => session%limits)
          ! a state at the very end that is asked for is the result; one behind it is not
-         late = len(changes%end) > 0 .and. (now%step > limits%max_steps .or. &
-            now%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
+         late = len(changes%end) > 0 .and. (now%clock%step > limits%max_steps .or. &
+            now%clock%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
          if (changes%state() .and. .not. late) late = is_finished(now, limits)
       end associate
       if (late) call fail(error, exit_file, note//": the run is finished, so what has changed "// &

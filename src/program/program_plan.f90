@@ -69,7 +69,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! It cannot be read
       type(text_t), allocatable :: overrides(:)
 
-      associate (communicator => plan%simulation%communicator, command => plan%command)
+      associate (communicator => plan%simulation%machine%communicator, command => plan%command)
          if (communicator%rank == 0) call read_deck_file(command%deck, plan%deck_text, error)
          call agree(communicator, error)
          if (allocated(error)) return
@@ -91,7 +91,7 @@ contains
       call build_scene(plan%deck, plan%simulation, plan%bodies, plan%shapes)
       ! Errors elsewhere do not hide those of places; the deck is refused after them.
       if (allocated(plan%bodies) .and. plan%deck%sound("body")) call check_size(plan%deck, &
-         plan%simulation%grid, plan%bodies, plan%most_points, plan%command%force)
+         plan%simulation%space%grid, plan%bodies, plan%most_points, plan%command%force)
       if (allocated(plan%bodies) .and. plan%deck%sound("body")) then
          call take_survey(plan%simulation, plan%bodies, plan%survey)
          call check_places(plan%deck, plan%simulation, plan%bodies, plan%survey)

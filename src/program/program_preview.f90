@@ -40,7 +40,7 @@ contains
       folder = folder(:max(verify(folder, "/", back=.true.), 1))//"_preview"
       call begin_run(plan%simulation, plan%bodies, plan%survey, plan%shapes, error)
       if (allocated(error)) return
-      associate (communicator => plan%simulation%communicator, case => plan%outputs%case, &
+      associate (communicator => plan%simulation%machine%communicator, case => plan%outputs%case, &
          header => plan%outputs%header)
          if (communicator%rank == 0) call make_folder(folder, error)
          call agree(communicator, error)

@@ -95,7 +95,7 @@ contains
       left = (plan%limits%time_end - trial%last%time)/(trial%last%time - trial%first%time)
       more = left*real(trial%last%steps - trial%first%steps, wp)
       basis = "as if all others cost the same"
-      coarser = wished_cells(plan%simulation%grid, more*cost/real(omp_get_max_threads(), wp))
+      coarser = wished_cells(plan%simulation%space%grid, more*cost/real(omp_get_max_threads(), wp))
       do
          call run_copy(plan, coarser, trial, copy, found)
          if (found .or. coarser == 2) exit

@@ -138,19 +138,19 @@ contains
          call ask(simulation, limits, watch)
          call watch_costs(simulation, limits%balancing)
          call adjust_threads(simulation)
-         simulation%worked = simulation%worked - process_seconds()
+         simulation%machine%worked = simulation%machine%worked - process_seconds()
          watch%stepped = watch%stepped - wall_seconds()
          call advance(simulation, dt, error)
-         simulation%worked = simulation%worked + process_seconds()
+         simulation%machine%worked = simulation%machine%worked + process_seconds()
          watch%stepped = watch%stepped + wall_seconds()
-         if (simulation%requests%line > 0.0_wp) call warn_if_starved(simulation, log, watch)
+         if (simulation%machine%requests%line > 0.0_wp) call warn_if_starved(simulation, log, watch)
          if (allocated(error)) exit
          call watch_trust(simulation, log, error)
          if (allocated(error)) exit
          call balance_ranks(simulation, limits%balancing)
          call write_outputs(simulation, outputs, .false., log, error)
          if (allocated(error)) return
-         if (simulation%requests%line > 0.0_wp) call tell(simulation, limits, log, watch)
+         if (simulation%machine%requests%line > 0.0_wp) call tell(simulation, limits, log, watch)
          if (checkpoint_due(simulation, limits, watch)) then
             call save(simulation, outputs, place, log, watch, error)
             if (allocated(error)) return
@@ -183,18 +183,18 @@ contains
       watch%processor_begin = process_seconds()
       watch%last_line = watch%begin
       watch%last_checkpoint = watch%begin
-      watch%time_begin = simulation%time
-      watch%step_begin = simulation%step
+      watch%time_begin = simulation%clock%time
+      watch%step_begin = simulation%clock%step
       watch%wall_limit = limits%wall_limit
       if (limits%ask_scheduler) then
-         call job_seconds_left(simulation%communicator, watch%wall_limit, error)
+         call job_seconds_left(simulation%machine%communicator, watch%wall_limit, error)
          if (allocated(error)) return
          if (watch%wall_limit >= no_job) call log%warn("warning: wall_limit = 'slurm', but "// &
             "this is no job of Slurm: the run has no limit of time")
          watch%wall_limit = watch%wall_limit - scheduler_reserve
       end if
       if (limits%checkpoint_time > 0.0_wp) &
-         watch%checkpoints = int(simulation%time/limits%checkpoint_time, int64)
+         watch%checkpoints = int(simulation%clock%time/limits%checkpoint_time, int64)
       do n = 1, size(limits%signals)
          call watch_signal(trim(limits%signals(n)))
       end do
@@ -210,12 +210,12 @@ contains
       real(wp) :: now
 
       now = wall_seconds()
-      associate (requests => simulation%requests)
+      associate (requests => simulation%machine%requests)
          requests = requests_t(leave=real(signal_caught(), wp), &
             present=merge(1.0_wp, 0.0_wp, count_particles(simulation) > 0))
          if (now - watch%begin + reserve(simulation, watch) > watch%wall_limit) &
             requests%leave = real(out_of_time, wp)
-         if (simulation%communicator%rank > 0) return
+         if (simulation%machine%communicator%rank > 0) return
          if (now - watch%last_line >= limits%progress) requests%line = 1.0_wp
          if (now - watch%last_checkpoint >= limits%checkpoint_wall) requests%checkpoint = 1.0_wp
       end associate
@@ -235,13 +235,13 @@ contains
       finished = .true.
       code = exit_success
       ! before the first step nobody has counted yet
-      if (simulation%requests%present < 0.0_wp) simulation%requests%present = &
-         merge(1.0_wp, 0.0_wp, simulation%communicator%any(count_particles(simulation) > 0))
-      watch%signal = nint(simulation%requests%leave)
+      if (simulation%machine%requests%present < 0.0_wp) simulation%machine%requests%present = &
+         merge(1.0_wp, 0.0_wp, simulation%machine%communicator%any(count_particles(simulation) > 0))
+      watch%signal = nint(simulation%machine%requests%leave)
       reason = "t_end reached"
-      if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp))) return
+      if (simulation%clock%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp))) return
       reason = "max_steps reached"
-      if (simulation%step >= limits%max_steps) return
+      if (simulation%clock%step >= limits%max_steps) return
       code = exit_again
       reason = "wall_limit reached"
       if (watch%signal >= out_of_time) return
@@ -249,11 +249,12 @@ contains
       if (watch%signal > 0) return
       code = exit_success
       reason = none_left
-      if (.not. simulation%requests%present > 0.0_wp) return
+      if (.not. simulation%machine%requests%present > 0.0_wp) return
       reason = "kinetic energy below stop_value"
       if (max(limits%kinetic_below, limits%rest_below) >= 0.0_wp .and. &
-         mod(simulation%step, look_every) == 0) then
-         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+         mod(simulation%clock%step, look_every) == 0) then
+         call simulation%balance%ledger%balance(simulation%machine%communicator, &
+            simulation%space%grid, &
             simulation%stores, simulation%materials, now)
          watch%greatest_kinetic = max(watch%greatest_kinetic, now%entry(kinetic))
          if (now%entry(kinetic) < limits%kinetic_below) return
@@ -279,8 +280,8 @@ contains
       type(watch_t), intent(in) :: watch             !! Clocks
 
       seconds = 2.0_wp*watch%checkpoint_cost
-      if (simulation%step > watch%step_begin) seconds = seconds + 3.0_wp*(wall_seconds() &
-         - watch%begin)/real(simulation%step - watch%step_begin, wp)
+      if (simulation%clock%step > watch%step_begin) seconds = seconds + 3.0_wp*(wall_seconds() &
+         - watch%begin)/real(simulation%clock%step - watch%step_begin, wp)
    end function reserve
 
    !> Name of a signal that is caught.
@@ -312,19 +313,20 @@ contains
       type(error_t), allocatable, intent(out) :: error !! Too small
       integer :: rule
 
-      associate (guard => simulation%guard)
-         dt = min(simulation%dt_next, limits%dt_max)
+      associate (guard => simulation%clock%guard)
+         dt = min(simulation%clock%dt_next, limits%dt_max)
          guard%longest = max(guard%longest, dt)
          if (dt < limits%dt_min .or. .not. step_allowed(simulation)) then
             call refuse_step(simulation, limits, dt, error)
             return
          end if
          rule = guard%rule
-         if (limits%dt_max < simulation%dt_next .or. limits%dt_fixed > 0.0_wp) rule = rule_deck
+         if (limits%dt_max < simulation%clock%dt_next .or. limits%dt_fixed > 0.0_wp) rule = &
+            rule_deck
          if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
          ! the last step ends at t_end; no step is left over that is shorter than rounding
-         if (simulation%time + dt*(1.0_wp + 1.0e-9_wp) >= limits%time_end) then
-            dt = limits%time_end - simulation%time
+         if (simulation%clock%time + dt*(1.0_wp + 1.0e-9_wp) >= limits%time_end) then
+            dt = limits%time_end - simulation%clock%time
             rule = rule_end
          end if
          guard%counted = rule
@@ -336,9 +338,9 @@ contains
    pure logical function step_allowed(simulation) result(allowed)
       type(simulation_t), intent(in) :: simulation   !! The run
 
-      associate (guard => simulation%guard)
-         allowed = simulation%dt_next > 0.0_wp .and. &
-            simulation%dt_next >= guard%bounds%collapse*guard%longest
+      associate (guard => simulation%clock%guard)
+         allowed = simulation%clock%dt_next > 0.0_wp .and. &
+            simulation%clock%dt_next >= guard%bounds%collapse*guard%longest
       end associate
    end function step_allowed
 
@@ -356,8 +358,8 @@ contains
             " s is below dt_min =", limits%dt_min, " s"
       else
          write (text, "(a,es10.3,a,es10.3,a,es10.3,a)") "the stable time step", dt, &
-            " s has fallen below dt_collapse =", simulation%guard%bounds%collapse, &
-            " of the longest,", simulation%guard%longest, " s"
+            " s has fallen below dt_collapse =", simulation%clock%guard%bounds%collapse, &
+            " of the longest,", simulation%clock%guard%longest, " s"
       end if
       call name_limiting(simulation, culprit)
       if (.not. step_allowed(simulation)) culprit = culprit//new_line("a")//replay_text(simulation)
@@ -385,7 +387,8 @@ contains
 
       if (watch%starved) return
       ! steps use all threads; files and tables are written by one
-      call compare_clocks("the steps", watch%stepped, simulation%worked, omp_get_max_threads())
+      call compare_clocks("the steps", watch%stepped, simulation%machine%worked, &
+         omp_get_max_threads())
       call compare_clocks("the run", wall_seconds() - watch%begin, &
          process_seconds() - watch%processor_begin, 1)
 
@@ -417,20 +420,21 @@ contains
 
       wall = wall_seconds()
       watch%last_line = wall
-      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+      call simulation%balance%ledger%balance(simulation%machine%communicator, &
+         simulation%space%grid, simulation%stores, &
          simulation%materials, now)
-      counts = [count_particles(simulation), simulation%updates]
-      call simulation%communicator%total(counts)
+      counts = [count_particles(simulation), simulation%clock%updates]
+      call simulation%machine%communicator%total(counts)
       progress%wall = wall - watch%begin
-      progress%time = simulation%time
+      progress%time = simulation%clock%time
       progress%time_end = limits%time_end
-      progress%step = simulation%step
-      progress%step_length = simulation%dt
+      progress%step = simulation%clock%step
+      progress%step_length = simulation%clock%dt
       progress%kinetic = now%entry(kinetic)
       progress%energy_error = now%energy_error
       progress%particles = counts(1)
       progress%updates_per_second = real(counts(2), wp)/progress%wall
-      share = (simulation%time - watch%time_begin)/(limits%time_end - watch%time_begin)
+      share = (simulation%clock%time - watch%time_begin)/(limits%time_end - watch%time_begin)
       progress%seconds_left = progress%wall*(1.0_wp/share - 1.0_wp)
       call log%info(progress_line(progress))
    end subroutine tell
@@ -441,9 +445,9 @@ contains
       type(limits_t), intent(in) :: limits           !! How often
       type(watch_t), intent(inout) :: watch          !! Clocks
 
-      due = simulation%requests%checkpoint > 0.0_wp
+      due = simulation%machine%requests%checkpoint > 0.0_wp
       if (limits%checkpoint_time > 0.0_wp) then
-         do while (simulation%time >= real(watch%checkpoints + 1, wp)*limits%checkpoint_time)
+         do while (simulation%clock%time >= real(watch%checkpoints + 1, wp)*limits%checkpoint_time)
             watch%checkpoints = watch%checkpoints + 1
             due = .true.
          end do
@@ -466,7 +470,7 @@ contains
       call write_checkpoint(simulation, outputs, place, error)
       if (allocated(error)) return
       watch%checkpoint_cost = wall_seconds() - watch%last_checkpoint
-      write (step, "(i0)") simulation%step
+      write (step, "(i0)") simulation%clock%step
       call log%info("  checkpoint "//path(index(path, "/", back=.true.) + 1:)//" at step " &
          //trim(step))
    end subroutine save

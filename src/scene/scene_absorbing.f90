@@ -25,14 +25,15 @@ contains
       real(wp) :: share
       integer :: face, n
 
-      if (.not. any(simulation%boundary%kind == face_absorbing)) return
-      allocate (simulation%absorbing)
+      if (.not. any(simulation%space%boundary%kind == face_absorbing)) return
+      allocate (simulation%space%absorbing)
       do face = 1, 6
-         if (simulation%boundary%kind(face) /= face_absorbing) cycle
-         if (.not. simulation%grid%active(ishft(face + 1, -1))) cycle
-         share = share_of_face(simulation%grid, face, simulation%method%basis%at_wall())
-         associate (dashpots => simulation%absorbing%face(face))
-            call find_beyond(simulation%grid, bodies, face, dashpots%beyond)
+         if (simulation%space%boundary%kind(face) /= face_absorbing) cycle
+         if (.not. simulation%space%grid%active(ishft(face + 1, -1))) cycle
+         share = share_of_face(simulation%space%grid, face, &
+            simulation%scheme%method%basis%at_wall())
+         associate (dashpots => simulation%space%absorbing%face(face))
+            call find_beyond(simulation%space%grid, bodies, face, dashpots%beyond)
             allocate (dashpots%decay(2, size(simulation%materials)))
             do n = 1, size(simulation%materials)
                associate (material => simulation%materials(n))

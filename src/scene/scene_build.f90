@@ -48,15 +48,15 @@ contains
       integer :: n
 
       call read_materials(deck, simulation)
-      call read_method(simulation%method, deck, stores_work(simulation%materials), &
+      call read_method(simulation%scheme%method, deck, stores_work(simulation%materials), &
          all_gases(simulation%materials))
       do n = 1, size(simulation%materials)
          if (allocated(simulation%materials(n)%viscosity)) &
-            simulation%materials(n)%viscosity%limited = simulation%method%limited
+            simulation%materials(n)%viscosity%limited = simulation%scheme%method%limited
       end do
-      call read_bounds(deck, simulation%guard%bounds)
+      call read_bounds(deck, simulation%clock%guard%bounds)
       call read_grid(deck, simulation)
-      if (present(coarser)) call coarsen(simulation%grid, coarser)
+      if (present(coarser)) call coarsen(simulation%space%grid, coarser)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
       if (deck%sound("material")) then
@@ -64,13 +64,13 @@ contains
          call check_heat_flux(deck, simulation)
       end if
       call read_boundary(deck, simulation)
-      simulation%grid%margin = simulation%method%margin()
-      simulation%grid%reaches = merge(2, 1, simulation%method%dual)
-      call simulation%grid%start(block_of(deck))
-      call check_periodic(deck, simulation%grid)
+      simulation%space%grid%margin = simulation%scheme%method%margin()
+      simulation%space%grid%reaches = merge(2, 1, simulation%scheme%method%dual)
+      call simulation%space%grid%start(block_of(deck))
+      call check_periodic(deck, simulation%space%grid)
       call read_effects(deck, simulation)
       if (.not. deck%sound("region")) return
-      call read_shapes(deck, simulation%communicator, simulation%grid, shapes)
+      call read_shapes(deck, simulation%machine%communicator, simulation%space%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
       call read_walls(deck, simulation, shapes)
@@ -89,7 +89,7 @@ contains
       do n = 1, size(bodies)
          simulation%body_names(n)%text = bodies(n)%name
       end do
-      call simulation%method%request(traits)
+      call simulation%scheme%method%request(traits)
       call make_stores(simulation, traits)
    end subroutine build_scene
 
@@ -116,7 +116,7 @@ contains
 
       group = deck%group("run", 1)
       call group%get("dimension", word)
-      associate (grid => simulation%grid)
+      associate (grid => simulation%space%grid)
          select case (word)
          case ("1d")
             grid%dimensions = 1
@@ -177,7 +177,7 @@ contains
       character(len=:), allocatable :: face, kind
       integer :: index, side, pass
 
-      if (simulation%grid%axisymmetric) simulation%boundary%kind(1) = face_symmetry
+      if (simulation%space%grid%axisymmetric) simulation%space%boundary%kind(1) = face_symmetry
       ! what is said of all faces gives way to what is said of one
       do pass = 1, 2
          do index = 1, deck%count("boundary")
@@ -187,21 +187,21 @@ contains
             if (((face == "all") .neqv. (pass == 1)) .or. group%given("region")) cycle
             do side = 1, 6
                if (face /= face_names(side) .and. face /= "all") cycle
-               simulation%boundary%kind(side) = position_of(kind, face_types)
-               call group%get("velocity", simulation%boundary%velocity(:, side))
-               simulation%boundary%warm(side) = group%given("temperature")
-               if (simulation%boundary%warm(side)) &
-                  call group%get("temperature", simulation%boundary%temperature(side))
+               simulation%space%boundary%kind(side) = position_of(kind, face_types)
+               call group%get("velocity", simulation%space%boundary%velocity(:, side))
+               simulation%space%boundary%warm(side) = group%given("temperature")
+               if (simulation%space%boundary%warm(side)) &
+                  call group%get("temperature", simulation%space%boundary%temperature(side))
                if (kind == "friction") &
-                  call group%get("friction", simulation%boundary%friction(side))
+                  call group%get("friction", simulation%space%boundary%friction(side))
             end do
          end do
       end do
-      associate (sides => simulation%boundary%kind)
-         if (simulation%grid%axisymmetric) sides(1) = face_symmetry
-         simulation%grid%wall = sides /= face_outflow .and. sides /= face_periodic
+      associate (sides => simulation%space%boundary%kind)
+         if (simulation%space%grid%axisymmetric) sides(1) = face_symmetry
+         simulation%space%grid%wall = sides /= face_outflow .and. sides /= face_periodic
          do side = 1, 3
-            simulation%grid%periodic(side) = sides(2*side) == face_periodic .and. &
+            simulation%space%grid%periodic(side) = sides(2*side) == face_periodic .and. &
                sides(2*side - 1) == face_periodic
          end do
       end associate
@@ -213,7 +213,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
-      if (simulation%method%dual) return
+      if (simulation%scheme%method%dual) return
       do n = 1, size(simulation%materials)
          if (simulation%materials(n)%repacks) call deck%complain("material", n, &
             "volume_from = 'grid' needs method = 'ddmp' in &run; remove it", "volume_from")
@@ -226,7 +226,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
-      if (.not. simulation%method%heat_flux > 0.0_wp) return
+      if (.not. simulation%scheme%method%heat_flux > 0.0_wp) return
       do n = 1, size(simulation%materials)
          if (simulation%materials(n)%carries_energy()) return
       end do
@@ -263,7 +263,7 @@ contains
       type(group_t) :: group
 
       group = deck%group("effects", 1)
-      call group%get("erosion", simulation%erosion)
+      call group%get("erosion", simulation%scheme%erosion)
       call read_gravity(deck, simulation)
    end subroutine read_effects
 
@@ -310,11 +310,11 @@ contains
             if (deck%sound("material", body%store)) &
                call read_energy(deck, group, simulation%materials(body%store), body)
             body%density = simulation%materials(body%store)%density
-            where (.not. simulation%grid%active)
+            where (.not. simulation%space%grid%active)
                body%per_cell = 1
                body%velocity = 0.0_wp
             end where
-            if (packing == "poisson_disk") call pack_disks(deck, simulation%grid, index, body)
+            if (packing == "poisson_disk") call pack_disks(deck, simulation%space%grid, index, body)
             call read_points(deck, simulation, group, shapes(body%region), body)
             if (deck%sound("material", body%store)) &
                call read_lithostatic(deck, simulation, group, body)
@@ -373,8 +373,9 @@ contains
          if (packing /= "file") call deck%complain(group, "its region is a list of points; "// &
             "write packing = 'file'", "packing")
       else if (allocated(shape%points)) then
-         call pack_points(deck, simulation%grid, simulation%boundary, group, shape%points, body)
-         call simulation%method%request(traits)
+         call pack_points(deck, simulation%space%grid, simulation%space%boundary, group, &
+            shape%points, body)
+         call simulation%scheme%method%request(traits)
          call compare_fields(deck, group, simulation%materials(body%store), traits, shape%points, &
             body%keeps_stress)
       else if (body%keeps_stress) then

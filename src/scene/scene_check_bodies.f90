@@ -84,7 +84,7 @@ contains
 
       do n = 1, size(bodies)
          if (survey%body(n) == 0 .or. .not. bodies(n)%share > 0.0_wp) then
-            call refuse_empty(deck, simulation%grid, bodies(n), n)
+            call refuse_empty(deck, simulation%space%grid, bodies(n), n)
             cycle
          end if
          call check_outside(deck, simulation, bodies(n), n)
@@ -93,7 +93,7 @@ contains
       pairs = size(bodies)*(size(bodies) - 1)/2
       do n = 1, size(bodies) - 1
          do other = n + 1, size(bodies)
-            call check_overlap(deck, simulation%grid, bodies, [n, other], pairs)
+            call check_overlap(deck, simulation%space%grid, bodies, [n, other], pairs)
          end do
       end do
    end subroutine check_places
@@ -108,8 +108,9 @@ contains
       integer :: n, other
       logical :: walls
 
-      walls = allocated(simulation%rigid) .or. any(simulation%boundary%kind /= face_outflow .and. &
-         simulation%boundary%kind /= face_periodic)
+      walls = allocated(simulation%space%rigid) .or. any(simulation%space%boundary%kind /= &
+         face_outflow .and. &
+         simulation%space%boundary%kind /= face_periodic)
       do n = 1, size(bodies)
          associate (material => simulation%materials(bodies(n)%store))
             if (.not. supports_any_shear(material)) cycle
@@ -156,7 +157,7 @@ contains
       real(wp) :: low(3), high(3), point(3)
       integer :: number_of(3), x, y, z, inside, outside, k
 
-      associate (grid => simulation%grid, kind => simulation%boundary%kind)
+      associate (grid => simulation%space%grid, kind => simulation%space%boundary%kind)
          call body%shape%bounds(low, high)
          do k = 1, 3
             if (kind(2*k - 1) == face_symmetry) low(k) = max(low(k), grid%lower(k))
@@ -207,7 +208,7 @@ contains
       logical :: first, last
       integer :: k
 
-      associate (grid => simulation%grid, kind => simulation%boundary%kind)
+      associate (grid => simulation%space%grid, kind => simulation%space%boundary%kind)
          call cut_bounds(grid, body, low, high)
          do k = 1, 3
             if (.not. grid%active(k)) cycle

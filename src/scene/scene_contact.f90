@@ -47,7 +47,7 @@ contains
       end associate
       call share_out(contact, simulation, bodies)
       call read_pairs(deck, bodies, contact)
-      call move_alloc(contact, simulation%contact)
+      call move_alloc(contact, simulation%effects%contact)
    end subroutine read_contact
 
    !> Number the velocity fields in the order of the bodies.
@@ -247,7 +247,7 @@ contains
       integer :: field, index
 
       do field = 1, size(simulation%fields)
-         if (.not. any(simulation%contact%law(field, :)%kind == contact_bonded)) cycle
+         if (.not. any(simulation%effects%contact%law(field, :)%kind == contact_bonded)) cycle
          do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
             allocate (simulation%stores(index)%bond(0))
          end do
@@ -285,7 +285,7 @@ contains
       character(len=:), allocatable :: text
       integer :: a, b
 
-      associate (contact => simulation%contact)
+      associate (contact => simulation%effects%contact)
          text = "contact    "//number(size(contact%law, 1))//" velocity fields, each with node "// &
             "fields and an exchange of its own, and "//number(contact_columns(contact))// &
             " numbers a node"//new_line("a")

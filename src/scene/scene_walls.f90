@@ -37,21 +37,21 @@ contains
          call read_wall(deck, simulation, shapes, group, bodies, faces)
       end do
       if (size(faces) > 0) then
-         call move_alloc(faces, simulation%boundary%wall)
-         associate (boundary => simulation%boundary)
+         call move_alloc(faces, simulation%space%boundary%wall)
+         associate (boundary => simulation%space%boundary)
             do index = 1, size(boundary%wall)
                associate (wall => boundary%wall(index))
                   if (.not. allocated(wall%region)) cycle
                   boundary%divided(wall%face) = .true.
-                  if (wall%kind /= face_outflow) simulation%grid%wall(wall%face) = .true.
+                  if (wall%kind /= face_outflow) simulation%space%grid%wall(wall%face) = .true.
                end associate
             end do
             call boundary%advance(0.0_wp, 0.0_wp, 0.0_wp, switched)
          end associate
       end if
       if (size(bodies) == 0) return
-      allocate (simulation%rigid)
-      call move_alloc(bodies, simulation%rigid%wall)
+      allocate (simulation%space%rigid)
+      call move_alloc(bodies, simulation%space%rigid%wall)
    end subroutine read_walls
 
    !> One &boundary: a rigid region, parts of faces, or whole faces that move or come and go.
@@ -73,11 +73,11 @@ contains
       call group%get("type", kind)
       wall%kind = position_of(kind, face_types)
       if (kind == "friction") call group%get("friction", wall%friction)
-      call read_times(deck, simulation%communicator, group, wall%motion)
-      where (.not. simulation%grid%active) wall%motion%steady = 0.0_wp
+      call read_times(deck, simulation%machine%communicator, group, wall%motion)
+      where (.not. simulation%space%grid%active) wall%motion%steady = 0.0_wp
       if (allocated(wall%motion%speed)) then
          do index = 1, 3
-            if (.not. simulation%grid%active(index)) wall%motion%speed(index, :) = 0.0_wp
+            if (.not. simulation%space%grid%active(index)) wall%motion%speed(index, :) = 0.0_wp
          end do
       end if
       call group%get("region", region)
@@ -91,7 +91,7 @@ contains
       if (face == "" .and. allocated(wall%region)) bodies = [bodies, wall]
       do index = 1, size(face_names)
          if (face /= face_names(index) .and. face /= "all") cycle
-         if (.not. simulation%grid%active(ishft(index + 1, -1))) cycle
+         if (.not. simulation%space%grid%active(ishft(index + 1, -1))) cycle
          ! a face that is named for itself wins over all
          wins = .false.
          if (face == "all" .and. .not. group%given("region")) wins = named(deck, face_names(index))

@@ -39,25 +39,26 @@ contains
       integer :: n
 
       dt = wish
-      if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time
-      if (simulation%method%smooth_turn) call smooth_rotation(simulation)
-      if (simulation%method%strains_first()) call strain_before(simulation, dt)
+      if (allocated(simulation%effects%exact)) simulation%effects%exact%force_time = &
+         simulation%clock%time
+      if (simulation%scheme%method%smooth_turn) call smooth_rotation(simulation)
+      if (simulation%scheme%method%strains_first()) call strain_before(simulation, dt)
       do n = 1, size(simulation%fields)
          call find_forces(simulation, simulation%fields(n))
       end do
       call move_all_nodes(simulation, dt, error)
       if (allocated(error)) return
-      if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
-      if (simulation%method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
+      if (allocated(simulation%effects%conduction)) call conduct_heat(simulation, dt)
+      if (simulation%scheme%method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
       do n = 1, size(simulation%fields)
          call nodes_to_particles(simulation, simulation%fields(n), gather_parts_t( &
-            work=simulation%carries_energy, motion=.true., &
-            strain=simulation%method%stress /= stress_before), dt)
+            work=simulation%scheme%carries_energy, motion=.true., &
+            strain=simulation%scheme%method%stress /= stress_before), dt)
       end do
       call advance_clock(simulation, dt)
       call close_step(simulation, error)
       if (allocated(error)) return
-      if (allocated(simulation%method%splitting)) call split_particles(simulation)
+      if (allocated(simulation%scheme%method%splitting)) call split_particles(simulation)
       call sort_particles(simulation)
    end subroutine advance
 
@@ -70,7 +71,7 @@ contains
       integer :: n
 
       ! time for which positions have moved already with the velocity before the step
-      moved = merge(simulation%dt, dt, simulation%method%leapfrog)
+      moved = merge(simulation%clock%dt, dt, simulation%scheme%method%leapfrog)
       if (.not. moved > 0.0_wp) return
       do n = 1, size(simulation%fields)
          call find_forces(simulation, simulation%fields(n))
@@ -85,11 +86,11 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
 
-      if (simulation%method%controlled()) call find_star(simulation, field)
-      if (allocated(simulation%normalises)) call find_factors(simulation, field)
+      if (simulation%scheme%method%controlled()) call find_star(simulation, field)
+      if (allocated(simulation%scheme%normalises)) call find_factors(simulation, field)
       call particles_to_nodes(simulation, field)
-      if (simulation%method%dual) call dual_fields(simulation, field)
-      if (simulation%method%differing()) call find_difference(simulation, field)
+      if (simulation%scheme%method%dual) call dual_fields(simulation, field)
+      if (simulation%scheme%method%differing()) call find_difference(simulation, field)
    end subroutine find_forces
 
    !> Move the nodes, and find the velocities that strain and move the particles. A step in which
@@ -102,22 +103,22 @@ contains
       integer :: n
 
       do
-         simulation%kick = simulation%method%kick(simulation%dt, dt)
-         call act_gravity(simulation)
-         if (allocated(simulation%contact)) then
-            call move_in_contact(simulation, simulation%kick)
+         simulation%clock%kick = simulation%scheme%method%kick(simulation%clock%dt, dt)
+         call act_gravity(simulation%scheme, simulation%effects, simulation%clock)
+         if (allocated(simulation%effects%contact)) then
+            call move_in_contact(simulation, simulation%clock%kick)
          else
-            call move_nodes(simulation, simulation%fields(1), simulation%kick, dt)
+            call move_nodes(simulation, simulation%fields(1), simulation%clock%kick, dt)
          end if
          do n = 1, size(simulation%fields)
-            call remap_velocities(simulation, simulation%fields(n), simulation%kick)
+            call remap_velocities(simulation, simulation%fields(n), simulation%clock%kick)
          end do
          call judge_nodes(simulation, dt, again, error)
          if (allocated(error)) return
          if (.not. again) exit
       end do
-      if (allocated(simulation%exact)) &
-         call record_body_force(simulation, simulation%fields(1), simulation%kick)
+      if (allocated(simulation%effects%exact)) &
+         call record_body_force(simulation, simulation%fields(1), simulation%clock%kick)
    end subroutine move_all_nodes
 
    !> Move the nodes of all velocity fields, whose bodies push each other.
@@ -131,7 +132,7 @@ contains
       end do
       call find_surfaces(simulation)
       call touch_bodies(simulation, dt)
-      if (simulation%contact%bonded) call break_bonds(simulation)
+      if (simulation%effects%contact%bonded) call break_bonds(simulation)
       do n = 1, size(simulation%fields)
          call finish_nodes(simulation, simulation%fields(n), dt)
       end do
@@ -143,8 +144,8 @@ contains
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
 
-      if (simulation%method%transfer%sweeps() > 0) call filter_nodes(simulation, field, dt)
-      if (.not. simulation%method%remaps()) return
+      if (simulation%scheme%method%transfer%sweeps() > 0) call filter_nodes(simulation, field, dt)
+      if (.not. simulation%scheme%method%remaps()) return
       call scatter_again(simulation, field, dt)
       call remap_nodes(simulation, field)
    end subroutine remap_velocities
@@ -154,10 +155,10 @@ contains
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      simulation%updates = simulation%updates + count_particles(simulation)
-      simulation%time = simulation%time + dt
-      simulation%step = simulation%step + 1
-      simulation%dt = dt
+      simulation%clock%updates = simulation%clock%updates + count_particles(simulation)
+      simulation%clock%time = simulation%clock%time + dt
+      simulation%clock%step = simulation%clock%step + 1
+      simulation%clock%dt = dt
       call update_gravity(simulation)
    end subroutine advance_clock
 end module step_advance

@@ -8,15 +8,17 @@ module step_contact
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_contact_surface, only: direction_of, guess_area, reach_row
+   use step_ledger, only: dissipated
    use step_particles_to_nodes, only: find_plain_places
-   use step_simulation, only: empty_mass, guesses, scratch_t, simulation_t, velocity_field_t
+   use step_simulation, only: effects_t, empty_mass, guesses, scheme_t, scratch_t, simulation_t, &
+      space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_contact, only: bond_traction, contact_bonded, push_apart, state_bonded, &
       state_closed, state_open
    implicit none
    private
 
-   public :: break_bonds, touch_bodies
+   public :: add_contact_heat, break_bonds, touch_bodies
 
    real(wp), parameter :: slack = 1.0e-3_wp          !! Gap that counts as none, in cells
    real(wp), parameter :: bond_reach = 0.5_wp        !! Widest gap of a bond, in cells
@@ -32,33 +34,35 @@ contains
       real(wp) :: began
       integer :: tile, field
 
-      call simulation%timer%start(simulation%phase%contact)
+      call simulation%machine%timer%start(simulation%machine%phase%contact)
       do field = 1, size(simulation%fields)
          call ensure_patch(simulation%fields(field)%nodes%rubbed, 1, &
-            simulation%grid%tile_nodes, simulation%tiles%all)
+            simulation%space%grid%tile_nodes, simulation%space%tiles%all)
       end do
-      if (simulation%contact%bonded) call ensure_broken(simulation)
+      if (simulation%effects%contact%bonded) call ensure_broken(simulation%space, &
+         simulation%effects)
       !$omp parallel do default(none) shared(simulation, dt) private(tile, began) &
       !$omp schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%all
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
          call touch_tile(simulation, tile, dt)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%contact)
+      call simulation%machine%timer%stop(simulation%machine%phase%contact)
    end subroutine touch_bodies
 
    !> Make room for the bonds that break.
-   subroutine ensure_broken(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine ensure_broken(space, effects)
+      type(space_t), intent(in) :: space
+      type(effects_t), intent(inout) :: effects
 
-      associate (contact => simulation%contact, all => simulation%tiles%all)
+      associate (contact => effects%contact, all => space%tiles%all)
          if (allocated(contact%broken)) then
             if (size(contact%broken, 3) < all) deallocate (contact%broken)
          end if
          if (.not. allocated(contact%broken)) allocate (contact%broken(size(contact%law, 1), &
-            simulation%grid%tile_nodes, all + all/16))
+            space%grid%tile_nodes, all + all/16))
       end associate
    end subroutine ensure_broken
 
@@ -73,12 +77,13 @@ contains
       do field = 1, size(simulation%fields)
          simulation%fields(field)%nodes%rubbed(:, :, tile) = 0.0_wp
       end do
-      if (simulation%contact%bonded) simulation%contact%broken(:, :, tile) = .false.
-      if (.not. simulation%contact%meets(tile)) return
-      allocate (greatest(guesses*size(who)**2, simulation%grid%tile_nodes))
-      call assemble_greatest(simulation%grid, simulation%tiles, simulation%contact%reach, tile, &
+      if (simulation%effects%contact%bonded) simulation%effects%contact%broken(:, :, tile) = .false.
+      if (.not. simulation%effects%contact%meets(tile)) return
+      allocate (greatest(guesses*size(who)**2, simulation%space%grid%tile_nodes))
+      call assemble_greatest(simulation%space%grid, simulation%space%tiles, &
+         simulation%effects%contact%reach, tile, &
          greatest)
-      do node = 1, simulation%grid%tile_nodes
+      do node = 1, simulation%space%grid%tile_nodes
          here = 0
          do field = 1, size(who)
             if (.not. simulation%fields(field)%nodes%mass(1, node, tile) > empty_mass) cycle
@@ -104,7 +109,7 @@ contains
 
       call survey_node(simulation, tile, node, who, reach, area, normal, state)
       if (all(state == state_open)) return
-      associate (field => simulation%fields, law => simulation%contact%law(who, who))
+      associate (field => simulation%fields, law => simulation%effects%contact%law(who, who))
          do a = 1, size(who)
             mass(a) = field(who(a))%nodes%mass(1, node, tile)
             velocity(:, a) = field(who(a))%nodes%strain(:, node, tile)
@@ -117,8 +122,8 @@ contains
                if (.not. bond_traction(push(:, a, b), normal(:, a, b), area(:, a, b), dt) &
                   > law(a, b)%strength) cycle
                state(a, b) = state_closed
-               simulation%contact%broken(who(a), node, tile) = .true.
-               simulation%contact%broken(who(b), node, tile) = .true.
+               simulation%effects%contact%broken(who(a), node, tile) = .true.
+               simulation%effects%contact%broken(who(b), node, tile) = .true.
                again = .true.
             end do
          end do
@@ -145,7 +150,7 @@ contains
       state = state_open
       area = 0.0_wp
       normal = 0.0_wp
-      associate (contact => simulation%contact, spacing => simulation%grid%spacing)
+      associate (contact => simulation%effects%contact, spacing => simulation%space%grid%spacing)
          do b = 2, size(who)
             do a = 1, b - 1
                call choose_normal(simulation, tile, node, [who(a), who(b)], reach, area(:, a, b), &
@@ -177,11 +182,11 @@ contains
       gap = huge(gap)
       wide = -huge(wide)
       do guess = 1, guesses
-         trial = guess_area(simulation%contact, tile, node, pair(1), pair(2), guess)
-         direction = direction_of(simulation, trial)
+         trial = guess_area(simulation%effects%contact, tile, node, pair(1), pair(2), guess)
+         direction = direction_of(simulation%space, trial)
          if (all(abs(direction) <= 0.0_wp)) cycle
-         one = reach(reach_row(simulation%contact, pair(1), pair(2), guess))
-         other = reach(reach_row(simulation%contact, pair(2), pair(1), guess))
+         one = reach(reach_row(simulation%effects%contact, pair(1), pair(2), guess))
+         other = reach(reach_row(simulation%effects%contact, pair(2), pair(1), guess))
          ! not seen from here: functions that reach beyond a cell bring mass from farther away
          if (min(one, other) <= -huge(gap)) cycle
          if (-(one + other) <= wide) cycle
@@ -199,7 +204,7 @@ contains
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: field                   !! Which field
 
-      most = simulation%contact%area(4*field, node, tile) > &
+      most = simulation%effects%contact%area(4*field, node, tile) > &
          held*simulation%fields(field)%nodes%mass(1, node, tile)
    end function holds
 
@@ -244,13 +249,14 @@ contains
 
       !$omp parallel do default(none) shared(simulation) private(tile, field, index) &
       !$omp schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
+      do tile = 1, simulation%space%tiles%own
          do field = 1, size(simulation%fields)
-            if (.not. any(simulation%contact%broken(field, :, tile))) cycle
+            if (.not. any(simulation%effects%contact%broken(field, :, tile))) cycle
             do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
                if (.not. allocated(simulation%stores(index)%bond)) cycle
-               call break_tile(simulation, simulation%scratch(omp_get_thread_num()), &
-                  simulation%contact%broken(field, :, tile), tile, simulation%stores(index))
+               call break_tile(simulation%space, simulation%scheme, &
+                  simulation%scratch(omp_get_thread_num()), &
+                  simulation%effects%contact%broken(field, :, tile), tile, simulation%stores(index))
             end do
          end do
       end do
@@ -258,17 +264,18 @@ contains
    end subroutine break_bonds
 
    !> One store in one tile.
-   subroutine break_tile(simulation, scratch, broken, tile, store)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine break_tile(space, scheme, scratch, broken, tile, store)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       logical, intent(in) :: broken(:)               !! (node)
       integer, intent(in) :: tile                    !! Which tile
       type(store_t), intent(inout) :: store          !! The particles
       integer :: cell, p, q, node, upper(3)
 
-      call find_plain_places(simulation, scratch, store, tile)
+      call find_plain_places(space, scheme, scratch, store, tile)
       ! the cells are counted from 0, and a name for a part of an array would count them from 1
-      associate (grid => simulation%grid)
+      associate (grid => space%grid)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                q = store%first(tile) + p - 1
@@ -279,4 +286,33 @@ contains
          end do
       end associate
    end subroutine break_tile
+
+   !> Heat of contact to the particles of a tile; material that carries no internal energy records
+   !! it.
+   subroutine add_contact_heat(space, scheme, field, scratch, store, tile)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile                    !! Which tile
+      real(wp) :: lost
+      integer :: p, q
+
+      associate (rubbed => field%nodes%rubbed(:, :, tile), shape => scratch%shape)
+         if (.not. any(abs(rubbed) > 0.0_wp)) return
+         call scheme%method%basis%collect(space%grid, store%cell_start(:, tile), shape, &
+            rubbed, shape%values)
+      end associate
+      lost = 0.0_wp
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         if (allocated(store%state%energy)) then
+            store%state%energy(q) = store%state%energy(q) + scratch%shape%values(p, 1)
+         else
+            lost = lost + store%state%mass(q)*scratch%shape%values(p, 1)
+         end if
+      end do
+      call scratch%ledger%sums(dissipated)%add(lost)
+   end subroutine add_contact_heat
 end module step_contact

@@ -8,7 +8,7 @@ module step_dual_gradient
    use step_method, only: stress_after
    use step_node_sums, only: divide, ensure_sums, keep_sums, slots
    use step_particles_to_nodes, only: nodes_seen, tensor_rows, vector_rows
-   use step_simulation, only: empty_mass, simulation_t, velocity_field_t
+   use step_simulation, only: empty_mass, scheme_t, simulation_t, space_t, velocity_field_t
    use step_small_masses, only: calm_light_nodes, light_may_gain
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
@@ -25,24 +25,24 @@ contains
       integer :: tile
       real(wp) :: began
 
-      call simulation%timer%start(simulation%phase%grid)
+      call simulation%machine%timer%start(simulation%machine%phase%grid)
       call ensure_dual(simulation, field)
       !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
       !$omp schedule(static)
-      do tile = 1, simulation%tiles%all
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
          call weigh_tile(simulation, field, tile)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
       associate (nodes => field%nodes)
-         call nodes%weighted%line_up(simulation%grid, simulation%tiles)
+         call nodes%weighted%line_up(simulation%space%grid, simulation%space%tiles)
          call nodes%share%ensure(nodes%weighted%nodes())
          call nodes%force%ensure(nodes%weighted%nodes())
       end associate
       !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
       !$omp schedule(static)
-      do tile = 1, simulation%tiles%all
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
          call share_tile(simulation, field, tile)
          call record_cost(simulation, tile, began)
@@ -50,13 +50,13 @@ contains
       !$omp end parallel do
       !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
       !$omp schedule(static)
-      do tile = 1, simulation%tiles%all
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
          call force_tile(simulation, field, tile)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%grid)
+      call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine dual_fields
 
    !> Make room for the fields of the dual gradient, but for pieces whose boxes are not known yet.
@@ -64,12 +64,13 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(velocity_field_t), intent(inout) :: field
 
-      associate (nodes => field%nodes, grid => simulation%grid, all => simulation%tiles%all)
+      associate (nodes => field%nodes, grid => simulation%space%grid, all => &
+         simulation%space%tiles%all)
          call ensure_sums(simulation, field)
          call ensure_weights(nodes%weight, grid%tile_cells, all)
          call nodes%weighted%ensure(all)
          call ensure_patch(nodes%volume, 1, grid%tile_nodes, slots(simulation, field))
-         if (simulation%repacks) call ensure_patch(nodes%filled, 1, grid%tile_nodes, all)
+         if (simulation%scheme%repacks) call ensure_patch(nodes%filled, 1, grid%tile_nodes, all)
          if (allocated(nodes%share%row)) return
          call nodes%share%keep(1, [.true.])
          call nodes%force%keep(3, vector_rows(grid))
@@ -85,18 +86,19 @@ contains
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       integer, parameter :: filled = 8               ! row of the patch
-      real(wp) :: around(simulation%grid%tile_nodes)
-      real(wp) :: sums(filled, simulation%grid%tile_nodes)
-      logical :: weighs(simulation%grid%tile_cells)
+      real(wp) :: around(simulation%space%grid%tile_nodes)
+      real(wp) :: sums(filled, simulation%space%grid%tile_nodes)
+      logical :: weighs(simulation%space%grid%tile_cells)
 
-      associate (grid => simulation%grid, nodes => field%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile))
-         call nodes%motion(1)%assemble(grid, simulation%tiles, nodes%touched, tile, sums)
+      associate (grid => simulation%space%grid, nodes => field%nodes, &
+         coordinate => simulation%space%tiles%coordinate(:, tile))
+         call nodes%motion(1)%assemble(grid, simulation%space%tiles, nodes%touched, tile, sums)
          if (.not. nodes%lean) call keep_sums(nodes, tile, sums)
-         if (simulation%repacks) nodes%filled(1, :, tile) = sums(filled, :)
+         if (simulation%scheme%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
          ! with normalised sums they are known
-         if (.not. allocated(simulation%normalises)) call simulation%dual%cell_weights(grid, sums, &
+         if (.not. allocated(simulation%scheme%normalises)) call &
+            simulation%scheme%dual%cell_weights(grid, sums, &
             filled, around, nodes%weight(:, tile))
          call empty_box(nodes%weighted%box(:, :, tile))
          weighs = nodes%weight(:, tile) > 0.0_wp
@@ -109,11 +111,11 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: patch(1, simulation%grid%tile_nodes)
+      real(wp) :: patch(1, simulation%space%grid%tile_nodes)
 
-      associate (grid => simulation%grid, nodes => field%nodes)
+      associate (grid => simulation%space%grid, nodes => field%nodes)
          call clear_patch(patch)
-         call simulation%dual%add_volume(grid, simulation%tiles%coordinate(:, tile), &
+         call simulation%scheme%dual%add_volume(grid, simulation%space%tiles%coordinate(:, tile), &
             nodes%weight(:, tile), patch)
          call nodes%share%put(grid, nodes%weighted, tile, 1, patch)
       end associate
@@ -127,7 +129,8 @@ contains
       integer, intent(in) :: slot                    !! Where its fields are
 
       associate (nodes => field%nodes)
-         call nodes%share%assemble(simulation%grid, simulation%tiles, nodes%weighted, tile, &
+         call nodes%share%assemble(simulation%space%grid, simulation%space%tiles, nodes%weighted, &
+            tile, &
             nodes%volume(:, :, slot))
       end associate
    end subroutine find_volumes
@@ -137,23 +140,25 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: stress(9, simulation%grid%tile_nodes), force(3, simulation%grid%tile_nodes)
+      real(wp) :: stress(9, simulation%space%grid%tile_nodes), force(3, &
+         simulation%space%grid%tile_nodes)
       integer :: slot
 
-      associate (grid => simulation%grid, nodes => field%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile))
+      associate (grid => simulation%space%grid, nodes => field%nodes, &
+         coordinate => simulation%space%tiles%coordinate(:, tile))
          slot = nodes%slot(tile)
          call find_volumes(simulation, field, tile, slot)
-         call nodes%motion(2)%assemble(grid, simulation%tiles, nodes%touched, tile, stress)
+         call nodes%motion(2)%assemble(grid, simulation%space%tiles, nodes%touched, tile, stress)
          if (allocated(nodes%normal)) then
             call normalise(nodes%volume(:, :, slot), nodes%normal(:, :, tile), stress)
          else
             call divide(nodes%volume(:, :, slot), 1, stress)
          end if
-         if (simulation%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
-         call simulation%boundary%mirror(grid, coordinate, stress)
+         if (simulation%scheme%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
+         call simulation%space%boundary%mirror(grid, coordinate, stress)
          call clear_patch(force)
-         call simulation%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, force)
+         call simulation%scheme%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, &
+            force)
          call nodes%force%put(grid, nodes%weighted, tile, 1, force)
       end associate
    end subroutine force_tile
@@ -199,35 +204,37 @@ contains
       integer, intent(in) :: slot                    !! Where its fields are
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
 
-      if (.not. (simulation%method%dual .and. simulation%method%stress == stress_after)) return
+      if (.not. (simulation%scheme%method%dual .and. simulation%scheme%method%stress == &
+         stress_after)) return
       associate (nodes => field%nodes)
-         if (.not. light_may_gain(simulation%grid, dt, nodes%acceleration(:, :, slot))) return
+         if (.not. light_may_gain(simulation%space%grid, dt, nodes%acceleration(:, :, slot))) return
          if (nodes%lean) call find_volumes(simulation, field, tile, slot)
-         call calm_light_nodes(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         call calm_light_nodes(simulation%space%grid, simulation%space%tiles%coordinate(:, tile), &
             nodes%volume(1, :, slot), dt, nodes%velocity(:, :, slot), &
             nodes%acceleration(:, :, slot), nodes%strain(:, :, slot))
       end associate
    end subroutine calm_tile
 
    !> Share of the cells of a tile in the node gradient of a velocity.
-   pure subroutine put_gradient(simulation, field, tile, velocity, gradient)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine put_gradient(space, scheme, field, tile, velocity, gradient)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       type(packed_patch_t), intent(inout) :: gradient      !! Gets it [m3/s]
-      real(wp) :: patch(9, simulation%grid%tile_nodes)
+      real(wp) :: patch(9, space%grid%tile_nodes)
 
       call clear_patch(patch)
-      call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
+      call scheme%dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), &
          field%nodes%weight(:, tile), velocity, patch)
-      call gradient%put(simulation%grid, field%nodes%weighted, tile, 1, patch)
+      call gradient%put(space%grid, field%nodes%weighted, tile, 1, patch)
    end subroutine put_gradient
 
    !> Sum of the pieces of a node gradient, divided by the volumes of the nodes. Equation (M.6) of
    !! doc/theory/method.md.
-   subroutine node_gradient(simulation, field, tile, pieces, gradient)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine node_gradient(space, field, tile, pieces, gradient)
+      type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       type(packed_patch_t), intent(in) :: pieces           !! Shares of the cells [m3/s]
@@ -235,10 +242,10 @@ contains
       real(wp), allocatable, intent(inout) :: gradient(:, :)
       integer :: low, high
 
-      if (.not. allocated(gradient)) allocate (gradient(9, simulation%grid%tile_nodes))
-      call pieces%assemble(simulation%grid, simulation%tiles, field%nodes%weighted, tile, &
+      if (.not. allocated(gradient)) allocate (gradient(9, space%grid%tile_nodes))
+      call pieces%assemble(space%grid, space%tiles, field%nodes%weighted, tile, &
          gradient)
-      call nodes_seen(simulation, field, tile, low, high)
+      call nodes_seen(space, field, tile, low, high)
       if (allocated(field%nodes%normal)) then
          call normalise(field%nodes%volume(:, low:high, field%nodes%slot(tile)), &
             field%nodes%normal(:, low:high, tile), gradient(:, low:high))
@@ -246,7 +253,7 @@ contains
          call divide(field%nodes%volume(:, low:high, field%nodes%slot(tile)), 1, &
             gradient(:, low:high))
       end if
-      call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
+      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), &
          gradient)
    end subroutine node_gradient
 end module step_dual_gradient

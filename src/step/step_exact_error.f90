@@ -32,16 +32,17 @@ contains
       real(wp) :: part(errors + 1), farthest, times(errors)
       integer :: index, tile, n
 
-      associate (case => simulation%exact)
-         if (case%seen == simulation%step) return
-         times = simulation%time
-         times(2) = simulation%time - simulation%method%lag(simulation%dt)
-         if (simulation%method%strains_first()) times(3) = simulation%time - simulation%dt
+      associate (case => simulation%effects%exact)
+         if (case%seen == simulation%clock%step) return
+         times = simulation%clock%time
+         times(2) = simulation%clock%time - simulation%scheme%method%lag(simulation%clock%dt)
+         if (simulation%scheme%method%strains_first()) times(3) = simulation%clock%time - &
+            simulation%clock%dt
          farthest = 0.0_wp
          do index = 1, size(simulation%stores)
             if (.not. allocated(case%material(index)%solution)) cycle
-            do tile = 1, simulation%tiles%own
-               call sum_tile(simulation%grid, case%material(index)%solution, &
+            do tile = 1, simulation%space%tiles%own
+               call sum_tile(simulation%space%grid, case%material(index)%solution, &
                   simulation%stores(index), tile, times, part, farthest)
                do n = 1, errors + 1
                   call sums(n)%add(part(n))
@@ -49,7 +50,7 @@ contains
             end do
          end do
          do n = 1, errors + 1
-            call sums(n)%over_ranks(simulation%communicator)
+            call sums(n)%over_ranks(simulation%machine%communicator)
          end do
          case%error = 0.0_wp
          if (sums(errors + 1)%value() > 0.0_wp) then
@@ -59,8 +60,8 @@ contains
          end if
          case%greatest_error = max(case%greatest_error, case%error(1))
          case%greatest_motion = max(case%greatest_motion, &
-            simulation%communicator%maximum(farthest))
-         case%seen = simulation%step
+            simulation%machine%communicator%maximum(farthest))
+         case%seen = simulation%clock%step
       end associate
    end subroutine take_errors
 
@@ -104,9 +105,9 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(state_t), intent(inout) :: state          !! Of the checkpoint
 
-      if (.not. allocated(simulation%exact)) return
-      call state%set("exact_errors", [simulation%exact%greatest_error, &
-         simulation%exact%greatest_motion])
+      if (.not. allocated(simulation%effects%exact)) return
+      call state%set("exact_errors", [simulation%effects%exact%greatest_error, &
+         simulation%effects%exact%greatest_motion])
    end subroutine save_errors
 
    !> Take them from a checkpoint, if it has them.
@@ -116,10 +117,10 @@ contains
       real(wp), allocatable :: numbers(:)
       type(error_t), allocatable :: error
 
-      if (.not. allocated(simulation%exact)) return
+      if (.not. allocated(simulation%effects%exact)) return
       call state%get("exact_errors", numbers, error)
       if (allocated(error)) return
-      simulation%exact%greatest_error = numbers(1)
-      simulation%exact%greatest_motion = numbers(2)
+      simulation%effects%exact%greatest_error = numbers(1)
+      simulation%effects%exact%greatest_motion = numbers(2)
    end subroutine load_errors
 end module step_exact_error

@@ -24,7 +24,7 @@ contains
 
       !$omp parallel do default(none) shared(simulation, field, dt) private(tile) &
       !$omp schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
+      do tile = 1, simulation%space%tiles%own
          call book_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
       end do
       !$omp end parallel do
@@ -37,7 +37,7 @@ contains
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp) :: carry(3, simulation%grid%tile_nodes)
+      real(wp) :: carry(3, simulation%space%grid%tile_nodes)
       real(wp) :: total(3), turn(3), work, point(3), force(3), place(3)
       integer :: index, p, q, k
 
@@ -48,11 +48,12 @@ contains
          + 0.5_wp*dt*field%nodes%acceleration(:, :, tile)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
-         if (.not. allocated(simulation%exact%material(index)%solution)) cycle
+         if (.not. allocated(simulation%effects%exact%material(index)%solution)) cycle
          associate (store => simulation%stores(index), &
-            solution => simulation%exact%material(index)%solution)
-            call find_places(simulation, field, scratch, store, tile)
-            call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), &
+            solution => simulation%effects%exact%material(index)%solution)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call simulation%scheme%method%basis%collect(simulation%space%grid, &
+               store%cell_start(:, tile), &
                scratch%shape, carry, scratch%shape%vector)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
@@ -60,7 +61,7 @@ contains
                   point(k) = store%reference(q, k)
                   place(k) = store%position(q, k)
                end do
-               call solution%body_force(point, simulation%exact%force_time, force)
+               call solution%body_force(point, simulation%effects%exact%force_time, force)
                force = store%state%mass(q)*dt*force
                total = total + force
                turn = turn + cross(place, force)

@@ -21,10 +21,11 @@ contains
       integer, allocatable, intent(out) :: tiles(:)  !! Indices
 
       if (part == edge_tiles) then
-         call simulation%halo%plan(simulation%communicator, simulation%grid, simulation%tiles)
-         tiles = simulation%halo%edge
+         call simulation%space%halo%plan(simulation%machine%communicator, simulation%space%grid, &
+            simulation%space%tiles)
+         tiles = simulation%space%halo%edge
       else
-         tiles = simulation%halo%inner
+         tiles = simulation%space%halo%inner
       end if
    end subroutine next_tiles
 
@@ -35,17 +36,18 @@ contains
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       real(wp) :: waited
 
-      if (simulation%communicator%size == 1) return
-      associate (communicator => simulation%communicator, phase => simulation%phase)
-         call simulation%timer%start(phase%exchange)
+      if (simulation%machine%communicator%size == 1) return
+      associate (communicator => simulation%machine%communicator, phase => simulation%machine%phase)
+         call simulation%machine%timer%start(phase%exchange)
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
-            call simulation%halo%post(communicator, simulation%tiles, patch)
+            call simulation%space%halo%post(communicator, simulation%space%tiles, patch)
          else
-            call simulation%halo%complete(communicator, simulation%grid, simulation%tiles, patch)
+            call simulation%space%halo%complete(communicator, simulation%space%grid, &
+               simulation%space%tiles, patch)
          end if
-         call simulation%timer%stop(phase%exchange)
-         if (part == inner_tiles) call simulation%timer%move(phase%exchange, phase%wait, &
+         call simulation%machine%timer%stop(phase%exchange)
+         if (part == inner_tiles) call simulation%machine%timer%move(phase%exchange, phase%wait, &
             communicator%traffic%waiting - waited)
       end associate
    end subroutine pass_patches
@@ -58,21 +60,24 @@ contains
       real(wp) :: waited
       integer :: kinds
 
-      if (simulation%communicator%size == 1) return
-      kinds = merge(2, 1, simulation%method%dual)
-      associate (communicator => simulation%communicator, phase => simulation%phase, &
+      if (simulation%machine%communicator%size == 1) return
+      kinds = merge(2, 1, simulation%scheme%method%dual)
+      associate (communicator => simulation%machine%communicator, phase => &
+         simulation%machine%phase, &
          nodes => field%nodes)
-         call simulation%timer%start(phase%exchange)
+         call simulation%machine%timer%start(phase%exchange)
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
-            call simulation%halo%post_pieces(communicator, simulation%grid, simulation%tiles, &
+            call simulation%space%halo%post_pieces(communicator, simulation%space%grid, &
+               simulation%space%tiles, &
                nodes%touched, nodes%motion(:kinds))
          else
-            call simulation%halo%complete_pieces(communicator, simulation%grid, simulation%tiles, &
+            call simulation%space%halo%complete_pieces(communicator, simulation%space%grid, &
+               simulation%space%tiles, &
                nodes%touched, nodes%motion(:kinds))
          end if
-         call simulation%timer%stop(phase%exchange)
-         if (part == inner_tiles) call simulation%timer%move(phase%exchange, phase%wait, &
+         call simulation%machine%timer%stop(phase%exchange)
+         if (part == inner_tiles) call simulation%machine%timer%move(phase%exchange, phase%wait, &
             communicator%traffic%waiting - waited)
       end associate
    end subroutine pass_motion

@@ -15,10 +15,11 @@ module step_heat_flux
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_plain_places
-   use step_simulation, only: empty_mass, scratch_t, simulation_t
+   use step_simulation, only: empty_mass, scheme_t, scratch_t, simulation_t, space_t
    implicit none
    private
 
@@ -35,36 +36,36 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: index, tile
 
-      call simulation%timer%start(simulation%phase%grid)
-      associate (heat => simulation%heat_flux, number => simulation%grid%tile_nodes)
-         call ensure_patch(heat%content, content, number, simulation%tiles%own)
-         call ensure_patch(heat%flux, 1, number, simulation%tiles%own)
-         call ensure_patch(heat%total, passed, number, simulation%tiles%own)
+      call simulation%machine%timer%start(simulation%machine%phase%grid)
+      associate (heat => simulation%effects%heat_flux, number => simulation%space%grid%tile_nodes)
+         call ensure_patch(heat%content, content, number, simulation%space%tiles%own)
+         call ensure_patch(heat%flux, 1, number, simulation%space%tiles%own)
+         call ensure_patch(heat%total, passed, number, simulation%space%tiles%own)
       end associate
       do index = 1, size(simulation%stores)
          if (.not. flows(simulation, index)) cycle
-         call each_own(simulation, index, dt, spread_energy, simulation%heat_flux%content)
+         call each_own(simulation, index, dt, spread_energy, simulation%effects%heat_flux%content)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             call find_energy(simulation, tile)
          end do
          !$omp end parallel do
-         call each_own(simulation, index, dt, spread_conductance, simulation%heat_flux%flux)
+         call each_own(simulation, index, dt, spread_conductance, simulation%effects%heat_flux%flux)
          !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             call find_passed(simulation, tile, dt)
          end do
          !$omp end parallel do
-         call each_own(simulation, index, dt, spread_flux, simulation%heat_flux%flux)
+         call each_own(simulation, index, dt, spread_flux, simulation%effects%heat_flux%flux)
          !$omp parallel do default(none) shared(simulation, index, dt) private(tile) &
          !$omp schedule(dynamic, 1)
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             if (simulation%stores(index)%count(tile) > 0) call give_energy(simulation, &
                simulation%scratch(omp_get_thread_num()), index, tile, dt)
          end do
          !$omp end parallel do
       end do
-      call simulation%timer%stop(simulation%phase%grid)
+      call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine smear_heat
 
    !> Does the energy of a material flow?
@@ -123,13 +124,14 @@ contains
       integer :: p, q
 
       associate (store => simulation%stores(index), shape => scratch%shape)
-         call find_plain_places(simulation, scratch, store, tile)
+         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             shape%values(p, mass) = store%state%mass(q)
             shape%values(p, content) = store%state%mass(q)*max(store%state%energy(q), 0.0_wp)
          end do
-         call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), shape, &
+         call simulation%scheme%method%basis%spread(simulation%space%grid, store%cell_start(:, &
+            tile), shape, &
             content, shape%values, 0, patch)
       end associate
    end subroutine spread_energy
@@ -138,10 +140,11 @@ contains
    subroutine find_energy(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: sums(content, simulation%grid%tile_nodes)
+      real(wp) :: sums(content, simulation%space%grid%tile_nodes)
 
-      call assemble(simulation%grid, simulation%tiles, simulation%heat_flux%content, tile, sums)
-      simulation%heat_flux%total(:content, :, tile) = sums
+      call assemble(simulation%space%grid, simulation%space%tiles, &
+         simulation%effects%heat_flux%content, tile, sums)
+      simulation%effects%heat_flux%total(:content, :, tile) = sums
    end subroutine find_energy
 
    !> Conductance of all edges of the cells that end in a node [W kg/J].
@@ -155,11 +158,12 @@ contains
       real(wp) :: weight(4), place(3), conductance
       integer :: low(4), p, cell, direction, edges, edge, high
 
-      associate (store => simulation%stores(index), grid => simulation%grid)
-         call find_plain_places(simulation, scratch, store, tile)
+      associate (store => simulation%stores(index), grid => simulation%space%grid)
+         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
-               conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
+               conductance = conductance_of(simulation%space, simulation%scheme, &
+                  simulation%stores, index, store%first(tile) + p - 1, dt)
                if (.not. conductance > 0.0_wp) cycle
                place = scratch%shape%local(p, :)
                do direction = 1, 3
@@ -181,11 +185,12 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: given(1, simulation%grid%tile_nodes)
+      real(wp) :: given(1, simulation%space%grid%tile_nodes)
       integer :: node
 
-      call assemble(simulation%grid, simulation%tiles, simulation%heat_flux%flux, tile, given)
-      associate (total => simulation%heat_flux%total(:, :, tile))
+      call assemble(simulation%space%grid, simulation%space%tiles, &
+         simulation%effects%heat_flux%flux, tile, given)
+      associate (total => simulation%effects%heat_flux%total(:, :, tile))
          do node = 1, size(given, 2)
             total(passed, node) = merge(1.0_wp, 0.0_wp, total(mass, node) > empty_mass)
             if (dt*given(1, node) > total(mass, node)) &
@@ -205,14 +210,15 @@ contains
       real(wp) :: energy(1, size(patch, 2)), weight(4), place(3), conductance, flow
       integer :: low(4), p, cell, direction, edges, edge, high
 
-      energy(1, :) = simulation%heat_flux%total(content, :, tile)
-      call divide(simulation%heat_flux%total(:, :, tile), mass, energy)
-      associate (store => simulation%stores(index), grid => simulation%grid, &
-         share => simulation%heat_flux%total(passed, :, tile))
-         call find_plain_places(simulation, scratch, store, tile)
+      energy(1, :) = simulation%effects%heat_flux%total(content, :, tile)
+      call divide(simulation%effects%heat_flux%total(:, :, tile), mass, energy)
+      associate (store => simulation%stores(index), grid => simulation%space%grid, &
+         share => simulation%effects%heat_flux%total(passed, :, tile))
+         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
-               conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
+               conductance = conductance_of(simulation%space, simulation%scheme, &
+                  simulation%stores, index, store%first(tile) + p - 1, dt)
                if (.not. conductance > 0.0_wp) cycle
                place = scratch%shape%local(p, :)
                do direction = 1, 3
@@ -233,15 +239,17 @@ contains
 
    !> Conductance that a particle gives the edges around it along each direction [W kg/J]. The bound
    !! keeps an explicit step in full cells stable.
-   pure real(wp) function conductance_of(simulation, index, q, dt) result(conductance)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure real(wp) function conductance_of(space, scheme, stores, index, q, dt) result(conductance)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(store_t), intent(in) :: stores(:)
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: q                       !! The particle
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      associate (state => simulation%stores(index)%state, grid => simulation%grid)
+      associate (state => stores(index)%state, grid => space%grid)
          conductance = min(state%mass(q)/(4.0_wp*real(grid%dimensions, wp)*dt), &
-            simulation%method%heat_flux/grid%spacing*sqrt(state%mass(q)*state%volume(q) &
+            scheme%method%heat_flux/grid%spacing*sqrt(state%mass(q)*state%volume(q) &
             *max(state%viscous_pressure(q), 0.0_wp)))
       end associate
    end function conductance_of
@@ -279,12 +287,14 @@ contains
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: flow(1, simulation%grid%tile_nodes), change(2, simulation%grid%tile_nodes), given
+      real(wp) :: flow(1, simulation%space%grid%tile_nodes), change(2, &
+         simulation%space%grid%tile_nodes), given
       integer :: node, p, q
 
-      call assemble(simulation%grid, simulation%tiles, simulation%heat_flux%flux, tile, flow)
+      call assemble(simulation%space%grid, simulation%space%tiles, &
+         simulation%effects%heat_flux%flux, tile, flow)
       change = 0.0_wp
-      associate (total => simulation%heat_flux%total(:, :, tile))
+      associate (total => simulation%effects%heat_flux%total(:, :, tile))
          do node = 1, size(change, 2)
             ! by mass what is gained, by energy what is lost
             if (flow(1, node) > 0.0_wp) then
@@ -295,8 +305,9 @@ contains
          end do
       end associate
       associate (store => simulation%stores(index), shape => scratch%shape)
-         call find_plain_places(simulation, scratch, store, tile)
-         call simulation%method%basis%collect(simulation%grid, store%cell_start(:, tile), shape, &
+         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call simulation%scheme%method%basis%collect(simulation%space%grid, store%cell_start(:, &
+            tile), shape, &
             change, shape%values)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1

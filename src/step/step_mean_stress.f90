@@ -25,9 +25,9 @@ contains
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
-      associate (nodes => field%nodes, number => simulation%grid%tile_nodes)
-         call simulation%timer%start(simulation%phase%scatter)
-         call ensure_patch(nodes%mean, columns, number, simulation%tiles%own)
+      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
+         call simulation%machine%timer%start(simulation%machine%phase%scatter)
+         call ensure_patch(nodes%mean, columns, number, simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
             !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
@@ -40,15 +40,15 @@ contains
             !$omp end parallel do
             call pass_patches(simulation, part, nodes%mean)
          end do
-         call simulation%timer%stop(simulation%phase%scatter)
-         call simulation%timer%start(simulation%phase%grid)
-         call ensure_patch(nodes%star, columns - 1, number, simulation%tiles%all)
+         call simulation%machine%timer%stop(simulation%machine%phase%scatter)
+         call simulation%machine%timer%start(simulation%machine%phase%grid)
+         call ensure_patch(nodes%star, columns - 1, number, simulation%space%tiles%all)
          !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%all
+         do tile = 1, simulation%space%tiles%all
             call divide_tile(simulation, field, tile)
          end do
          !$omp end parallel do
-         call simulation%timer%stop(simulation%phase%grid)
+         call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end associate
    end subroutine find_star
 
@@ -65,7 +65,7 @@ contains
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_places(simulation, field, scratch, store, tile)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                scratch%shape%values(p, 1) = store%state%volume(q)
@@ -77,7 +77,8 @@ contains
                      *store%state%stress(q, k)
                end do
             end do
-            call simulation%method%basis%spread(simulation%grid, store%cell_start(:, tile), &
+            call simulation%scheme%method%basis%spread(simulation%space%grid, store%cell_start(:, &
+               tile), &
                scratch%shape, columns, scratch%shape%values, 0, patch)
          end associate
       end do
@@ -90,18 +91,19 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: total(columns, simulation%grid%tile_nodes)
-      real(wp) :: around(simulation%grid%tile_nodes), fill(simulation%grid%tile_nodes)
+      real(wp) :: total(columns, simulation%space%grid%tile_nodes)
+      real(wp) :: around(simulation%space%grid%tile_nodes), fill(simulation%space%grid%tile_nodes)
       integer :: node, direction
 
-      call assemble(simulation%grid, simulation%tiles, field%nodes%mean, tile, total)
-      call simulation%grid%node_volume(simulation%tiles%coordinate(:, tile), around)
+      call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%mean, tile, total)
+      call simulation%space%grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
       do node = 1, size(fill)
          fill(node) = 1.0_wp
          if (around(node) > 0.0_wp) fill(node) = min(1.0_wp, 2.0_wp*total(1, node)/around(node))
       end do
       do direction = 1, 3
-         if (simulation%grid%active(direction)) call take_least(simulation%grid, direction, fill)
+         if (simulation%space%grid%active(direction)) call take_least(simulation%space%grid, &
+            direction, fill)
       end do
       do node = 1, size(fill)
          field%nodes%star(:, node, tile) = 0.0_wp

@@ -32,12 +32,12 @@ contains
    pure logical function asks(simulation) result(asked)
       type(simulation_t), intent(in) :: simulation   !! The run
 
-      associate (method => simulation%method)
+      associate (method => simulation%scheme%method)
          asked = method%remaps() .or. (method%dual .and. &
             method%stress == stress_after)
       end associate
-      asked = asked .and. simulation%guard%bounds%dt_free .and. &
-         .not. allocated(simulation%contact)
+      asked = asked .and. simulation%clock%guard%bounds%dt_free .and. &
+         .not. allocated(simulation%effects%contact)
    end function asks
 
    !> How far the nodes of a tile would go that its particles see. Most tiles are so slow that their
@@ -51,9 +51,9 @@ contains
       type(reach_t), intent(out) :: reach            !! The worst of the tile
       real(wp) :: far, apart
 
-      far = max(part_moved, simulation%method%cfl)
-      apart = strain_share*simulation%guard%bounds%strain_max
-      associate (velocity => field%nodes%strain(:, :, slot), grid => simulation%grid, &
+      far = max(part_moved, simulation%scheme%method%cfl)
+      apart = strain_share*simulation%clock%guard%bounds%strain_max
+      associate (velocity => field%nodes%strain(:, :, slot), grid => simulation%space%grid, &
          mass => field%nodes%mass(1, :, slot))
          ! bounds for each component that hold whatever the other components are
          if (slow_nodes(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
@@ -62,10 +62,11 @@ contains
          if (.not. flies(velocity, mass, apart/sqrt(12.0_wp)*grid%spacing/dt)) &
             call look_at_cells(simulation, tile, velocity, apart*grid%spacing/dt, reach)
       end associate
-      reach%moved = reach%moved*dt/simulation%grid%spacing
-      reach%strain = reach%strain*dt/simulation%grid%spacing
+      reach%moved = reach%moved*dt/simulation%space%grid%spacing
+      reach%strain = reach%strain*dt/simulation%space%grid%spacing
       if (reach%node == 0) return
-      associate (grid => simulation%grid, coordinate => simulation%tiles%coordinate(:, tile))
+      associate (grid => simulation%space%grid, coordinate => &
+         simulation%space%tiles%coordinate(:, tile))
          reach%place = coordinate*grid%width + grid%node_position(reach%node)
          reach%number = reach%place(1) + (grid%cells(1) + 1_int64)*(reach%place(2) &
             + (grid%cells(2) + 1_int64)*reach%place(3))
@@ -115,7 +116,7 @@ contains
       real(wp) :: difference
       integer :: cell, lane, direction, low, high
 
-      associate (grid => simulation%grid)
+      associate (grid => simulation%space%grid)
          do cell = 0, grid%tile_cells - 1
             if (.not. filled(simulation, tile, cell)) cycle
             do direction = 1, 3

@@ -3,7 +3,7 @@
 module step_node_sums
    use base_kinds, only: wp
    use mesh_patch, only: ensure_patch
-   use step_simulation, only: empty_mass, nodes_t, simulation_t, velocity_field_t
+   use step_simulation, only: empty_mass, nodes_t, simulation_t, space_t, velocity_field_t
    implicit none
    private
 
@@ -16,7 +16,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(velocity_field_t), intent(in) :: field
 
-      number = simulation%tiles%all
+      number = simulation%space%tiles%all
       if (field%nodes%lean) number = size(simulation%scratch)
    end function slots
 
@@ -25,7 +25,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(velocity_field_t), intent(inout) :: field
 
-      associate (nodes => field%nodes, number => simulation%grid%tile_nodes)
+      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
          call ensure_patch(nodes%mass, 1, number, slots(simulation, field))
          call ensure_patch(nodes%velocity, 3, number, slots(simulation, field))
          call ensure_patch(nodes%acceleration, 3, number, slots(simulation, field))
@@ -34,14 +34,14 @@ contains
 
    !> Find the sums of the nodes of a tile: mass, momentum where the velocity will be, force where
    !! the acceleration will be.
-   pure subroutine find_sums(simulation, field, tile, slot)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   pure subroutine find_sums(space, field, tile, slot)
+      type(space_t), intent(in) :: space
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: slot                    !! Where its fields are
-      real(wp) :: sums(field%nodes%motion(1)%rows, simulation%grid%tile_nodes)
+      real(wp) :: sums(field%nodes%motion(1)%rows, space%grid%tile_nodes)
 
-      call field%nodes%motion(1)%assemble(simulation%grid, simulation%tiles, &
+      call field%nodes%motion(1)%assemble(space%grid, space%tiles, &
          field%nodes%touched, tile, sums)
       call keep_sums(field%nodes, slot, sums)
    end subroutine find_sums
@@ -58,15 +58,15 @@ contains
    end subroutine keep_sums
 
    !> Sums over the particles around the nodes as before the nodes were moved, if they are kept.
-   subroutine renew_sums(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine renew_sums(space, field)
+      type(space_t), intent(in) :: space
       type(velocity_field_t), intent(inout) :: field
       integer :: tile
 
       if (field%nodes%lean) return
-      !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
-      do tile = 1, simulation%tiles%all
-         call find_sums(simulation, field, tile, tile)
+      !$omp parallel do default(none) shared(space, field) private(tile) schedule(static)
+      do tile = 1, space%tiles%all
+         call find_sums(space, field, tile, tile)
       end do
       !$omp end parallel do
    end subroutine renew_sums

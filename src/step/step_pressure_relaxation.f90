@@ -10,7 +10,8 @@
 !! Equations (Q.11) and (Q.12) of doc/theory/quadratures.md.
 module step_pressure_relaxation
    use base_kinds, only: wp
-   use step_simulation, only: simulation_t, velocity_field_t
+   use particle_store, only: store_t
+   use step_simulation, only: scheme_t, simulation_t, velocity_field_t
    use transfer_moments, only: cell_slope, moments
    implicit none
    private
@@ -25,13 +26,14 @@ contains
 
    !> Are the pressures of the particles of a material in a cell brought nearer to each other? They
    !! are if it is without strength, carries energy and has normalised sums.
-   pure logical function evens_pressure(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure logical function evens_pressure(scheme, stores, index) result(yes)
+      type(scheme_t), intent(in) :: scheme
+      type(store_t), intent(in) :: stores(:)
       integer, intent(in) :: index                   !! Which material
 
       yes = .false.
-      if (.not. allocated(simulation%flows)) return
-      yes = simulation%flows(index) .and. allocated(simulation%stores(index)%state%energy)
+      if (.not. allocated(scheme%flows)) return
+      yes = scheme%flows(index) .and. allocated(stores(index)%state%energy)
    end function evens_pressure
 
    !> Are the sums of a material normalised?
@@ -40,7 +42,7 @@ contains
       integer, intent(in) :: index                   !! Which material
 
       yes = .false.
-      if (allocated(simulation%normalises)) yes = simulation%normalises(index)
+      if (allocated(simulation%scheme%normalises)) yes = simulation%scheme%normalises(index)
    end function normalised
 
    !> Bring the pressures of the particles of a material in a tile nearer to the mean of their cell
@@ -56,8 +58,8 @@ contains
       real(wp) :: slope(3)
       integer :: cell, before, low, high, seen
 
-      if (.not. evens_pressure(simulation, index)) return
-      associate (store => simulation%stores(index), grid => simulation%grid, &
+      if (.not. evens_pressure(simulation%scheme, simulation%stores, index)) return
+      associate (store => simulation%stores(index), grid => simulation%space%grid, &
          normal => field%nodes%normal)
          before = store%first(tile) - 1
          seen = size(normal, 1) - moments + 2

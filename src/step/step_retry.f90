@@ -39,20 +39,20 @@ contains
          if (worse(reach, worst)) worst = reach
       end do
       excess = worst%excess
-      if (simulation%communicator%size > 1) then
-         call simulation%timer%start(simulation%phase%wait)
-         excess = simulation%communicator%maximum(excess)
-         call simulation%timer%stop(simulation%phase%wait)
+      if (simulation%machine%communicator%size > 1) then
+         call simulation%machine%timer%start(simulation%machine%phase%wait)
+         excess = simulation%machine%communicator%maximum(excess)
+         call simulation%machine%timer%stop(simulation%machine%phase%wait)
       end if
       if (.not. excess > 1.0_wp) return
       again = .true.
-      associate (guard => simulation%guard, cut => max(slack/excess, least_cut))
+      associate (guard => simulation%clock%guard, cut => max(slack/excess, least_cut))
          if (dt*cut < max(guard%bounds%dt_min, guard%bounds%collapse*guard%longest)) then
             call name_node(simulation, dt, excess, worst, error)
             return
          end if
          dt = dt*cut
-         simulation%dt_next = dt
+         simulation%clock%dt_next = dt
          guard%steps(guard%counted) = guard%steps(guard%counted) - 1
          guard%counted = rule_retry
          guard%steps(rule_retry) = guard%steps(rule_retry) + 1
@@ -74,9 +74,9 @@ contains
             call sums(external_work)%clear()
          end associate
       end do
-      if (.not. simulation%method%dual) return
+      if (.not. simulation%scheme%method%dual) return
       do n = 1, size(simulation%fields)
-         call renew_sums(simulation, simulation%fields(n))
+         call renew_sums(simulation%space, simulation%fields(n))
       end do
    end subroutine put_back
 
@@ -100,7 +100,7 @@ contains
       !$omp parallel default(none) shared(simulation, field, dt, worst) private(tile, mine, reach)
       mine = reach_t()
       !$omp do schedule(static)
-      do tile = 1, simulation%tiles%own
+      do tile = 1, simulation%space%tiles%own
          call look_at_tile(simulation, field, tile, tile, dt, reach)
          if (worse(reach, mine)) mine = reach
       end do
@@ -127,10 +127,10 @@ contains
       if (worst%excess >= excess) number = worst%number
       least = number
       text = ""
-      call simulation%communicator%least(least)
+      call simulation%machine%communicator%least(least)
       if (number == least(1) .and. number < huge(number)) then
-         write (line, "(a,3es11.3,a)") "the node at", simulation%grid%lower &
-            + real(worst%place, wp)*simulation%grid%spacing, " m"
+         write (line, "(a,3es11.3,a)") "the node at", simulation%space%grid%lower &
+            + real(worst%place, wp)*simulation%space%grid%spacing, " m"
          text = trim(line)
          if (worst%strain > 0.0_wp) then
             write (line, "(a,es10.3,a)") " and the next one would come nearer or part by", &
@@ -143,6 +143,6 @@ contains
       call spread(simulation, text)
       write (line, "(a,es10.3,a)") " in a step of", dt, &
          " s, and a shorter one is below dt_min, or dt_collapse of the longest"
-      call fail(error, exit_physics, step_text(simulation)//": "//text//trim(line))
+      call fail(error, exit_physics, step_text(simulation%clock)//": "//text//trim(line))
    end subroutine name_node
 end module step_retry

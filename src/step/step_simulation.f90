@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Everything that a run holds.
+!> The state of a simulation, in parts.
 module step_simulation
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -31,9 +31,9 @@ module step_simulation
    implicit none
    private
 
-   public :: conduction_t, contact_t, heat_flux_t, load_t, nodes_t, phases_t, reach_t, &
-      requests_t, scratch_t, &
-      simulation_t, velocity_field_t
+   public :: clock_t, conduction_t, conservation_t, contact_t, effects_t, load_t, machine_t, &
+      nodes_t, phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_t, space_t, &
+      velocity_field_t
 
    !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
    !> divides stays finite.
@@ -190,54 +190,84 @@ module step_simulation
       integer :: effect(chain_effects) = 0           !! Of those of matter, 0 = off
    end type phases_t
 
-   !> A run.
-   type :: simulation_t
-      type(communicator_t) :: communicator           !! The ranks
-      type(grid_t) :: grid                           !! The grid
-      type(boundary_t) :: boundary                   !! The faces
+   !> Where things are: the grid, what bounds it, and its tiles.
+   type :: space_t
+      type(grid_t) :: grid
+      type(boundary_t) :: boundary                   !! Six boundaries of the domain
       type(absorbing_t), allocatable :: absorbing    !! Those through which waves leave
-      type(rigid_t), allocatable :: rigid            !! If regions rule nodes
-      type(tiles_t) :: tiles                         !! The tiles of this rank
+      type(rigid_t), allocatable :: rigid            !! Rigid regions that hold nodes
+      type(tiles_t) :: tiles                         !! Tiles of this rank
       type(halo_t) :: halo                           !! Which of them other ranks see
-      type(material_t), allocatable :: materials(:)  !! The materials
-      type(store_t), allocatable :: stores(:)        !! Their particles
-      type(method_t) :: method                       !! The numerical method
+   end type space_t
+
+   !> Numerical method, and what materials and output require of it.
+   type :: scheme_t
+      type(method_t) :: method                       !! Choices of &method
       type(dual_t) :: dual                           !! The dual gradient
-      type(velocity_field_t), allocatable :: fields(:) !! One without contact
-      type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
-      real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
-      type(motion_t), allocatable :: shaking         !! Gravity by a table of time [m/s2]
-      type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
-      type(conduction_t), allocatable :: conduction  !! If some material conducts heat
-      !> (material) If sums are normalised, are its own, and is it without strength?
+      !> (material) With normalised sums: are its own normalised, and is it without strength?
       logical, allocatable :: normalises(:), flows(:)
       real(wp) :: mean_alpha = 0.0_wp                !! Mean of alpha over a cell, for that [1]
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
-      logical :: keeps_nodes = .false.               !! Are the fields of all nodes asked for?
-      type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
-      type(heat_flux_t) :: heat_flux                 !! Node fields of the artificial heat flux
+      logical :: keeps_nodes = .false.               !! Are the fields of all nodes requested?
+      logical :: erosion = .false.                   !! Are failed particles removed?
+      logical :: carries_energy = .false.            !! Does some material carry internal energy?
+   end type scheme_t
+
+   !> Physical effects besides stress. Those that a scene does not have are not allocated.
+   type :: effects_t
+      type(contact_t), allocatable :: contact        !! Between bodies with their own velocities
+      type(conduction_t), allocatable :: conduction  !! If some material conducts heat
+      type(heat_flux_t) :: heat_flux                 !! Artificial heat flux
+      real(wp), allocatable :: gravity(:)            !! (3) [m/s2]
+      type(motion_t), allocatable :: shaking         !! Gravity by a table of time [m/s2]
+      type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
       real(wp), allocatable :: turn(:, :, :)
-      logical :: erosion = .false.                   !! Are failed particles taken out?
-      logical :: carries_energy = .false.            !! Does some material carry internal energy?
+   end type effects_t
+
+   !> Time, and what limits its steps.
+   type :: clock_t
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: dt = 0.0_wp                        !! Last time step [s]
       real(wp) :: kick = 0.0_wp                      !! Time that the forces act in this step [s]
       real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
       type(guard_t) :: guard                         !! What limits steps and particles
-      type(text_t), allocatable :: body_names(:)     !! (body) For messages
       integer(int64) :: halved = 0                   !! Particles halved on this rank
       integer(int64) :: updates = 0                  !! Particle updates of this rank
-      real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
-      real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
-      integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
-      type(load_t) :: load                           !! How evenly the ranks work
-      type(requests_t) :: requests                   !! Of this rank, after a step of all
-      type(ledger_t) :: ledger                       !! The books
+   end type clock_t
+
+   !> Conservation and trust.
+   type :: conservation_t
+      type(ledger_t) :: ledger                       !! Mass, momentum and energy
       type(trust_t) :: trust                         !! How far results can be trusted
+   end type conservation_t
+
+   !> Ranks, their times, and how evenly they work.
+   type :: machine_t
+      type(communicator_t) :: communicator           !! The ranks
       type(timer_t) :: timer                         !! Wall time by phase
       type(phases_t) :: phase                        !! Indices of the phases
+      type(requests_t) :: requests                   !! Of this rank, after a step of all
+      type(load_t) :: load                           !! How evenly the ranks work
+      real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
+      integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
+      real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
+   end type machine_t
+
+   !> A simulation: all that a step changes.
+   type :: simulation_t
+      type(space_t) :: space
+      type(material_t), allocatable :: materials(:)
+      type(store_t), allocatable :: stores(:)        !! (material) Particles, with contact more
+      type(velocity_field_t), allocatable :: fields(:) !! One without contact
+      type(scheme_t) :: scheme
+      type(effects_t) :: effects
+      type(clock_t) :: clock
+      type(conservation_t) :: balance
+      type(machine_t) :: machine
+      type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
+      type(text_t), allocatable :: body_names(:)     !! (body) For messages
    end type simulation_t
 
 contains

@@ -19,11 +19,11 @@ contains
       type(simulation_t), intent(inout) :: simulation
       integer :: n
 
-      call simulation%timer%start(simulation%phase%sort)
+      call simulation%machine%timer%start(simulation%machine%phase%sort)
       do n = 1, size(simulation%fields)
          call split_field(simulation, simulation%fields(n))
       end do
-      call simulation%timer%stop(simulation%phase%sort)
+      call simulation%machine%timer%stop(simulation%machine%phase%sort)
    end subroutine split_particles
 
    !> One velocity field.
@@ -35,12 +35,12 @@ contains
       integer :: index, n
 
       do index = field%first_store, field%last_store
-         call find_full(simulation, field, index, full)
-         call split_store(simulation%method%splitting, full, simulation%grid, &
-            simulation%boundary, simulation%tiles, simulation%stores(index), gain)
-         simulation%halved = simulation%halved + size(gain)
+         call find_full(simulation%space, simulation%scheme, field, index, full)
+         call split_store(simulation%scheme%method%splitting, full, simulation%space%grid, &
+            simulation%space%boundary, simulation%space%tiles, simulation%stores(index), gain)
+         simulation%clock%halved = simulation%clock%halved + size(gain)
          do n = 1, size(gain)
-            call simulation%ledger%sums(dissipated)%add(-gain(n))
+            call simulation%balance%ledger%sums(dissipated)%add(-gain(n))
          end do
       end do
    end subroutine split_field
@@ -50,15 +50,17 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       real(wp) :: waited
 
-      waited = simulation%communicator%traffic%waiting
-      call simulation%timer%start(simulation%phase%sort)
-      call simulation%ledger%record_lost(simulation%stores, simulation%materials)
-      call migrate(simulation%communicator, simulation%grid, simulation%boundary, &
-         simulation%tiles, &
+      waited = simulation%machine%communicator%traffic%waiting
+      call simulation%machine%timer%start(simulation%machine%phase%sort)
+      call simulation%balance%ledger%record_lost(simulation%stores, simulation%materials)
+      call migrate(simulation%machine%communicator, simulation%space%grid, &
+         simulation%space%boundary, &
+         simulation%space%tiles, &
          simulation%stores)
-      call simulation%timer%stop(simulation%phase%sort)
-      if (simulation%communicator%size > 1) call simulation%timer%move(simulation%phase%sort, &
-         simulation%phase%wait, simulation%communicator%traffic%waiting - waited)
+      call simulation%machine%timer%stop(simulation%machine%phase%sort)
+      if (simulation%machine%communicator%size > 1) call &
+         simulation%machine%timer%move(simulation%machine%phase%sort, &
+         simulation%machine%phase%wait, simulation%machine%communicator%traffic%waiting - waited)
    end subroutine sort_particles
 
    !> Particles of this rank.

@@ -12,7 +12,7 @@ module step_stress_difference
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_places
-   use step_simulation, only: scratch_t, simulation_t, velocity_field_t
+   use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
    use transfer_scatter, only: dual_columns
    implicit none
    private
@@ -33,9 +33,9 @@ contains
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
-      associate (nodes => field%nodes, number => simulation%grid%tile_nodes)
-         call simulation%timer%start(simulation%phase%scatter)
-         call ensure_patch(nodes%mean, columns, number, simulation%tiles%own)
+      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
+         call simulation%machine%timer%start(simulation%machine%phase%scatter)
+         call ensure_patch(nodes%mean, columns, number, simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
             !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
@@ -48,22 +48,22 @@ contains
             !$omp end parallel do
             call pass_patches(simulation, part, nodes%mean)
          end do
-         call simulation%timer%stop(simulation%phase%scatter)
-         call simulation%timer%start(simulation%phase%grid)
-         call ensure_patch(nodes%star, 6, number, simulation%tiles%all)
-         call ensure_patch(nodes%unit, 3, number, simulation%tiles%all)
-         call ensure_patch(nodes%difference, 3, number, simulation%tiles%all)
+         call simulation%machine%timer%stop(simulation%machine%phase%scatter)
+         call simulation%machine%timer%start(simulation%machine%phase%grid)
+         call ensure_patch(nodes%star, 6, number, simulation%space%tiles%all)
+         call ensure_patch(nodes%unit, 3, number, simulation%space%tiles%all)
+         call ensure_patch(nodes%difference, 3, number, simulation%space%tiles%all)
          !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%all
+         do tile = 1, simulation%space%tiles%all
             call unit_tile(simulation, field, tile)
          end do
          !$omp end parallel do
          !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%all
+         do tile = 1, simulation%space%tiles%all
             call difference_tile(simulation, field, tile)
          end do
          !$omp end parallel do
-         call simulation%timer%stop(simulation%phase%grid)
+         call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end associate
    end subroutine find_difference
 
@@ -80,10 +80,10 @@ contains
       call clear_patch(patch)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (store => simulation%stores(index), grid => simulation%grid, &
-            method => simulation%method, shape => scratch%shape, pushed => scratch%pushed, &
+         associate (store => simulation%stores(index), grid => simulation%space%grid, &
+            method => simulation%scheme%method, shape => scratch%shape, pushed => scratch%pushed, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, field, scratch, store, tile)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
             call pushed%copy(store%first(tile), store%count(tile), store%position, &
                store%state%volume, store%state%stress)
             ! the volume once more: that of the rule need not have the functions of the basis
@@ -114,12 +114,12 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: total(columns, simulation%grid%tile_nodes)
-      real(wp) :: stress(9, simulation%grid%tile_nodes)
+      real(wp) :: total(columns, simulation%space%grid%tile_nodes)
+      real(wp) :: stress(9, simulation%space%grid%tile_nodes)
       integer :: node, k
 
       associate (nodes => field%nodes)
-         call assemble(simulation%grid, simulation%tiles, nodes%mean, tile, total)
+         call assemble(simulation%space%grid, simulation%space%tiles, nodes%mean, tile, total)
          nodes%star(:before, :, tile) = total(:before, :)
          nodes%star(before + 1:, :, tile) = total(dual_columns + 1:columns - 1, :)
          call divide(total, columns, nodes%star(:, :, tile))
@@ -132,7 +132,8 @@ contains
             end do
          end do
          nodes%unit(:, :, tile) = 0.0_wp
-         call simulation%dual%add_force(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         call simulation%scheme%dual%add_force(simulation%space%grid, &
+            simulation%space%tiles%coordinate(:, tile), &
             nodes%weight(:, tile), stress, nodes%unit(:, :, tile))
       end associate
    end subroutine unit_tile
@@ -143,20 +144,22 @@ contains
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile                    !! Which tile
       integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
-      real(wp) :: unit(3, simulation%grid%tile_nodes), stress(9, simulation%grid%tile_nodes)
-      real(wp) :: inside(simulation%grid%tile_nodes)
+      real(wp) :: unit(3, simulation%space%grid%tile_nodes), stress(9, &
+         simulation%space%grid%tile_nodes)
+      real(wp) :: inside(simulation%space%grid%tile_nodes)
       integer :: node, k
 
       associate (nodes => field%nodes)
-         call assemble(simulation%grid, simulation%tiles, nodes%unit, tile, unit)
+         call assemble(simulation%space%grid, simulation%space%tiles, nodes%unit, tile, unit)
          do node = 1, size(stress, 2)
             do k = 1, 9
                stress(k, node) = nodes%star(component(k), node, tile)
             end do
          end do
-         call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         call simulation%space%boundary%mirror(simulation%space%grid, &
+            simulation%space%tiles%coordinate(:, tile), &
             stress)
-         call find_inside(simulation, field, tile, inside)
+         call find_inside(simulation%space, field, tile, inside)
          do node = 1, size(stress, 2)
             do k = 1, 3
                unit(k, node) = inside(node)*(unit(k, node) + nodes%difference(k, node, tile))
@@ -172,16 +175,16 @@ contains
    !> How far the nodes of a tile are inside of bodies: 1 if all cells around count in full, and 0
    !! once one of them does not count. The weights do not tell where in its cells a surface is, so
    !! the exact force is wrong there. Equation (Q.6).
-   pure subroutine find_inside(simulation, field, tile, inside)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine find_inside(space, field, tile, inside)
+      type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(out) :: inside(:)             !! (node) 0 to 1
       real(wp) :: around(size(inside)), cells
       integer :: node
 
-      call simulation%grid%node_volume(simulation%tiles%coordinate(:, tile), around)
-      cells = real(2**simulation%grid%dimensions, wp)
+      call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
+      cells = real(2**space%grid%dimensions, wp)
       inside = 0.0_wp
       do node = 1, size(inside)
          if (around(node) > 0.0_wp) inside(node) = max(0.0_wp, &

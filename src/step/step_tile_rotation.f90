@@ -13,7 +13,7 @@ module step_tile_rotation
    use mesh_patch, only: assemble, clear_patch, ensure_patch, extent_of
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, space_t
    implicit none
    private
 
@@ -31,24 +31,24 @@ contains
       integer, allocatable :: tiles(:)
       integer :: part, n, tile
 
-      call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(simulation%turn, columns, simulation%grid%tile_nodes, &
-         simulation%tiles%own)
+      call simulation%machine%timer%start(simulation%machine%phase%scatter)
+      call ensure_patch(simulation%effects%turn, columns, simulation%space%grid%tile_nodes, &
+         simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
          !$omp parallel do default(none) shared(simulation, tiles) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            call add_tile(simulation, tiles(n), simulation%turn(:, :, tiles(n)))
+            call add_tile(simulation, tiles(n), simulation%effects%turn(:, :, tiles(n)))
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, simulation%turn)
+         call pass_patches(simulation, part, simulation%effects%turn)
       end do
       !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
+      do tile = 1, simulation%space%tiles%own
          call turn_tile(simulation, tile)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%scatter)
+      call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine smooth_rotation
 
    !> Mass and its rotation at the corners of a tile, from its particles.
@@ -60,7 +60,7 @@ contains
       integer :: node(corners), index, corner
 
       call clear_patch(patch)
-      call measure_tile(simulation, tile, lower, inverse)
+      call measure_tile(simulation%space, tile, lower, inverse)
       sums = 0.0_wp
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
@@ -111,13 +111,14 @@ contains
    subroutine turn_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation !! The run
       integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: total(columns, simulation%grid%tile_nodes), turn(3, corners)
+      real(wp) :: total(columns, simulation%space%grid%tile_nodes), turn(3, corners)
       real(wp) :: lower(3), inverse(3)
       integer :: node(corners), corner, index
 
-      call assemble(simulation%grid, simulation%tiles, simulation%turn, tile, total)
+      call assemble(simulation%space%grid, simulation%space%tiles, simulation%effects%turn, tile, &
+         total)
       call find_corners(simulation, tile, node)
-      call measure_tile(simulation, tile, lower, inverse)
+      call measure_tile(simulation%space, tile, lower, inverse)
       turn = 0.0_wp
       do corner = 1, corners
          if (total(4, node(corner)) > 0.0_wp) &
@@ -161,8 +162,8 @@ contains
       integer, intent(out) :: node(corners)          !! Their numbers
       integer :: corner, extent(3), margin(3), bit(3), k
 
-      associate (grid => simulation%grid)
-         extent = extent_of(grid, simulation%tiles, tile)
+      associate (grid => simulation%space%grid)
+         extent = extent_of(grid, simulation%space%tiles, tile)
          margin = merge(grid%margin, 0, grid%active)
          do corner = 1, corners
             bit = [(ibits(corner - 1, k - 1, 1), k=1, 3)]
@@ -172,16 +173,16 @@ contains
    end subroutine find_corners
 
    !> Where a tile lies: its lower corner, and one over its edges; 0 for missing directions.
-   pure subroutine measure_tile(simulation, tile, lower, inverse)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine measure_tile(space, tile, lower, inverse)
+      type(space_t), intent(in) :: space
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(out) :: lower(3)              !! [m]
       real(wp), intent(out) :: inverse(3)            !! [1/m]
       integer :: extent(3)
 
-      associate (grid => simulation%grid)
-         extent = max(1, extent_of(grid, simulation%tiles, tile))
-         lower = grid%lower + real(simulation%tiles%coordinate(:, tile)*grid%width, wp)*grid%spacing
+      associate (grid => space%grid)
+         extent = max(1, extent_of(grid, space%tiles, tile))
+         lower = grid%lower + real(space%tiles%coordinate(:, tile)*grid%width, wp)*grid%spacing
          inverse = merge(1.0_wp/(real(extent, wp)*grid%spacing), 0.0_wp, grid%active)
       end associate
    end subroutine measure_tile

@@ -11,7 +11,7 @@ module step_velocity_remap
    use step_move_nodes, only: record_push
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_places
-   use step_simulation, only: scratch_t, simulation_t, velocity_field_t
+   use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_walls, only: take_held, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
@@ -30,31 +30,31 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: sweep, tile
 
-      associate (nodes => field%nodes, number => simulation%grid%tile_nodes, &
-         own => simulation%tiles%own)
+      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes, &
+         own => simulation%space%tiles%own)
          call ensure_patch(nodes%filtered, 3, number, own)
          call ensure_patch(nodes%term, 3, number, own)
          call ensure_patch(nodes%loss, 1, number, own)
       end associate
       !$omp parallel do default(none) shared(simulation, field, dt) private(tile) schedule(static)
-      do tile = 1, simulation%tiles%own
-         call simulation%method%transfer%first_term(dt, field%nodes%velocity(:, :, tile), &
+      do tile = 1, simulation%space%tiles%own
+         call simulation%scheme%method%transfer%first_term(dt, field%nodes%velocity(:, :, tile), &
             field%nodes%acceleration(:, :, tile), field%nodes%term(:, :, tile))
          field%nodes%filtered(:, :, tile) = field%nodes%term(:, :, tile)
          field%nodes%loss(:, :, tile) = 0.0_wp
       end do
       !$omp end parallel do
-      do sweep = 1, simulation%method%transfer%sweeps()
+      do sweep = 1, simulation%scheme%method%transfer%sweeps()
          call spread_terms(simulation, field)
-         call simulation%timer%start(simulation%phase%grid)
+         call simulation%machine%timer%start(simulation%machine%phase%grid)
          !$omp parallel do default(none) shared(simulation, field, dt, sweep) private(tile) &
          !$omp schedule(static)
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             call add_term(simulation, field, simulation%scratch(omp_get_thread_num()), tile, &
                sweep, dt)
          end do
          !$omp end parallel do
-         call simulation%timer%stop(simulation%phase%grid)
+         call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end do
    end subroutine filter_nodes
 
@@ -65,9 +65,9 @@ contains
       integer, allocatable :: tiles(:)
       integer :: part, n
 
-      call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(field%nodes%extra, 3, simulation%grid%tile_nodes, &
-         simulation%tiles%own)
+      call simulation%machine%timer%start(simulation%machine%phase%scatter)
+      call ensure_patch(field%nodes%extra, 3, simulation%space%grid%tile_nodes, &
+         simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
          !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
@@ -80,7 +80,7 @@ contains
          !$omp end parallel do
          call pass_patches(simulation, part, field%nodes%extra)
       end do
-      call simulation%timer%stop(simulation%phase%scatter)
+      call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine spread_terms
 
    !> One tile.
@@ -96,10 +96,10 @@ contains
       call clear_patch(patch)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (grid => simulation%grid, store => simulation%stores(index), &
-            basis => simulation%method%basis, shape => scratch%shape, &
+         associate (grid => simulation%space%grid, store => simulation%stores(index), &
+            basis => simulation%scheme%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, field, scratch, store, tile)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
             call basis%collect(grid, start, shape, term, shape%vector)
             call basis%scatter_product(grid, start, store%first(tile), shape, store%state%mass, &
                shape%vector, 0, patch)
@@ -118,12 +118,13 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       integer, intent(in) :: sweep                   !! Number of the term, 1 for the second one
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: again(3, simulation%grid%tile_nodes), free(3, simulation%grid%tile_nodes)
-      real(wp) :: ended(3, simulation%grid%tile_nodes)
+      real(wp) :: again(3, simulation%space%grid%tile_nodes), free(3, &
+         simulation%space%grid%tile_nodes)
+      real(wp) :: ended(3, simulation%space%grid%tile_nodes)
 
-      associate (grid => simulation%grid, nodes => field%nodes, &
-         term => field%nodes%term(:, :, tile), transfer => simulation%method%transfer)
-         call assemble(grid, simulation%tiles, nodes%extra, tile, again)
+      associate (grid => simulation%space%grid, nodes => field%nodes, &
+         term => field%nodes%term(:, :, tile), transfer => simulation%scheme%method%transfer)
+         call assemble(grid, simulation%space%tiles, nodes%extra, tile, again)
          call divide(nodes%mass(:, :, tile), 1, again)
          again = term - again
          if (walls_touch(simulation, tile)) then
@@ -131,9 +132,9 @@ contains
             free = again
             call take_held(simulation, tile, nodes%velocity(:, :, tile), again)
             free = again - free
-            call record_push(simulation, field, scratch%ledger, tile, free, ended)
+            call record_push(simulation%space, field, scratch%ledger, tile, free, ended)
          end if
-         if (simulation%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
+         if (simulation%scheme%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
             + transfer%loss_weight(2*sweep - 1)*sum(term*again, dim=1) &
             + transfer%loss_weight(2*sweep)*sum(again**2, dim=1)
          term = again
@@ -142,8 +143,9 @@ contains
    end subroutine add_term
 
    !> Sum of the series of node velocities, or its only term.
-   subroutine find_filtered(simulation, field, tile, dt, filtered)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine find_filtered(space, scheme, field, tile, dt, filtered)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -151,11 +153,11 @@ contains
       integer :: slot
 
       slot = field%nodes%slot(tile)
-      if (.not. allocated(filtered)) allocate (filtered(3, simulation%grid%tile_nodes))
-      if (simulation%method%transfer%sweeps() > 0) then
+      if (.not. allocated(filtered)) allocate (filtered(3, space%grid%tile_nodes))
+      if (scheme%method%transfer%sweeps() > 0) then
          filtered = field%nodes%filtered(:, :, tile)
       else
-         call simulation%method%transfer%first_term(dt, field%nodes%velocity(:, :, slot), &
+         call scheme%method%transfer%first_term(dt, field%nodes%velocity(:, :, slot), &
             field%nodes%acceleration(:, :, slot), filtered)
       end if
    end subroutine find_filtered
@@ -169,10 +171,10 @@ contains
       integer, allocatable :: tiles(:)
       integer :: part, n
 
-      call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(field%nodes%extra, merge(4, 3, simulation%method%transfer%affine() &
-         .and. .not. simulation%method%averages()), &
-         simulation%grid%tile_nodes, simulation%tiles%own)
+      call simulation%machine%timer%start(simulation%machine%phase%scatter)
+      call ensure_patch(field%nodes%extra, merge(4, 3, simulation%scheme%method%transfer%affine() &
+         .and. .not. simulation%scheme%method%averages()), &
+         simulation%space%grid%tile_nodes, simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
          !$omp parallel do default(none) shared(simulation, field, dt, tiles) private(n) &
@@ -185,7 +187,7 @@ contains
          !$omp end parallel do
          call pass_patches(simulation, part, field%nodes%extra)
       end do
-      call simulation%timer%stop(simulation%phase%scatter)
+      call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine scatter_again
 
    !> One tile: momentum, or mass and momentum of linear velocity fields.
@@ -196,20 +198,22 @@ contains
       integer, intent(in) :: tile                    !! Which tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
-      real(wp) :: push(3, simulation%grid%tile_nodes), after(3, simulation%grid%tile_nodes)
+      real(wp) :: push(3, simulation%space%grid%tile_nodes), after(3, &
+         simulation%space%grid%tile_nodes)
       real(wp), allocatable :: filtered(:, :), gradient(:, :)
       real(wp) :: keep
       integer :: index
 
       call clear_patch(patch)
-      if (simulation%method%dual .and. simulation%method%transfer%affine() .and. .not. &
-         simulation%method%averages()) call node_gradient(simulation, field, tile, &
+      if (simulation%scheme%method%dual .and. simulation%scheme%method%transfer%affine() .and. &
+         .not. &
+         simulation%scheme%method%averages()) call node_gradient(simulation%space, field, tile, &
          field%nodes%gradient, gradient)
-      call find_filtered(simulation, field, tile, dt, filtered)
-      call simulation%method%transfer%push(dt, field%nodes%acceleration(:, :, tile), &
+      call find_filtered(simulation%space, simulation%scheme, field, tile, dt, filtered)
+      call simulation%scheme%method%transfer%push(dt, field%nodes%acceleration(:, :, tile), &
          filtered, push)
-      keep = simulation%method%transfer%keep()
-      if (simulation%method%averages()) then
+      keep = simulation%scheme%method%transfer%keep()
+      if (simulation%scheme%method%averages()) then
          ! what particles gain; the share of PIC acts after the strain of the step, which does not
          ! see it, and rotations stay as they are
          if (keep > 0.0_wp) push = dt*field%nodes%acceleration(:, :, tile)
@@ -219,27 +223,27 @@ contains
          + dt*field%nodes%acceleration(:, :, tile)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (grid => simulation%grid, store => simulation%stores(index), &
-            basis => simulation%method%basis, shape => scratch%shape, &
+         associate (grid => simulation%space%grid, store => simulation%stores(index), &
+            basis => simulation%scheme%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, field, scratch, store, tile)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
             call basis%collect(grid, start, shape, push, shape%vector)
             if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, shape%vector)
-            if (simulation%method%averages()) then
+            if (simulation%scheme%method%averages()) then
                call basis%scatter_product(grid, start, store%first(tile), shape, &
                   store%state%mass, shape%vector, 0, patch)
-            else if (simulation%method%transfer%affine()) then
+            else if (simulation%scheme%method%transfer%affine()) then
                call scratch%deformation%reserve(store%count(tile))
-               if (simulation%method%smooth_turn) then
+               if (simulation%scheme%method%smooth_turn) then
                   call expand_spin(store%first(tile), store%count(tile), store%spin, &
                      scratch%deformation%gradient)
                else
                   call find_slopes(simulation, shape, start, after, gradient, &
                      scratch%deformation%gradient)
-                  if (simulation%method%transfer%turning()) &
+                  if (simulation%scheme%method%transfer%turning()) &
                      call turn_only(store%count(tile), scratch%deformation%gradient)
                end if
-               call spread_fields(simulation, scratch, store, tile, patch)
+               call spread_fields(simulation%space, simulation%scheme, scratch, store, tile, patch)
             else
                call basis%scatter_product(grid, start, store%first(tile), shape, &
                   store%state%mass, shape%vector, 0, patch)
@@ -258,7 +262,7 @@ contains
       real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) On the nodes, if dual [1/s]
       real(wp), contiguous, intent(inout) :: slopes(:, :) !! (particle of the tile, 9) [1/s]
 
-      associate (grid => simulation%grid, method => simulation%method)
+      associate (grid => simulation%space%grid, method => simulation%scheme%method)
          ! with normalised sums the modified gradient of a linear field is not uniform
          if (method%dual .and. .not. allocated(shape%factor)) then
             call method%quadrature%gather_gradient(grid, start, shape, velocity, gradient, &
@@ -288,8 +292,9 @@ contains
    end subroutine keep_velocity
 
    !> Mass and momentum of linear velocity fields that are in the scratch space.
-   subroutine spread_fields(simulation, scratch, store, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine spread_fields(space, scheme, scratch, store, tile, patch)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, velocity and slopes set
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: tile                    !! Which tile
@@ -297,7 +302,7 @@ contains
       real(wp) :: mass(store%count(tile))
 
       mass = store%state%mass(store%first(tile):store%first(tile) + store%count(tile) - 1)
-      call simulation%method%basis%spread_affine(simulation%grid, store%cell_start(:, tile), 1, &
+      call scheme%method%basis%spread_affine(space%grid, store%cell_start(:, tile), 1, &
          scratch%shape, mass, scratch%shape%vector, scratch%deformation%gradient, patch)
    end subroutine spread_fields
 end module step_velocity_remap
