@@ -44,7 +44,7 @@ contains
 
    !> Conduct heat for one step. Particles are where they were when the forces were found.
    subroutine conduct_heat(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
+      type(simulation_t), intent(inout) :: simulation !! Some material conducts
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: began
       integer :: tile
@@ -65,7 +65,7 @@ contains
 
    !> Temperature of the nodes, and its gradient for the dual gradient.
    subroutine find_temperature(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n, rows
@@ -96,7 +96,7 @@ contains
 
    !> Heat that flows to the nodes, from the cells and, with the dual gradient, between nodes.
    subroutine find_flow(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: began
       integer, allocatable :: tiles(:)
@@ -131,7 +131,7 @@ contains
          yes = materials(index)%heat%conductivity > 0.0_wp
    end function conducts
 
-   !> Volume [m3] that conducts: that of the matter, without voids.
+   !> Volume [m3] that conducts: that of the material, without voids.
    pure real(wp) function matter_volume(store, particle) result(volume)
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: particle                !! Which one
@@ -141,7 +141,7 @@ contains
          volume = volume*store%state%solid_fraction(particle)
    end function matter_volume
 
-   !> Make room for the fields of the dual gradient.
+   !> Allocate the fields of the dual gradient.
    subroutine ensure_dual(space, effects)
       type(space_t), intent(in) :: space
       type(effects_t), intent(inout) :: effects
@@ -158,7 +158,7 @@ contains
 
    !> Do something with every tile, ghosts included.
    subroutine each_tile(simulation, work)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       interface
          subroutine work(simulation, tile)
             import :: simulation_t
@@ -178,9 +178,9 @@ contains
 
    !> Heat capacity, heat and volume of the particles of a tile.
    subroutine spread_content(simulation, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer :: index, p, q
 
@@ -204,10 +204,10 @@ contains
       end do
    end subroutine spread_content
 
-   !> Temperature of the nodes of a tile; weights of its cells, where conducting matter is.
+   !> Temperature of the nodes of a tile; weights of its cells, where conducting material is.
    subroutine average_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp) :: around(simulation%space%grid%tile_nodes)
 
       associate (grid => simulation%space%grid, heat => simulation%effects%conduction, &
@@ -228,8 +228,8 @@ contains
 
    !> Share of the cells of a tile in the node gradient of temperature.
    subroutine slope_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp) :: values(3, simulation%space%grid%tile_nodes)
 
       associate (heat => simulation%effects%conduction)
@@ -254,9 +254,9 @@ contains
 
    !> What the particles of a tile hand to the nodes: heat, heat that nodes do not see: (A.14).
    subroutine spread_flow(simulation, scratch, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       real(wp) :: values(3, simulation%space%grid%tile_nodes)
@@ -298,10 +298,10 @@ contains
 
    !> Flow of heat of the particles of a tile, as if it were the first line of a stress.
    subroutine push_particles(simulation, scratch, index, tile, values, slope, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: values(:, :)    !! (3, node) Temperature in row 1 [K]
       real(wp), allocatable, intent(in) :: slope(:, :)    !! (9, node) Of the nodes, if dual [K/m]
       real(wp), contiguous, intent(inout) :: patch(:, :)  !! (column, node)
@@ -340,10 +340,10 @@ contains
    !> What the nodes do not see of the temperature of particles, as far as it fades in this step, in
    !! the first column of the scratch vector [K]. The second of (A.15).
    subroutine find_hidden(simulation, scratch, index, tile, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: rate
       integer :: p, q
@@ -366,7 +366,7 @@ contains
    subroutine node_slope(space, effects, tile, slope)
       type(space_t), intent(in) :: space
       type(effects_t), intent(in) :: effects
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), allocatable, intent(out) :: slope(:, :) !! (9, node) [K/m]
 
       allocate (slope(9, space%grid%tile_nodes))
@@ -380,8 +380,8 @@ contains
 
    !> Heat that the flux on the nodes of the cells of a tile carries.
    subroutine push_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp) :: total(fluxes + 2, simulation%space%grid%tile_nodes)
       real(wp) :: flux(9, simulation%space%grid%tile_nodes)
       integer :: k
@@ -402,12 +402,12 @@ contains
       end associate
    end subroutine push_tile
 
-   !> New temperatures of the particles of a tile. Heat that goes into or out of matter without an
-   !! internal energy is booked, so that the energy of the run stays whole. The first of (A.15).
+   !> New temperatures of the particles of a tile. Heat that goes into or out of material without an
+   !! internal energy is recorded, so that the energy of the run stays whole. The first of (A.15).
    subroutine give_heat(simulation, scratch, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: total(size(simulation%effects%conduction%flow, 1), &
          simulation%space%grid%tile_nodes)
@@ -447,7 +447,7 @@ contains
    !> Warm the particles of a tile.
    pure subroutine warm(specific_heat, tile, shape, booked, store)
       real(wp), intent(in) :: specific_heat          !! [J/(kg K)]
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       !> What nodes give, and what fades, of each particle [K]
       type(shape_data_t), intent(in) :: shape
       real(wp), intent(out) :: booked !! Heat of particles that carry no internal energy [J]
@@ -471,7 +471,7 @@ contains
    !> Let the grains of a tile expand into their voids by what they were warmed.
    pure subroutine expand(expansion, tile, shape, store)
       real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       !> What nodes give, and what fades, of each particle [K]
       type(shape_data_t), intent(in) :: shape
       type(store_t), intent(inout) :: store          !! The particles

@@ -29,7 +29,7 @@ contains
    !> Let the bodies push each other at all nodes that they share: that changes their accelerations
    !! and the velocities that strain.
    subroutine touch_bodies(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run; surfaces are known
+      type(simulation_t), intent(inout) :: simulation !! Surfaces are known
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
       real(wp) :: began
       integer :: tile, field
@@ -52,7 +52,7 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%contact)
    end subroutine touch_bodies
 
-   !> Make room for the bonds that break.
+   !> Allocate the bonds that break.
    subroutine ensure_broken(space, effects)
       type(space_t), intent(in) :: space
       type(effects_t), intent(inout) :: effects
@@ -68,8 +68,8 @@ contains
 
    !> One tile.
    subroutine touch_tile(simulation, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
       real(wp), allocatable :: greatest(:, :)
       integer :: who(size(simulation%fields)), node, field, here
@@ -96,8 +96,8 @@ contains
 
    !> One node where several fields have mass.
    subroutine touch_node(simulation, tile, node, who, reach, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (pair) How far they reach [m]
@@ -134,10 +134,10 @@ contains
 
    !> How the fields at a node lie to each other. Of the guessed normals the one counts along which
    !! two bodies are farthest apart: that of a plane between them, if there is one. At an edge the
-   !! area of a body is askew, and along it the bodies would overlap.
+   !! area of a body is inclined, and along it the bodies would overlap.
    subroutine survey_node(simulation, tile, node, who, reach, area, normal, state)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
@@ -166,8 +166,8 @@ contains
 
    !> The normal along which two fields are farthest apart at a node. Equation (C.2).
    subroutine choose_normal(simulation, tile, node, pair, reach, area, normal, gap)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: pair(2)                 !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
@@ -200,7 +200,7 @@ contains
    !> Do the bonds of most of the mass of a field at a node hold?
    pure logical function holds(simulation, tile, node, field) result(most)
       type(simulation_t), intent(in) :: simulation
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: field                   !! Which field
 
@@ -212,7 +212,7 @@ contains
    !! together becomes heat, the same for each mass. Equation (C.6).
    subroutine give_push(fields, tile, node, who, mass, push, dt)
       type(velocity_field_t), intent(inout) :: fields(:)
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: who(:)                  !! The fields
       real(wp), intent(in) :: mass(:)                !! (field of who) [kg]
@@ -244,7 +244,7 @@ contains
    !> Let the bonds of particles break whose nearest node broke in this step. The particles are
    !! where they were when they gave their masses.
    subroutine break_bonds(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run, bonds can break
+      type(simulation_t), intent(inout) :: simulation !! Bonds can break
       integer :: tile, field, index
 
       !$omp parallel do default(none) shared(simulation) private(tile, field, index) &
@@ -269,7 +269,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       logical, intent(in) :: broken(:)               !! (node)
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(store_t), intent(inout) :: store          !! The particles
       integer :: cell, p, q, node, upper(3)
 
@@ -295,7 +295,7 @@ contains
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp) :: lost
       integer :: p, q
 

@@ -27,7 +27,7 @@ contains
 
    !> Outward areas of the bodies on the nodes, and how far they reach there.
    subroutine find_surfaces(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run; fields have their masses
+      type(simulation_t), intent(inout) :: simulation !! Fields have their masses
       integer :: fields, rows
 
       fields = size(simulation%fields)
@@ -81,7 +81,7 @@ contains
 
    !> Something of the particles to patches, and the patches of other ranks.
    subroutine spread(simulation, work, patch)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       interface
          subroutine work(simulation, scratch, tile, patch)
             import :: scratch_t, simulation_t, wp
@@ -115,9 +115,9 @@ contains
    !> Outward areas of the particles of a tile: what they would push the nodes with under unit
    !! pressure. With bonds also the mass of those that hold. Equation (C.1).
    subroutine spread_area(simulation, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       real(wp) :: wide(motion_columns, simulation%space%grid%tile_nodes)
       integer :: field, index, rows, before
@@ -155,7 +155,7 @@ contains
    !> Mass of the particles of a tile whose bonds hold, in the first column.
    pure subroutine hold(store, tile, values)
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(inout) :: values(:, :)        !! (particle of the tile, column) [kg]
       integer :: p, q
 
@@ -167,7 +167,7 @@ contains
 
    !> Areas of the nodes of all tiles; faces of the box are no surfaces.
    subroutine sum_areas(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer :: tile
 
       !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
@@ -179,8 +179,8 @@ contains
 
    !> One tile.
    subroutine sum_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp) :: tensor(9, simulation%space%grid%tile_nodes)
       integer :: field, before, k
 
@@ -207,7 +207,7 @@ contains
    !! one, of the other, or the mean of both. It changes its sign with the fields.
    pure function guess_area(contact, tile, node, a, b, guess) result(area)
       type(contact_t), intent(in) :: contact         !! The fields
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: a, b                    !! The fields, a < b
       integer, intent(in) :: guess                   !! 1 to 3
@@ -251,9 +251,9 @@ contains
 
    !> How far the particles of a tile reach towards each other field.
    subroutine spread_places(simulation, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       real(wp) :: normal(3, simulation%space%grid%tile_nodes), &
          reach(simulation%space%grid%tile_nodes)
@@ -282,8 +282,8 @@ contains
 
    !> Guessed normals from one field to another at the nodes of a tile where both have mass.
    subroutine find_normals(simulation, tile, a, b, guess, normal)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       integer, intent(in) :: a, b                    !! From which field to which, a < b
       integer, intent(in) :: guess                   !! 1 to 3
       real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 where they do not meet [1]
@@ -306,7 +306,7 @@ contains
       type(store_t), intent(in) :: stores(:)
       type(velocity_field_t), intent(in) :: fields(:)
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: field                   !! Which field
       real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
       real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]

@@ -192,7 +192,7 @@ contains
 
    !> Distances of neighbours, volumes, pressures. Collective.
    subroutine look_at_shapes(simulation, look)
-      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      type(simulation_t), intent(in) :: simulation   !! Between two steps
       type(shapes_look_t), intent(out) :: look       !! What is found
       real(wp), allocatable :: found(:, :)
       integer(int64), allocatable :: who(:, :)
@@ -241,7 +241,7 @@ contains
 
    !> The tiles of one thread, with scratch space of its own.
    subroutine look_at_some(simulation, found, who)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       real(wp), intent(inout) :: found(:, :)         !! (column, tile)
       integer(int64), intent(inout) :: who(longest:, :) !! (column, tile) Particles of the greatest
       type(neighbour_table_t) :: table
@@ -283,7 +283,7 @@ contains
    pure subroutine look_at_noise(space, store, tile, alone, patch, found, who)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
       real(wp), intent(in) :: patch(:, :)            !! (2, node) Of this store
       real(wp), intent(inout) :: found(:)            !! (column)
@@ -309,7 +309,7 @@ contains
       type(conservation_t), intent(in) :: balance
       type(neighbour_table_t), intent(inout) :: table !! Scratch space
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(inout) :: found(:)            !! (column)
       integer(int64), intent(inout) :: who(longest:) !! (column)
       real(wp) :: length(store%count(tile)), mass

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The dual gradient on the nodes: weights of cells, volumes, forces of the node stress, and node
-!! gradients of velocities. Every tile adds the share of its cells, kept as pieces.
+!! gradients of velocities. Every tile adds the share of its cells, kept as packed patches.
 module step_dual_gradient
    use base_kinds, only: wp
    use mesh_packed_patch, only: packed_patch_t
@@ -20,7 +20,7 @@ contains
 
    !> Weights and volumes of the dual gradient, and the force of the stress on the nodes.
    subroutine dual_fields(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer :: tile
       real(wp) :: began
@@ -59,9 +59,9 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine dual_fields
 
-   !> Make room for the fields of the dual gradient, but for pieces whose boxes are not known yet.
+   !> Allocate the fields of the dual gradient, but for pieces whose boxes are not known yet.
    pure subroutine ensure_dual(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
 
       associate (nodes => field%nodes, grid => simulation%space%grid, all => &
@@ -82,9 +82,9 @@ contains
 
    !> Weights of the cells of a tile.
    subroutine weigh_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, parameter :: filled = 8               ! row of the patch
       real(wp) :: around(simulation%space%grid%tile_nodes)
       real(wp) :: sums(filled, simulation%space%grid%tile_nodes)
@@ -108,9 +108,9 @@ contains
 
    !> Share of the cells of a tile in the volumes of the nodes.
    subroutine share_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp) :: patch(1, simulation%space%grid%tile_nodes)
 
       associate (grid => simulation%space%grid, nodes => field%nodes)
@@ -123,9 +123,9 @@ contains
 
    !> Volumes of the nodes of a tile.
    pure subroutine find_volumes(simulation, field, tile, slot)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
 
       associate (nodes => field%nodes)
@@ -137,9 +137,9 @@ contains
 
    !> Force of the node stress of the cells of a tile.
    subroutine force_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp) :: stress(9, simulation%space%grid%tile_nodes), force(3, &
          simulation%space%grid%tile_nodes)
       integer :: slot
@@ -196,11 +196,11 @@ contains
       end do
    end subroutine add_star
 
-   !> Bound what light nodes of a tile gain in the velocity that strains.
+   !> Bound what nodes of small mass of a tile gain in the velocity that strains.
    pure subroutine calm_tile(simulation, field, tile, slot, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
 
@@ -220,7 +220,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       type(packed_patch_t), intent(inout) :: gradient      !! Gets it [m3/s]
       real(wp) :: patch(9, space%grid%tile_nodes)
@@ -236,7 +236,7 @@ contains
    subroutine node_gradient(space, field, tile, pieces, gradient)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(packed_patch_t), intent(in) :: pieces           !! Shares of the cells [m3/s]
       !> (9, node) [1/s]; only where the particles of the tile see it
       real(wp), allocatable, intent(inout) :: gradient(:, :)

@@ -27,7 +27,7 @@ contains
    !! Velocities may be behind positions, and the stress that is updated before the force is that of
    !! the last step; each is compared with the solution at its own time.
    subroutine take_errors(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run with a solution
+      type(simulation_t), intent(inout) :: simulation !! With a solution
       type(exact_sum_t) :: sums(errors + 1)
       real(wp) :: part(errors + 1), farthest, times(errors)
       integer :: index, tile, n
@@ -70,7 +70,7 @@ contains
       type(grid_t), intent(in) :: grid               !! For its periods
       class(exact_t), intent(in) :: solution         !! The solution
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: times(errors)          !! Of position, velocity, stress [s]
       real(wp), intent(out) :: sums(:)               !! Mass times squares, and mass
       real(wp), intent(inout) :: farthest            !! Greatest displacement of the solution [m]
@@ -102,7 +102,7 @@ contains
 
    !> Put the extremes into the state of a checkpoint.
    subroutine save_errors(simulation, state)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(state_t), intent(inout) :: state          !! Of the checkpoint
 
       if (.not. allocated(simulation%effects%exact)) return
@@ -112,7 +112,7 @@ contains
 
    !> Take them from a checkpoint, if it has them.
    subroutine load_errors(simulation, state)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(state_t), intent(in) :: state             !! Of the checkpoint
       real(wp), allocatable :: numbers(:)
       type(error_t), allocatable :: error

@@ -14,10 +14,10 @@ module step_exact_force
 
 contains
 
-   !> Book impulse, its moment and work of the body force, particle by particle. The particles are
+   !> Record impulse, its moment and work of the body force, particle by particle. The particles are
    !! where they were when they gave the force to the nodes, and the mean velocities are known.
    subroutine record_body_force(simulation, field, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       integer :: tile
@@ -32,10 +32,10 @@ contains
 
    !> One tile.
    subroutine book_tile(simulation, field, scratch, tile, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: carry(3, simulation%space%grid%tile_nodes)
       real(wp) :: total(3), turn(3), work, point(3), force(3), place(3)

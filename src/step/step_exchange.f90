@@ -16,7 +16,7 @@ contains
 
    !> Own tiles of a part, to be worked on now.
    subroutine next_tiles(simulation, part, tiles)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: part                    !! The edge first
       integer, allocatable, intent(out) :: tiles(:)  !! Indices
 
@@ -31,7 +31,7 @@ contains
 
    !> After the edge send its patches, after the inner tiles receive those of other ranks.
    subroutine pass_patches(simulation, part, patch)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: part                    !! What is done
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       real(wp) :: waited
@@ -52,9 +52,9 @@ contains
       end associate
    end subroutine pass_patches
 
-   !> The same for the pieces of the motion.
+   !> The same for the packed patches of the motion.
    subroutine pass_motion(simulation, field, part)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: part                    !! What is done
       real(wp) :: waited

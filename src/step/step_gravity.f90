@@ -31,7 +31,7 @@ contains
 
    !> Let gravity be that of the present time.
    pure subroutine update_gravity(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
 
       if (allocated(simulation%effects%shaking)) &
          simulation%effects%gravity = simulation%effects%shaking%velocity(simulation%clock%time)

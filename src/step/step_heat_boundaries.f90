@@ -15,7 +15,7 @@ contains
    pure subroutine hold_temperature(space, effects, tile)
       type(space_t), intent(in) :: space
       type(effects_t), intent(inout) :: effects
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp) :: held(space%grid%tile_nodes)
 
       if (.not. any(space%boundary%warm)) return
@@ -29,7 +29,7 @@ contains
       type(space_t), intent(in) :: space
       type(effects_t), intent(in) :: effects
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: heat                    !! Row of heat capacity in the patch
       real(wp), contiguous, intent(inout) :: change(:, :) !! (1, node) Of the temperature [K]
       real(wp) :: held(space%grid%tile_nodes), taken

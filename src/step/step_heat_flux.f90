@@ -32,7 +32,7 @@ contains
 
    !> Let the energy of all materials that carry one flow for one step.
    subroutine smear_heat(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run, with artificial viscosity
+      type(simulation_t), intent(inout) :: simulation !! With artificial viscosity
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: index, tile
 
@@ -70,7 +70,7 @@ contains
 
    !> Does the energy of a material flow?
    pure logical function flows(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Which material
 
       associate (state => simulation%stores(index)%state)
@@ -80,7 +80,7 @@ contains
 
    !> Fill the patches of all own tiles, and bring those that other ranks hold.
    subroutine each_own(simulation, index, dt, work, patch)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: index                   !! Which material
       real(wp), intent(in) :: dt                     !! Time step [s]
       interface
@@ -115,10 +115,10 @@ contains
 
    !> Mass, and energy above zero, of the particles of a tile.
    subroutine spread_energy(simulation, scratch, index, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer :: p, q
@@ -138,8 +138,8 @@ contains
 
    !> Mass and energy of the nodes of a tile.
    subroutine find_energy(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp) :: sums(content, simulation%space%grid%tile_nodes)
 
       call assemble(simulation%space%grid, simulation%space%tiles, &
@@ -149,10 +149,10 @@ contains
 
    !> Conductance of all edges of the cells that end in a node [W kg/J].
    subroutine spread_conductance(simulation, scratch, index, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
       real(wp) :: weight(4), place(3), conductance
@@ -182,8 +182,8 @@ contains
 
    !> The share of the flux that each node of a tile lets pass: it gives no more than it has.
    subroutine find_passed(simulation, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: given(1, simulation%space%grid%tile_nodes)
       integer :: node
@@ -201,10 +201,10 @@ contains
 
    !> Energy that flows to the nodes [W].
    subroutine spread_flux(simulation, scratch, index, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
       real(wp) :: energy(1, size(patch, 2)), weight(4), place(3), conductance, flow
@@ -257,7 +257,7 @@ contains
    !> Edges of a cell along a direction, and the linear functions of the other directions, which sum
    !! to one: sum of weight ((e_high - e_low)/h)**2 is the square of a gradient.
    pure subroutine find_edges(grid, cell, direction, local, edges, low, weight)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                    !! Which cell of a tile, from 0
       integer, intent(in) :: direction               !! Of the edges
       real(wp), intent(in) :: local(3)               !! Place in the cell, 0 to 1
@@ -282,10 +282,10 @@ contains
 
    !> New energies of the particles of a tile.
    subroutine give_energy(simulation, scratch, index, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: flow(1, simulation%space%grid%tile_nodes), change(2, &
          simulation%space%grid%tile_nodes), given

@@ -24,7 +24,7 @@ contains
 
    !> Have the work on tiles measured in the few steps before loads are compared.
    subroutine watch_costs(simulation, balancing)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(balancing_t), intent(in) :: balancing     !! When
       real(wp), allocatable :: cost(:)
 
@@ -65,7 +65,7 @@ contains
    !> Compare the work of the ranks in a step that was measured, and cut the curve anew if it
    !! differs too much.
    subroutine balance_ranks(simulation, balancing)
-      type(simulation_t), intent(inout) :: simulation !! The run, particles in order
+      type(simulation_t), intent(inout) :: simulation !! Particles in order
       type(balancing_t), intent(in) :: balancing     !! When
       integer(int64), allocatable :: weight(:), border(:)
       integer(int64) :: total(1)
@@ -103,7 +103,7 @@ contains
    !> Work of each tile in nanoseconds. Tiles that came into being since it was measured get the
    !! mean work of their particles.
    subroutine weigh_tiles(simulation, weight)
-      type(simulation_t), intent(in) :: simulation   !! The run, measured
+      type(simulation_t), intent(in) :: simulation   !! Measured
       integer(int64), allocatable, intent(out) :: weight(:) !! (own tile) [ns], 1 or more
       real(wp), parameter :: nano = 1.0e-9_wp
       real(wp), allocatable :: cost(:)
@@ -129,7 +129,7 @@ contains
    !> Let all particles of a tile look for their new rank.
    pure subroutine send_tile(store, tile)
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer :: p
 
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1

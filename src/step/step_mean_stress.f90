@@ -20,7 +20,7 @@ contains
 
    !> Mean stress on the nodes inside of bodies; less towards their surfaces and none there.
    subroutine find_star(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
@@ -54,10 +54,10 @@ contains
 
    !> Volume and stress of the particles of a tile.
    subroutine scatter_tile(simulation, field, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index, p, q, k
 
@@ -88,9 +88,9 @@ contains
    !! volume of particles over their own, at most 1. Nodes beyond the box do not count. Equation
    !! (Q.2).
    subroutine divide_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp) :: total(columns, simulation%space%grid%tile_nodes)
       real(wp) :: around(simulation%space%grid%tile_nodes), fill(simulation%space%grid%tile_nodes)
       integer :: node, direction
@@ -115,7 +115,7 @@ contains
    !> Least of each node and its neighbours along a direction. Nodes at the end of the margin keep
    !! their value; no particle of the tile sees them.
    pure subroutine take_least(grid, direction, values)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: direction               !! 1 to 3
       real(wp), intent(inout) :: values(:)           !! (node of the tile)
       real(wp) :: old(size(values))

@@ -29,7 +29,7 @@ contains
    !! gradient. Without a time step the nodes stay as they were: the velocity before the step
    !! strains.
    subroutine move_nodes(simulation, field, dt, whole)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       !> Time step, if it is to be told how far the nodes go and their fields are not kept [s]
@@ -60,8 +60,8 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine move_nodes
 
-   !> Is the work of faces and gravity booked with the velocity that strains, which `musl` knows
-   !! after the particles have got theirs? Where matter carries its energy, that is made with the
+   !> Is the work of walls and gravity recorded with the velocity that strains, which `musl` knows
+   !! after the particles have got theirs? Where material carries its energy, that is made with the
    !! velocities of the forces, and so is the work.
    pure logical function books_later(space, scheme, effects) result(later)
       type(space_t), intent(in) :: space
@@ -74,7 +74,7 @@ contains
          .or. any([(space%boundary%ruled(face), face=1, 6)])
    end function books_later
 
-   !> Make room for what is booked later.
+   !> Allocate what is recorded later.
    subroutine ensure_later(space, field)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(inout) :: field
@@ -88,10 +88,10 @@ contains
 
    !> Keep what the particles of a tile will see, and tell how far its nodes go.
    subroutine keep_seen(simulation, field, scratch, tile, whole)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in), optional :: whole        !! Time step [s]
       type(reach_t) :: reach
       integer :: slot
@@ -106,11 +106,11 @@ contains
       end associate
    end subroutine keep_seen
 
-   !> Put back what the particles of a tile see, if it is kept as pieces.
+   !> Put back what the particles of a tile see, if it is kept as packed patches.
    subroutine recall_seen(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer :: slot
 
       associate (nodes => field%nodes, grid => simulation%space%grid)
@@ -128,7 +128,7 @@ contains
 
    !> The first part of the same, for a velocity field that other bodies may change.
    subroutine start_nodes(simulation, field, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run, the velocity field at hand
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: tile
@@ -153,7 +153,7 @@ contains
 
    !> The second part, after contact: books and gradients.
    subroutine finish_nodes(simulation, field, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run, the velocity field at hand
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: tile
@@ -173,12 +173,12 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine finish_nodes
 
-   !> Book what faces and gravity did to the nodes of a tile, at the velocity after contact.
+   !> Record what walls and gravity did to the nodes of a tile, at the velocity after contact.
    subroutine book_tile(simulation, field, scratch, tile, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run, the velocity field at hand
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: centre(3, simulation%space%grid%tile_nodes)
 
@@ -189,10 +189,10 @@ contains
       end associate
    end subroutine book_tile
 
-   !> Make room for what moves and strains the particles. The node stress is no longer needed, so
+   !> Allocate what moves and strains the particles. The node stress is no longer needed, so
    !! the gradient takes its memory.
    subroutine ensure_moved(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer :: n, held
 
@@ -216,10 +216,10 @@ contains
    !> Velocity and acceleration of the nodes of a tile, and the velocity that strains. Equation
    !! (M.16) of doc/theory/method.md.
    subroutine start_tile(simulation, field, scratch, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: force(3, simulation%space%grid%tile_nodes)
       integer :: component, slot
@@ -252,9 +252,9 @@ contains
 
    !> Gradients of the velocities that strain the particles of a tile.
    subroutine finish_tile(simulation, field, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp) :: centre(3, simulation%space%grid%tile_nodes)
       integer :: slot
@@ -277,13 +277,13 @@ contains
       end associate
    end subroutine finish_tile
 
-   !> Impose the walls and book what they and gravity do. A tile books its own particles'
+   !> Impose the walls and record what they and gravity do. A tile records its own particles'
    !! share of each node, so that all shares add up to the node.
    subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp), intent(in) :: mass(:)                !! (node) [kg]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
@@ -324,16 +324,16 @@ contains
    end subroutine constrain_tile
 
    !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
-   !! of which all that this share takes is booked: so that much of it is no work. Equation (L.13)
+   !! of which all that this share takes is recorded: so that much of it is no work. Equation (L.13)
    !! of doc/theory/ledger.md.
    subroutine book_stopped(space, scheme, field, ledger, tile, change, velocity)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: change(:, :)           !! (3, node) What walls changed [m/s]
-      real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is booked [m/s]
+      real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is recorded [m/s]
       real(wp) :: own(field%nodes%motion(1)%rows, size(change, 2)), stopped
       integer :: node
 
@@ -345,12 +345,12 @@ contains
       call record_damped(ledger, (1.0_wp - scheme%method%transfer%keep())*stopped)
    end subroutine book_stopped
 
-   !> Book impulse, its moment, and work of a push on the nodes of a tile.
+   !> Record impulse, its moment, and work of a push on the nodes of a tile.
    subroutine record_push(space, field, ledger, tile, push, velocity, more)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
       real(wp), intent(in), optional :: more(:)      !! (node) Work besides that of the push [J/kg]
@@ -386,10 +386,10 @@ contains
    !! kinetic energy of particles grows by the product of the forces with it. Equation (L.7) of
    !! doc/theory/ledger.md.
    subroutine book_strained(simulation, field, scratch, tile, mapped)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: mapped(:, :) !! (3, node) Velocity that strains, without faces [m/s]
       real(wp) :: gain(3, size(mapped, 2)), work(size(mapped, 2))
       real(wp) :: centre(3, size(mapped, 2))
@@ -422,7 +422,7 @@ contains
    !> Node velocities from the momentum that was mapped a second time, or from that before and what
    !! was gained, as the velocity that strains the particles, where no other body may change it.
    subroutine remap_nodes(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp) :: none(3, simulation%space%grid%tile_nodes), mapped(3, &
          simulation%space%grid%tile_nodes)
@@ -465,7 +465,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(clock_t), intent(in) :: clock
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) What they gained, in [m/s]
 
       associate (nodes => field%nodes, share => scheme%method%unseen)

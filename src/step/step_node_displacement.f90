@@ -30,7 +30,7 @@ contains
    !! or see the gain of nodes however light, a shorter step does not help; a step that the deck
    !! fixes stays; and with contact bonds may have broken, so the step cannot be repeated.
    pure logical function asks(simulation) result(asked)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
 
       associate (method => simulation%scheme%method)
          asked = method%remaps() .or. (method%dual .and. &
@@ -43,9 +43,9 @@ contains
    !> How far the nodes of a tile would go that its particles see. Most tiles are so slow that their
    !! greatest velocity tells, others fly as a whole. Equation (S.7) of doc/theory/time_step.md.
    pure subroutine look_at_tile(simulation, field, tile, slot, dt, reach)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: reach            !! The worst of the tile
@@ -108,8 +108,8 @@ contains
 
    !> The greatest difference of two neighbouring nodes of a cell with particles.
    pure subroutine look_at_cells(simulation, tile, velocity, bound, reach)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), intent(in) :: bound                  !! Difference that is too much [m/s]
       type(reach_t), intent(inout) :: reach          !! Gets differences as strains [m/s]
@@ -136,8 +136,8 @@ contains
 
    !> Are there particles in a cell of a tile?
    pure logical function filled(simulation, tile, cell) result(some)
-      type(simulation_t), intent(in) :: simulation   !! The run, sorted
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation   !! Sorted
+      integer, intent(in) :: tile
       integer, intent(in) :: cell                    !! Which cell, from 0
       integer :: index
 

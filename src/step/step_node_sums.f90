@@ -13,16 +13,16 @@ contains
 
    !> Places for the fields of tiles that are worked on.
    pure integer function slots(simulation, field) result(number)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
 
       number = simulation%space%tiles%all
       if (field%nodes%lean) number = size(simulation%scratch)
    end function slots
 
-   !> Make room for the sums over the particles around the nodes.
+   !> Allocate the sums over the particles around the nodes.
    pure subroutine ensure_sums(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
 
       associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
@@ -37,7 +37,7 @@ contains
    pure subroutine find_sums(space, field, tile, slot)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
       real(wp) :: sums(field%nodes%motion(1)%rows, space%grid%tile_nodes)
 

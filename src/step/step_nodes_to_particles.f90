@@ -66,7 +66,7 @@ contains
 
    !> Give the particles what the nodes hold.
    subroutine nodes_to_particles(simulation, field, parts, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -83,7 +83,7 @@ contains
    !> The tiles of one thread. Its view keeps its memory from tile to tile: getting it anew costs as
    !! much as all else where a tile has a particle or two.
    subroutine gather_some(simulation, field, parts, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -105,9 +105,9 @@ contains
       end associate
    end subroutine gather_some
 
-   !> Make room for the rates at which particles grow. Other velocity fields keep theirs.
+   !> Allocate the rates at which particles grow. Other velocity fields keep theirs.
    pure subroutine ensure_opening(stores)
-      type(store_t), intent(inout) :: stores(:)      !! The particles of the velocity field at hand
+      type(store_t), intent(inout) :: stores(:)      !! The particles of the velocity field
       integer :: index
 
       do index = 1, size(stores)
@@ -118,10 +118,10 @@ contains
 
    !> One tile.
    subroutine gather_tile(simulation, field, scratch, tile, parts, dt, view)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t), intent(inout) :: view            !! What its particles see
@@ -167,10 +167,10 @@ contains
    !> Look for particles that have left their bounds or are to go since they failed, and take them
    !! out if the deck says so. What is left limits the next step.
    subroutine judge_particles(simulation, scratch, index, tile, fastest, steepest)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(inout) :: fastest             !! Fastest signal and motion in it [m/s]
       real(wp), intent(in) :: steepest               !! Square of |grad v| without it [1/s2]
       logical :: sound
@@ -196,9 +196,9 @@ contains
 
    !> The node fields of a tile as the particles see them.
    subroutine look(simulation, field, tile, parts, view)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       type(view_t), intent(inout) :: view            !! What the particles see
       integer :: low, high
@@ -231,7 +231,7 @@ contains
    !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
    !! where gradients are those of functions between nodes their velocities alone tell.
    subroutine look_steep(simulation, field, view)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(view_t), intent(inout) :: view            !! What the particles see
 
@@ -251,7 +251,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       type(view_t), intent(inout) :: view            !! What the particles see
       real(wp) :: none(1, 0)
@@ -291,7 +291,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       integer :: p, k
 
@@ -317,10 +317,10 @@ contains
 
    !> Volumes of the loose particles of a tile from the fill of the nodes.
    subroutine repack_particles(simulation, scratch, index, tile, view)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
 
       associate (store => simulation%stores(index))
@@ -334,10 +334,10 @@ contains
 
    !> New velocities and positions of the particles of a tile.
    subroutine move_particles(simulation, scratch, index, tile, view, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
 
@@ -362,7 +362,7 @@ contains
    !! noisy than that of the cell, and after the step it is that of the new velocities. With
    !! normalised sums it is not: there a linear field has no uniform gradient.
    pure logical function strained(simulation, index) result(renewed)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Which material
 
       renewed = simulation%scheme%method%dual .and. simulation%scheme%method%stress /= stress_before
@@ -373,10 +373,10 @@ contains
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
    !! what nodes lose in kinetic energy particles gain: (T.8) of doc/theory/transfers.md.
    subroutine add_work(simulation, scratch, store, tile, view)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       integer :: p, q, first
 
@@ -397,10 +397,10 @@ contains
 
    !> Velocity gradient times the time step at the particles of a tile.
    subroutine find_gradient(simulation, scratch, store, tile, velocity, gradient, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Gets the gradient
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Of the nodes, if dual [1/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -424,11 +424,11 @@ contains
 
    !> Strain the particles of a tile and let their material answer.
    subroutine strain_particles(simulation, field, scratch, index, tile, view, dt, fastest)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time of the strain [s]
       real(wp), intent(out) :: fastest               !! Fastest signal and motion [m/s]

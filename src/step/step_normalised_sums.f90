@@ -34,7 +34,7 @@ module step_normalised_sums
    public :: choose_normalised, find_factors, find_full
 
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
-   !! matter beyond the scope
+   !! material beyond the scope
    integer, parameter :: mass = 1, volume = 2, unblended = 2, foreign = 6
    integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
@@ -45,13 +45,13 @@ module step_normalised_sums
    !> What the fill of nodes on closed faces counts. Half as many particles are around such a node,
    !! so that it falls below a bound by chance more often [1]
    real(wp), parameter :: beside = 1.5_wp
-   real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
+   real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign material borne [1]
 
 contains
 
    !> Materials whose sums are normalised; nothing is kept where there are none.
    subroutine choose_normalised(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run with materials and method
+      type(simulation_t), intent(inout) :: simulation !! With materials and method
       integer :: n
 
       associate (method => simulation%scheme%method)
@@ -86,7 +86,7 @@ contains
 
    !> Factors of all edges and nodes for the particles as they are.
    subroutine find_factors(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
@@ -165,12 +165,12 @@ contains
       !$omp end parallel do
    end subroutine find_full
 
-   !> Sums of the particles of a tile round its nodes and the edges of its cells.
+   !> Sums of the particles of a tile around its nodes and the edges of its cells.
    subroutine count_tile(simulation, field, scratch, tile, patch, sums)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp), contiguous, intent(inout) :: sums(:, :)  !! (edge, cell) [m3]
       integer :: index, p, l, first, count
@@ -211,9 +211,9 @@ contains
    !> How far the cells of a tile are full, and the factors of their edges. What the node part
    !! leaves to the cell, where its cell counts less than in full, the edges take.
    subroutine judge_cells(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp) :: sums(size(field%nodes%counted, 1), simulation%space%grid%tile_nodes)
       real(wp) :: filled(volume, simulation%space%grid%tile_nodes), &
          around(simulation%space%grid%tile_nodes)
@@ -271,7 +271,7 @@ contains
    subroutine find_fill(space, scheme, tile, around, volumes, full)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
       real(wp), intent(in) :: volumes(:)             !! (node) That of particles in the scope [m3]
       real(wp), intent(out) :: full(:)               !! (cell) 0 to 1
@@ -294,9 +294,9 @@ contains
 
    !> Factors of the edges of the cells of a tile.
    subroutine find_cell_factors(simulation, field, tile, full, own, weight, shares, ring)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: full(:)                !! (cell) How far it is full, 0 to 1
       real(wp), intent(in) :: own(:)                 !! (cell) How far it is in the scope, 0 to 1
       real(wp), intent(in) :: weight(:)              !! (cell) Of its part on the nodes
@@ -339,12 +339,12 @@ contains
       end do
    end subroutine count_inner
 
-   !> Volume of the cells of a tile round its nodes in rigid regions.
+   !> Volume of the cells of a tile around its nodes in rigid regions.
    subroutine add_present(space, scheme, field, tile, around)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
       real(wp) :: one(space%grid%tile_cells), whole(volume, size(around))
 
@@ -368,12 +368,12 @@ contains
       if (allocated(held%node)) filled(held%node) = around(held%node)
    end subroutine fill_held
 
-   !> Factors of the edges of a cell from their sums. Less matter than room may be a free surface;
-   !! more matter than room is wrong in any case. Equation (Q.7).
+   !> Factors of the edges of a cell from their sums. Less material than room may be a free surface;
+   !! more material than room is wrong in any case. Equation (Q.7).
    ! gate: long kernel because an edge is told by all that takes part in its integral
    pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
-      real(wp), intent(in) :: own                    !! How far its matter is in the scope, 0 to 1
+      real(wp), intent(in) :: own                    !! How far its material is in the scope, 0 to 1
       real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
       real(wp), intent(in) :: rest(:)                !! (edge) Share of it that nodes carry [1]
       real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
@@ -404,9 +404,9 @@ contains
    !> What the node stress and the node gradient are multiplied by along each direction where the
    !! cells around are full, and how far they are. Equation (Q.8).
    subroutine judge_nodes(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp) :: covered(1, simulation%space%grid%tile_nodes), &
          around(simulation%space%grid%tile_nodes)
       real(wp) :: due(simulation%space%grid%tile_nodes)
@@ -416,7 +416,7 @@ contains
       associate (grid => simulation%space%grid, nodes => field%nodes)
          call assemble(grid, simulation%space%tiles, nodes%covered, tile, covered)
          call grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
-         ! a cell without matter, that with the smaller share beside the axis too, ends the scope
+         ! a cell without material, that with the smaller share beside the axis too, ends the scope
          cells = merge(6.0_wp, real(2**grid%dimensions, wp), grid%axisymmetric)
          call find_due(simulation%space, field, tile, around, due)
          do node = 1, size(around)
@@ -442,7 +442,7 @@ contains
    pure subroutine find_due(space, field, tile, around, due)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
       real(wp), intent(out) :: due(:)                !! (node) [m3]
       real(wp) :: present(1, size(due))

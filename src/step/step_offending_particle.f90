@@ -23,7 +23,7 @@ module step_offending_particle
 
 contains
 
-   !> Bounds for the particles of a material. Failed matter without stress may have any volume.
+   !> Bounds for the particles of a material. Failed material without stress may have any volume.
    pure function tile_bounds(materials, clock, index) result(bounds)
       type(material_t), intent(in) :: materials(:)
       type(clock_t), intent(in) :: clock
@@ -39,7 +39,7 @@ contains
 
    !> Text on the particle of lowest identity that is out of its bounds. Collective.
    subroutine name_bad(simulation, text)
-      type(simulation_t), intent(in) :: simulation   !! The run, just after the step
+      type(simulation_t), intent(in) :: simulation   !! Just after the step
       character(len=:), allocatable, intent(out) :: text !! Step, time, particle, what is wrong
       type(found_t) :: found
       integer :: fault
@@ -63,7 +63,7 @@ contains
    !> How to get the state before the last step, which is not kept: it would double the memory, and
    !! the same bits come again.
    function replay_text(simulation) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable :: text
       character(len=24) :: before
 
@@ -75,7 +75,7 @@ contains
 
    !> Text on the particle that makes the time step as short as it is. Collective.
    subroutine name_limiting(simulation, text)
-      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      type(simulation_t), intent(in) :: simulation   !! Between two steps
       character(len=:), allocatable, intent(out) :: text !! Step, time, particle, and its speeds
       type(found_t) :: found
       real(wp) :: signal, speed
@@ -110,7 +110,7 @@ contains
 
    !> Text on a particle whose identity is known. Collective.
    subroutine name_particle(simulation, identity, text)
-      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      type(simulation_t), intent(in) :: simulation   !! Between two steps
       integer(int64), intent(in) :: identity         !! Who it is
       character(len=:), allocatable, intent(out) :: text !! Body, material and place
       type(found_t) :: found
@@ -209,7 +209,7 @@ contains
 
    !> Leave only the particle of lowest identity of all ranks.
    subroutine claim(simulation, found)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(found_t), intent(inout) :: found          !! That of this rank in, none out if not lowest
       integer(int64) :: least(1)
 
@@ -231,7 +231,7 @@ contains
 
    !> Who a particle is and where.
    function particle_text(simulation, found) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(found_t), intent(in) :: found             !! The particle
       character(len=:), allocatable :: text
       character(len=100) :: line
@@ -290,7 +290,7 @@ contains
 
    !> Give the text of the one rank that has one to all.
    subroutine spread(simulation, text)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable, intent(inout) :: text !! Own in, that of all out
       integer(int64), allocatable :: whole(:)
       integer :: n

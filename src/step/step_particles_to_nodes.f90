@@ -27,7 +27,7 @@ contains
    !> Mass, momentum and force of all particles to the patches of their tiles, and the patches of
    !! other ranks.
    subroutine particles_to_nodes(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: part, n
@@ -54,7 +54,7 @@ contains
    !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
    !! these alone.
    subroutine find_boxes(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       logical :: used(simulation%space%grid%tile_cells)
       integer :: tile, index
@@ -94,7 +94,7 @@ contains
       end do
    end function count_own
 
-   !> Does nobody but the plain step ask for the fields of all nodes?
+   !> Does nobody but the plain step request the fields of all nodes?
    pure logical function may_be_lean(scheme, effects) result(lean)
       type(scheme_t), intent(in) :: scheme
       type(effects_t), intent(in) :: effects
@@ -108,7 +108,7 @@ contains
       end associate
    end function may_be_lean
 
-   !> Make room for the pieces of the motion. The memory of the node stress served for the node
+   !> Allocate the packed patches of the motion. The memory of the node stress served for the node
    !! gradient in the step before.
    pure subroutine ensure_motion(space, scheme, field)
       type(space_t), intent(in) :: space
@@ -135,7 +135,7 @@ contains
 
    !> Components of a vector that can be other than zero.
    pure function vector_rows(grid) result(kept)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       logical :: kept(3)
 
       kept = grid%active
@@ -143,7 +143,7 @@ contains
 
    !> The same of a tensor whose component (k, l) is in row k + 3 (l - 1).
    pure function tensor_rows(grid) result(kept)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       logical :: kept(9)
       integer :: l
 
@@ -154,10 +154,10 @@ contains
 
    !> One tile.
    subroutine scatter_tile(simulation, field, scratch, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp) :: patch(merge(dual_columns, motion_columns, simulation%scheme%method%dual), &
          simulation%space%grid%tile_nodes)
       integer :: index
@@ -177,11 +177,11 @@ contains
 
    !> The particles of one material in a tile.
    subroutine scatter_store(simulation, field, scratch, index, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
 
       associate (grid => simulation%space%grid, store => simulation%stores(index), &
@@ -220,7 +220,7 @@ contains
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
       associate (grid => space%grid, start => store%cell_start(:, tile), &
          pushed => scratch%pushed, shape => scratch%shape)
@@ -237,7 +237,7 @@ contains
 
    !> Force of the stress of the particles of a tile.
    subroutine push_nodes(simulation, shape, start, first, position, volume, stress, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(shape_data_t), intent(inout) :: shape        !! Of the tile
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       integer, intent(in) :: first                   !! First particle of the tile in the arrays
@@ -259,10 +259,10 @@ contains
 
    !> Body force of an exact solution, to columns 5 to 7.
    subroutine add_body_force(simulation, scratch, index, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run with a solution
+      type(simulation_t), intent(in) :: simulation   !! With a solution
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp) :: point(3), force(3)
       integer :: p, q, k
@@ -289,14 +289,14 @@ contains
    end subroutine add_body_force
 
    !> Where the particles of a tile are, as basis and modified gradient see them, with the factors
-   !! of normalised sums of the velocity field at hand.
+   !! of normalised sums of the velocity field.
    subroutine find_places(space, scheme, field, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
       call locate_tile(space, scheme, scratch, store, tile)
       if (allocated(scheme%normalises)) &
@@ -309,7 +309,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
       call locate_tile(space, scheme, scratch, store, tile)
       if (allocated(scratch%shape%factor)) deallocate (scratch%shape%factor)
@@ -321,7 +321,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
       associate (coordinate => space%tiles%coordinate(:, tile))
          call scratch%shape%reserve(store%count(tile))

@@ -38,7 +38,7 @@ contains
 
    !> Are the sums of a material normalised?
    pure logical function normalised(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Which material
 
       yes = .false.
@@ -48,10 +48,10 @@ contains
    !> Bring the pressures of the particles of a material in a tile nearer to the mean of their cell
    !! and the slope that nodes see.
    subroutine relax_pressures(simulation, field, index, tile, local, speed, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -75,7 +75,7 @@ contains
    end subroutine relax_pressures
 
    !> The particles of one cell.
-   ! gate: long kernel because matter is told by four of its fields
+   ! gate: long kernel because material is told by four of its fields
    pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, energy, &
       stress)
       integer, intent(in) :: before                  !! Particles before those of the tile
@@ -93,7 +93,7 @@ contains
       real(wp) :: steepest
       integer :: p, q
 
-      ! volume over the stiffness against its change; matter without waves has no pressure either
+      ! volume over the stiffness against its change; material without waves has no pressure either
       if (.not. minval(speed(low:high)) > 0.0_wp) return
       do p = low, high
          q = before + p

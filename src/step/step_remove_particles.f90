@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Takes particles out of a run whose going on would spoil it, or that have failed, and books what
+!> Takes particles out of a run whose going on would spoil it, or that have failed, and records what
 !! they had. They are forgotten when their tile is put in order.
 module step_remove_particles
    use base_error, only: error_t, exit_physics, fail
@@ -67,7 +67,7 @@ contains
       end associate
    end subroutine erode_tile
 
-   !> Book a particle and let it be forgotten.
+   !> Record a particle and let it be forgotten.
    subroutine take_out(ledger, material, store, tile, p)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(material_t), intent(in) :: material       !! Its material
@@ -86,7 +86,7 @@ contains
    !> Fastest signal and motion of the particles of a tile that are left [m/s].
    pure real(wp) function fastest_left(store, tile, wave_speed) result(fastest)
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: wave_speed(:) !! (particle of the tile) [m/s]
       integer :: p, q
 

@@ -24,7 +24,7 @@ contains
    !! where the nodes are to be moved again, and the step is shorter. Collective. Equation (S.7) of
    !! doc/theory/time_step.md.
    subroutine judge_nodes(simulation, dt, again, error)
-      type(simulation_t), intent(inout) :: simulation !! The run, its nodes just moved
+      type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
       real(wp), intent(inout) :: dt                  !! Time step [s]
       logical, intent(out) :: again                  !! Is the step to be done again?
       type(error_t), allocatable, intent(out) :: error !! No step is short enough
@@ -60,9 +60,9 @@ contains
       call put_back(simulation)
    end subroutine judge_nodes
 
-   !> Sums of the nodes as before they moved, and books without what faces and gravity did then.
+   !> Sums of the nodes as before they moved, and ledger without what walls and gravity did then.
    subroutine put_back(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer :: thread, k, n
 
       do thread = 0, ubound(simulation%scratch, 1)
@@ -82,7 +82,7 @@ contains
 
    !> The node of this rank that goes farthest over the bounds.
    subroutine find_worst(simulation, field, dt, worst)
-      type(simulation_t), intent(in) :: simulation   !! The run, its nodes just moved
+      type(simulation_t), intent(in) :: simulation   !! Its nodes just moved
       type(velocity_field_t), intent(in) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: worst            !! It
@@ -114,7 +114,7 @@ contains
    !> Say which node goes too far in any step that is long enough. Of equal ones the first of the
    !! grid is named. Collective.
    subroutine name_node(simulation, dt, excess, worst, error)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: dt                     !! Time step that was tried [s]
       real(wp), intent(in) :: excess                 !! Of the worst node of all ranks
       type(reach_t), intent(in) :: worst             !! That of this rank

@@ -77,12 +77,12 @@ module step_simulation
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       type(packed_patch_t) :: share                        !! (1) Volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
-      real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if asked for [m3]
+      real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if requested [m3]
       type(packed_patch_t) :: force                        !! (3) Force of the node stress [N]
       !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
       !! of two, of the velocity before the step [m3/s]
       type(packed_patch_t) :: gradient, middle, earlier
-      !> (3) What faces and gravity add to the velocities, where it is booked later: with contact,
+      !> (3) What walls and gravity add to the velocities, where it is recorded later: with contact,
       !! and with musl; there also what faces take of the velocities before the step [m/s]
       real(wp), allocatable :: push(:, :, :), taken(:, :, :)
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
@@ -187,7 +187,7 @@ module step_simulation
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
          ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
-      integer :: effect(chain_effects) = 0           !! Of those of matter, 0 = off
+      integer :: effect(chain_effects) = 0           !! Of those of material, 0 = off
    end type phases_t
 
    !> Where things are: the grid, what bounds it, and its tiles.
@@ -275,7 +275,7 @@ contains
    !> Where the fields of a tile are: its own place, or that of the thread which works on it.
    integer function nodes_slot(self, tile) result(slot)
       class(nodes_t), intent(in) :: self             !! The fields
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
       slot = tile
       if (self%lean) slot = 1 + omp_get_thread_num()

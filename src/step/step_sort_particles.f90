@@ -45,9 +45,9 @@ contains
       end do
    end subroutine split_field
 
-   !> Book particles that left the box, and bring the others into their tiles and in order.
+   !> Record particles that left the box, and bring the others into their tiles and in order.
    subroutine sort_particles(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp) :: waited
 
       waited = simulation%machine%communicator%traffic%waiting
@@ -65,7 +65,7 @@ contains
 
    !> Particles of this rank.
    pure integer(int64) function count_particles(simulation) result(particles)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer :: index
 
       particles = 0

@@ -28,7 +28,7 @@ contains
    !> What the force of each node is to be changed by. Weights and volumes of the dual gradient are
    !! known.
    subroutine find_difference(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
@@ -70,10 +70,10 @@ contains
    !> Stress times volume of the particles of a tile, and what they push the nodes with under unit
    !! stress.
    subroutine scatter_tile(simulation, field, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index, p, k
 
@@ -111,9 +111,9 @@ contains
 
    !> Mean stress of the nodes of a tile; force of the node stress of unit stress less unit stress.
    subroutine unit_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp) :: total(columns, simulation%space%grid%tile_nodes)
       real(wp) :: stress(9, simulation%space%grid%tile_nodes)
       integer :: node, k
@@ -140,9 +140,9 @@ contains
 
    !> Change of the force of the nodes of a tile. Equation (Q.4).
    subroutine difference_tile(simulation, field, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
       real(wp) :: unit(3, simulation%space%grid%tile_nodes), stress(9, &
          simulation%space%grid%tile_nodes)
@@ -178,7 +178,7 @@ contains
    pure subroutine find_inside(space, field, tile, inside)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(out) :: inside(:)             !! (node) 0 to 1
       real(wp) :: around(size(inside)), cells
       integer :: node

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Rotation of matter as it varies from tile to tile (`turn_from = 'tiles'`).
+!> Rotation of material as it varies from tile to tile (`turn_from = 'tiles'`).
 !!
 !! With RFLIP the rotation that particles carry brings velocities to the nodes that straining sees
 !! and the particles do not keep: the work of the stress on them is lost. Where the rotation is that
@@ -25,9 +25,9 @@ module step_tile_rotation
 
 contains
 
-   !> Give all particles the rotation of the matter around them. The particles are sorted.
+   !> Give all particles the rotation of the material around them. The particles are sorted.
    subroutine smooth_rotation(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run, its particles carry a rotation
+      type(simulation_t), intent(inout) :: simulation !! Its particles carry a rotation
       integer, allocatable :: tiles(:)
       integer :: part, n, tile
 
@@ -53,8 +53,8 @@ contains
 
    !> Mass and its rotation at the corners of a tile, from its particles.
    subroutine add_tile(simulation, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Not zero at corners only
       real(wp) :: sums(columns, corners), lower(3), inverse(3)
       integer :: node(corners), index, corner
@@ -76,7 +76,7 @@ contains
    !> Those of one material, by chunks that stay in cache.
    pure subroutine add_store(store, tile, lower, inverse, sums)
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
       real(wp), intent(inout) :: sums(columns, corners) !! At the corners [kg/s], [kg]
@@ -109,8 +109,8 @@ contains
 
    !> Rotation of the particles of a tile, from its corners.
    subroutine turn_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp) :: total(columns, simulation%space%grid%tile_nodes), turn(3, corners)
       real(wp) :: lower(3), inverse(3)
       integer :: node(corners), corner, index
@@ -133,7 +133,7 @@ contains
    !> That of the particles of one material.
    pure subroutine turn_store(store, tile, lower, inverse, turn)
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
       real(wp), intent(in) :: turn(3, corners)       !! Rotation at the corners [1/s]
@@ -157,8 +157,8 @@ contains
 
    !> Nodes at the corners of a tile; those of a missing direction fall together.
    pure subroutine find_corners(simulation, tile, node)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       integer, intent(out) :: node(corners)          !! Their numbers
       integer :: corner, extent(3), margin(3), bit(3), k
 
@@ -175,7 +175,7 @@ contains
    !> Where a tile lies: its lower corner, and one over its edges; 0 for missing directions.
    pure subroutine measure_tile(space, tile, lower, inverse)
       type(space_t), intent(in) :: space
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(out) :: lower(3)              !! [m]
       real(wp), intent(out) :: inverse(3)            !! [1/m]
       integer :: extent(3)

@@ -15,10 +15,10 @@ module step_time_step
 
 contains
 
-   !> Collect what the threads saw: the books, the next time step, bad numbers.
+   !> Collect what the threads saw: the ledger, the next time step, NaN.
    subroutine close_step(simulation, error)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      type(error_t), allocatable, intent(out) :: error !! If numbers went bad
+      type(simulation_t), intent(inout) :: simulation
+      type(error_t), allocatable, intent(out) :: error !! If a value is NaN
       real(wp) :: fastest, diffusivity, rate
       character(len=:), allocatable :: text
       logical :: sound, retired
@@ -42,7 +42,7 @@ contains
             scratch%retired = .false.
          end associate
       end do
-      ! a number gone bad on one rank must stop all: it travels as an infinite speed
+      ! a NaN on one rank must stop all: it travels as an infinite speed
       if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
       diffusivity = 0.0_wp
       if (allocated(simulation%effects%conduction)) diffusivity = greatest_diffusivity(simulation)
@@ -61,7 +61,7 @@ contains
 
    !> Steepest velocity gradient that the threads saw, and whose it is.
    subroutine find_rate(simulation, rate)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp), intent(out) :: rate                  !! On this rank [1/s]
       integer :: thread
       real(wp) :: most
@@ -84,7 +84,7 @@ contains
 
    !> Let conduction of heat limit the next time step.
    subroutine limit_step(simulation, diffusivity)
-      type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
+      type(simulation_t), intent(inout) :: simulation !! Some material conducts
       real(wp), intent(in) :: diffusivity            !! Greatest of all ranks [m2/s]
       real(wp) :: dt
 
@@ -95,10 +95,10 @@ contains
       simulation%clock%dt_next = dt
    end subroutine limit_step
 
-   !> Agree with the other ranks on the fastest signal and on what they ask for: the only time in a
+   !> Agree with the other ranks on the fastest signal and on what they request: the only time in a
    !! step that all ranks wait for all.
    subroutine agree(simulation, fastest, diffusivity, rate, retired)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
       real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
       real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
@@ -149,7 +149,7 @@ contains
       end associate
    end subroutine set_next_step
 
-   !> Greatest time step that conduction bears [s]: half of the square of the spacing over the
+   !> Greatest time step that conduction allows [s]: half of the square of the spacing over the
    !! diffusivity and the number of directions. Equation (A.16) of
    !! doc/theory/matter.md.
    pure real(wp) function conduction_step(spacing, dimensions, diffusivity) result(dt)
@@ -163,7 +163,7 @@ contains
 
    !> Greatest diffusivity [m2/s] of the particles of this rank.
    real(wp) function greatest_diffusivity(simulation) result(greatest)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       real(wp) :: conductivity, specific_heat
       integer :: index, tile, p
 

@@ -38,7 +38,7 @@ contains
 
    !> Number the lattices of the bodies, by which neighbours are found.
    subroutine number_lattices(simulation, bodies)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer(int64) :: next
       integer :: n, other
@@ -69,7 +69,7 @@ contains
 
    !> Note speeds and energies at the start of a run, by which later ones are judged. Collective.
    subroutine begin_trust(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run in its first state
+      type(simulation_t), intent(inout) :: simulation !! In its first state
       type(bounds_look_t) :: look
 
       if (simulation%balance%trust%begun) return
@@ -110,7 +110,7 @@ contains
 
    !> Look at the state after a step if it is time to. Collective.
    subroutine watch_trust(simulation, log, error)
-      type(simulation_t), intent(inout) :: simulation !! The run after a step
+      type(simulation_t), intent(inout) :: simulation !! After a step
       type(log_t), intent(inout) :: log              !! Told of what is wrong, once
       type(error_t), allocatable, intent(out) :: error !! A number is impossible
       type(bounds_look_t) :: bounds
@@ -137,7 +137,7 @@ contains
    !! a checkpoint holds does not change, so that a run that goes on sees what it would have seen
    !! without a break. Collective.
    subroutine final_trust(simulation, code, now, trust)
-      type(simulation_t), intent(inout) :: simulation !! The run at its end; stays as it is
+      type(simulation_t), intent(inout) :: simulation !! At its end; stays as it is
       integer, intent(in) :: code                    !! Exit code
       type(balance_t), intent(in) :: now             !! Its books
       type(trust_t), intent(out) :: trust            !! What is known
@@ -182,7 +182,7 @@ contains
    !> Take the worst of speeds and energies, over what can be explained. Equations (L.10) and (L.11)
    !! of doc/theory/ledger.md. A manufactured solution may do anything.
    pure subroutine note_bounds(simulation, look, trust)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(bounds_look_t), intent(in) :: look        !! What was found
       type(trust_t), intent(inout) :: trust          !! The worst so far
       real(wp) :: square, scale
@@ -222,7 +222,7 @@ contains
    !> Square of the greatest speed that start, walls, gravity, energy at the start and work explain
    !! [m2/s2]. Equation (L.10).
    pure real(wp) function explained_square(simulation, trust) result(square)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(trust_t), intent(in) :: trust             !! Its start
       integer :: n
 
@@ -286,7 +286,7 @@ contains
 
    !> Warn of a speed or an energy that nothing explains, and of whose it is. Collective.
    subroutine warn_of_bounds(simulation, look, log)
-      type(simulation_t), intent(inout) :: simulation !! The run, notes that it has warned
+      type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
       type(bounds_look_t), intent(in) :: look        !! What was found
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=160) :: text
@@ -322,7 +322,7 @@ contains
 
    !> Warn of neighbours that are apart, of volumes that do not fit, and of noise. Collective.
    subroutine warn_of_shapes(simulation, look, log)
-      type(simulation_t), intent(inout) :: simulation !! The run, notes that it has warned
+      type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
       type(shapes_look_t), intent(in) :: look        !! What was found
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=200) :: text
@@ -430,7 +430,7 @@ contains
 
    !> Give a warning with step, time and a particle. Collective.
    subroutine tell_particle(simulation, log, identity, words)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(log_t), intent(inout) :: log              !! Gets it
       integer(int64), intent(in) :: identity         !! Of the particle
       character(len=*), intent(in) :: words          !! What is wrong
@@ -443,7 +443,7 @@ contains
    !> A particle cannot have more than all the energy there is; with twice of it the run ends.
    !! Collective.
    subroutine refuse_impossible(simulation, look, error)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(bounds_look_t), intent(in) :: look        !! What was found
       type(error_t), allocatable, intent(out) :: error !! If so
       real(wp), parameter :: margin = 2.0_wp

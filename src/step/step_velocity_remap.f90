@@ -23,9 +23,9 @@ module step_velocity_remap
 
 contains
 
-   !> The series of node velocities that the transfer asks for, on the own tiles.
+   !> The series of node velocities that the transfer requests, on the own tiles.
    subroutine filter_nodes(simulation, field, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: sweep, tile
@@ -60,7 +60,7 @@ contains
 
    !> Momentum of the present term, seen by the particles, to a second patch.
    subroutine spread_terms(simulation, field)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: part, n
@@ -85,10 +85,10 @@ contains
 
    !> One tile.
    subroutine spread_tile(simulation, field, scratch, tile, term, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: term(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [kg m/s]
       integer :: index
@@ -112,10 +112,10 @@ contains
    !! step. Equation (L.12) of doc/theory/ledger.md: that needs the same orthogonal projection for
    !! all terms, so what walls hold does not depend on them.
    subroutine add_term(simulation, field, scratch, tile, sweep, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: sweep                   !! Number of the term, 1 for the second one
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: again(3, simulation%space%grid%tile_nodes), free(3, &
@@ -147,7 +147,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), allocatable, intent(inout) :: filtered(:, :) !! (3, node) [m/s]
       integer :: slot
@@ -165,7 +165,7 @@ contains
    !> Momentum of the new particle velocities, or of what they gain, to a second patch, at the old
    !! places. The particles themselves get these velocities later.
    subroutine scatter_again(simulation, field, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer, allocatable :: tiles(:)
@@ -192,10 +192,10 @@ contains
 
    !> One tile: momentum, or mass and momentum of linear velocity fields.
    subroutine scatter_tile(simulation, field, scratch, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp) :: push(3, simulation%space%grid%tile_nodes), after(3, &
@@ -252,10 +252,10 @@ contains
       end do
    end subroutine scatter_tile
 
-   !> Slopes of a node velocity round the particles of a tile: with the dual domain method its
+   !> Slopes of a node velocity around the particles of a tile: with the dual domain method its
    !! modified gradient, which does not see nodes that have no mass and so no velocity.
    subroutine find_slopes(simulation, shape, start, velocity, gradient, slopes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(shape_data_t), intent(inout) :: shape        !! Of the tile
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
@@ -276,7 +276,7 @@ contains
    !> Add a share of their own velocity to what particles get.
    pure subroutine keep_velocity(store, tile, keep, vector)
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: keep                   !! The share [1]
       real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
       integer :: p, k
@@ -297,7 +297,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, velocity and slopes set
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (4, node)
       real(wp) :: mass(store%count(tile))
 
