@@ -26,10 +26,10 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       type(state_t), intent(out) :: state            !! The same on all ranks
 
-      state%step = simulation%step
-      state%time = simulation%time
-      state%dt_next = simulation%dt_next
-      call simulation%ledger%save(simulation%communicator, state)
+      state%step = simulation%clock%step
+      state%time = simulation%clock%time
+      state%dt_next = simulation%clock%dt_next
+      call simulation%balance%ledger%save(simulation%machine%communicator, state)
    end subroutine describe_state
 
    !> Write a checkpoint and count it.
@@ -40,17 +40,17 @@ contains
       type(error_t), allocatable, intent(out) :: error !! Not written; older ones are intact
       type(state_t) :: state
 
-      call simulation%timer%start(simulation%phase%checkpoint)
+      call simulation%machine%timer%start(simulation%machine%phase%checkpoint)
       call describe_state(simulation, state)
       call outputs%save(state)
       call save_errors(simulation, state)
-      call save_trust(simulation%trust, state)
+      call save_trust(simulation%balance%trust, state)
       call state%set("checkpoint_number", [int(place%number, int64)])
-      call state%set("last_step_length", [simulation%dt, simulation%guard%longest])
+      call state%set("last_step_length", [simulation%clock%dt, simulation%clock%guard%longest])
       call state%set("space", space_of(simulation))
-      call checkpoint_write(simulation%communicator, place, simulation%stores, state, error)
+      call checkpoint_write(simulation%machine%communicator, place, simulation%stores, state, error)
       if (.not. allocated(error)) place%number = place%number + 1
-      call simulation%timer%stop(simulation%phase%checkpoint)
+      call simulation%machine%timer%stop(simulation%machine%phase%checkpoint)
    end subroutine write_checkpoint
 
    !> What the deck of a restart must share: the number of directions, and whether they are
@@ -59,8 +59,8 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       integer(int64) :: space(2)
 
-      space = [int(simulation%grid%dimensions, int64), &
-         merge(1_int64, 0_int64, simulation%grid%axisymmetric)]
+      space = [int(simulation%space%grid%dimensions, int64), &
+         merge(1_int64, 0_int64, simulation%space%grid%axisymmetric)]
    end function space_of
 
    !> Resume from a checkpoint: the one that is given, or the newest that can be read.
@@ -80,10 +80,12 @@ contains
       note = ""
       if (len(file) > 0) then
          path = file
-         call checkpoint_read(simulation%communicator, path, simulation%stores, state, error, &
+         call checkpoint_read(simulation%machine%communicator, path, simulation%stores, state, &
+            error, &
             place%echo, changes)
       else
-         call checkpoint_find(simulation%communicator, place, simulation%stores, state, path, &
+         call checkpoint_find(simulation%machine%communicator, place, simulation%stores, state, &
+            path, &
             passed, error, changes)
          if (len(passed) > 0) note = passed//new_line("a")
       end if
@@ -96,10 +98,10 @@ contains
             "' is of another deck: its dimension in &run differs")
          return
       end if
-      simulation%step = state%step
-      simulation%time = state%time
-      simulation%dt_next = state%dt_next
-      call simulation%ledger%load(simulation%communicator, state, error)
+      simulation%clock%step = state%step
+      simulation%clock%time = state%time
+      simulation%clock%dt_next = state%dt_next
+      call simulation%balance%ledger%load(simulation%machine%communicator, state, error)
       if (allocated(error)) return
       call state%get("checkpoint_number", number, error)
       if (allocated(error)) return
@@ -108,12 +110,12 @@ contains
       if (allocated(error)) return
       call state%get("last_step_length", length, error)
       if (allocated(error)) return
-      simulation%dt = length(1)
+      simulation%clock%dt = length(1)
       call update_gravity(simulation)
-      simulation%guard%longest = length(size(length))
+      simulation%clock%guard%longest = length(size(length))
       call outputs%load(state)
       call load_errors(simulation, state)
-      call load_trust(simulation%trust, state)
+      call load_trust(simulation%balance%trust, state)
       call distribute_particles(simulation)
    end subroutine resume
 
@@ -126,7 +128,8 @@ contains
       character(len=longest_path), allocatable :: paths(:)
 
       if (.not. file_exists(join_path(place%folder, "."))) return
-      call checkpoint_newest(simulation%communicator, place%folder, place%case, paths, error)
+      call checkpoint_newest(simulation%machine%communicator, place%folder, place%case, paths, &
+         error)
       if (allocated(error) .or. size(paths) == 0) return
       do while (.not. comes_after(place%path(), trim(paths(1))))
          place%number = place%number + 1

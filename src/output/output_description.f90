@@ -45,14 +45,14 @@ contains
          call group%get("dimension", header%dimension)
          header%symmetry = ""
          do n = 1, 6
-            if (simulation%boundary%mirrors(n) .and. &
-               simulation%grid%active(ishft(n + 1, -1))) &
+            if (simulation%space%boundary%mirrors(n) .and. &
+               simulation%space%grid%active(ishft(n + 1, -1))) &
                header%symmetry = trim(header%symmetry//" "//face_names(n))
          end do
          header%symmetry = trim(adjustl(header%symmetry))
          header%deck = deck_text
          header%echo = deck%echo()
-         header%axisymmetric = simulation%grid%axisymmetric
+         header%axisymmetric = simulation%space%grid%axisymmetric
          group = deck%group("units")
          call group%get("output_units", word)
          header%units%system = max(system_number(word), system_si)
@@ -62,8 +62,8 @@ contains
             header%body_names(n) = bodies(n)%name
          end do
          ! with contact a material has a store for each of its velocity fields
-         if (allocated(simulation%contact)) header%body_materials = &
-            simulation%contact%material(header%body_materials)
+         if (allocated(simulation%effects%contact)) header%body_materials = &
+            simulation%effects%contact%material(header%body_materials)
          do n = 1, size(header%material_names)
             group = deck%group("material", n)
             call group%get("name", word)

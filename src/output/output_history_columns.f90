@@ -188,13 +188,15 @@ contains
       type(shapes_look_t) :: look
 
       values = 0.0_wp
-      call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+      call simulation%balance%ledger%balance(simulation%machine%communicator, &
+         simulation%space%grid, &
          simulation%stores, simulation%materials, now)
-      values(:all_ledger) = [simulation%time, real(simulation%step, wp), simulation%dt, now%entry, &
+      values(:all_ledger) = [simulation%clock%time, real(simulation%clock%step, wp), &
+         simulation%clock%dt, now%entry, &
          now%total, now%mass_error, now%momentum_error, now%angular_error, now%energy_error]
-      if (allocated(simulation%exact)) then
+      if (allocated(simulation%effects%exact)) then
          call take_errors(simulation)
-         values(all_ledger + 1:all_ledger + all_errors) = simulation%exact%error
+         values(all_ledger + 1:all_ledger + all_errors) = simulation%effects%exact%error
       end if
       associate (more => values(all_ledger + all_errors + 1:))
          if (columns%further(potential)) more(potential) = potential_energy(simulation)
@@ -221,12 +223,12 @@ contains
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   call total%add(-store%state%mass(p) &
-                     *dot_product(simulation%gravity, store%position(p, :)))
+                     *dot_product(simulation%effects%gravity, store%position(p, :)))
                end do
             end do
          end associate
       end do
-      call total%over_ranks(simulation%communicator)
+      call total%over_ranks(simulation%machine%communicator)
       energy = total%value()
    end function potential_energy
 
@@ -240,14 +242,14 @@ contains
       real(wp) :: mass, width, wanted
       integer :: n
 
-      associate (grid => simulation%grid)
+      associate (grid => simulation%space%grid)
          columns%axis = 1
          columns%lower = grid%lower(1)
          columns%upper = grid%upper(1)
          columns%bins = nint((columns%upper - columns%lower)/grid%spacing)
          width = (columns%upper - columns%lower)/real(columns%bins, wp)
          allocate (columns%means(0))
-         call profile_rows(simulation%communicator, grid, simulation%stores, columns, rows)
+         call profile_rows(simulation%machine%communicator, grid, simulation%stores, columns, rows)
       end associate
       wanted = runout_mass*sum(rows(4, :))
       mass = 0.0_wp
@@ -271,7 +273,7 @@ contains
       real(wp) :: ends(7)
       integer :: index, tile
 
-      associate (grid => simulation%grid)
+      associate (grid => simulation%space%grid)
          ends = [grid%lower(3), grid%lower, -grid%upper]
          do index = 1, size(simulation%stores)
             associate (store => simulation%stores(index))
@@ -280,7 +282,7 @@ contains
                end do
             end associate
          end do
-         call simulation%communicator%maxima(ends)
+         call simulation%machine%communicator%maxima(ends)
       end associate
       top = ends(1)
       greatest = ends(2:4)

@@ -98,7 +98,8 @@ contains
       character(len=:), allocatable, intent(out) :: note !! Files that cannot be read, or empty
       type(error_t), allocatable, intent(out) :: error !! The folder cannot be read
 
-      call self%series%open(simulation%communicator, folder, self%file, self%next, note, error)
+      call self%series%open(simulation%machine%communicator, folder, self%file, self%next, note, &
+         error)
    end subroutine snapshot_open
 
    !> Write a file and update the series. Collective.
@@ -111,14 +112,14 @@ contains
       character(len=:), allocatable :: path
       character(len=16) :: text
 
-      call simulation%timer%start(simulation%phase%output)
+      call simulation%machine%timer%start(simulation%machine%phase%output)
       path = self%series%path(self%next)
       call self%write_file(simulation, path, header, error)
-      if (.not. allocated(error)) call self%series%add(simulation%communicator, path, error)
-      call simulation%timer%stop(simulation%phase%output)
+      if (.not. allocated(error)) call self%series%add(simulation%machine%communicator, path, error)
+      call simulation%machine%timer%stop(simulation%machine%phase%output)
       if (allocated(error)) return
       self%next = self%next + 1
-      write (text, "(es12.5)") simulation%time
+      write (text, "(es12.5)") simulation%clock%time
       if (len(note) > 0) note = note//new_line("a")
       note = note//"  wrote "//path(index(path, "/", back=.true.) + 1:)//"  t = "// &
          trim(adjustl(text))//" s"

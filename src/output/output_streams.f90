@@ -139,18 +139,18 @@ contains
       integer :: n
 
       note = ""
-      self%header%time = simulation%time
-      self%header%dt = simulation%dt
-      self%header%dt_next = simulation%dt_next
-      self%header%velocity_lag = simulation%method%lag(simulation%dt)
-      self%header%step = simulation%step
+      self%header%time = simulation%clock%time
+      self%header%dt = simulation%clock%dt
+      self%header%dt_next = simulation%clock%dt_next
+      self%header%velocity_lag = simulation%scheme%method%lag(simulation%clock%dt)
+      self%header%step = simulation%clock%step
       do n = 1, size(self%streams)
          associate (stream => self%streams(n)%item)
-            due = stream%schedule%due(simulation%step, simulation%time)
-            if (.not. (due .or. last) .or. stream%last_step == simulation%step) cycle
+            due = stream%schedule%due(simulation%clock%step, simulation%clock%time)
+            if (.not. (due .or. last) .or. stream%last_step == simulation%clock%step) cycle
             call stream%write(simulation, self%header, note, error)
             if (allocated(error)) return
-            stream%last_step = simulation%step
+            stream%last_step = simulation%clock%step
          end associate
       end do
    end subroutine outputs_write_due

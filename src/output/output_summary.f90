@@ -14,10 +14,10 @@ module output_summary
    use output_checkpoint, only: describe_state
    use output_streams, only: outputs_t
    use output_summary_steps, only: add_rules, steps_text
-   use step_advance, only: count_particles
    use step_exact_error, only: take_errors
    use step_ledger, only: balance_t, ledger_entries, removed_mass, removed_particles
    use step_simulation, only: nodes_t, simulation_t
+   use step_sort_particles, only: count_particles
    use step_trust, only: final_trust, warn_of_balance
    use step_trust_record, only: add_trust, trust_t, trust_text
    implicit none
@@ -53,33 +53,35 @@ contains
       real(wp) :: rate, bytes, range(extremes)
       real(wp), allocatable :: least(:), mean(:), greatest(:)
 
-      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+      call simulation%balance%ledger%balance(simulation%machine%communicator, &
+         simulation%space%grid, simulation%stores, &
          simulation%materials, now)
       digest = digest_of(simulation)
-      counts = [count_particles(simulation), simulation%updates, simulation%halved, &
-         nint(simulation%worked/nano, int64)]
-      call simulation%communicator%total(counts)
+      counts = [count_particles(simulation), simulation%clock%updates, simulation%clock%halved, &
+         nint(simulation%machine%worked/nano, int64)]
+      call simulation%machine%communicator%total(counts)
       call spread_timers(simulation, wall, least, mean, greatest)
       rate = step_rate(simulation, counts(2), greatest)
       bytes = bytes_per_particle(simulation, counts(1))
-      if (timing) call log%info(simulation%timer%table(simulation%communicator, wall))
+      if (timing) call log%info(simulation%machine%timer%table(simulation%machine%communicator, &
+         wall))
       call log%info(steps_text(simulation, wall, nano*real(counts(4), wp), reason))
       call log%info(balance_text(now, rate, real(counts(2), wp)/max(wall, nano), bytes))
       call final_trust(simulation, code, now, trust)
       call log%info(trust_text(trust))
-      call warn_of_balance(simulation%method, now, trust, log)
+      call warn_of_balance(simulation%scheme%method, now, trust, log)
       call count_traffic(simulation, traffic)
-      if (simulation%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
+      if (simulation%machine%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)
-      if (allocated(simulation%exact)) call take_errors(simulation)
-      if (simulation%communicator%rank /= 0) return
+      if (allocated(simulation%effects%exact)) call take_errors(simulation)
+      if (simulation%machine%communicator%rank /= 0) return
       call json%add("version", version_text)
       call json%add("git", git_commit)
       call json%add("case", outputs%case)
       call json%add("exit_code", code)
       call json%add("reason", reason)
-      call json%add("steps", simulation%step)
-      call json%add("time", simulation%time)
+      call json%add("steps", simulation%clock%step)
+      call json%add("time", simulation%clock%time)
       call json%add("particles", counts(1))
       call json%add("wall_s", wall)
       call add_work(json, counts(2), nano*real(counts(4), wp), rate)
@@ -87,12 +89,12 @@ contains
       call add_layout(json, simulation)
       call json%add("digest", digest)
       call add_extremes(json, range)
-      call add_rules(json, simulation%guard)
+      call add_rules(json, simulation%clock%guard)
       call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
       call add_balance(json, simulation, now, trust)
-      if (simulation%communicator%size > 1) call add_ranks(json, simulation, traffic)
-      if (allocated(simulation%exact)) call add_exact(json, simulation)
+      if (simulation%machine%communicator%size > 1) call add_ranks(json, simulation, traffic)
+      if (allocated(simulation%effects%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
    end subroutine summarise
@@ -104,7 +106,7 @@ contains
       type(state_t) :: state
 
       call describe_state(simulation, state)
-      digest = state_digest(simulation%communicator, simulation%stores, state)
+      digest = state_digest(simulation%machine%communicator, simulation%stores, state)
    end function digest_of
 
    !> What was done in the steps, and how fast.
@@ -124,7 +126,7 @@ contains
       type(json_t), intent(inout) :: json            !! The summary
       type(simulation_t), intent(in) :: simulation   !! The run
 
-      call json%add("ranks", simulation%communicator%size)
+      call json%add("ranks", simulation%machine%communicator%size)
       call json%add("threads", omp_get_max_threads())
    end subroutine add_layout
 
@@ -137,12 +139,13 @@ contains
       real(wp), allocatable, intent(out) :: greatest(:) !! (phase) [s]
       integer :: phases
 
-      call divide_phase_time(simulation%scratch%laps, simulation%phase%gather, &
-         simulation%phase%effect, &
-         simulation%timer)
-      phases = simulation%timer%count()
+      call divide_phase_time(simulation%scratch%laps, simulation%machine%phase%gather, &
+         simulation%machine%phase%effect, &
+         simulation%machine%timer)
+      phases = simulation%machine%timer%count()
       allocate (least(phases), mean(phases), greatest(phases))
-      call simulation%timer%spread(simulation%communicator, wall, least, mean, greatest)
+      call simulation%machine%timer%spread(simulation%machine%communicator, wall, least, mean, &
+         greatest)
    end subroutine spread_timers
 
    !> Particle updates a second of wall time in the steps, without output and checkpoints.
@@ -152,7 +155,7 @@ contains
       real(wp), intent(in) :: seconds(:)             !! (phase) Of the slowest rank [s]
       real(wp) :: total
 
-      associate (phase => simulation%phase)
+      associate (phase => simulation%machine%phase)
          total = seconds(phase%sort) + seconds(phase%scatter) + seconds(phase%exchange) &
             + seconds(phase%wait) + seconds(phase%grid) + seconds(phase%gather)
          if (phase%conduction > 0) total = total + seconds(phase%conduction)
@@ -177,25 +180,24 @@ contains
                + 4_int64*(size(store%home) + size(store%cell_start))
          end associate
       end do
-      total = total + node_bytes(simulation%nodes)
-      if (allocated(simulation%contact)) then
-         associate (contact => simulation%contact)
-            do index = 1, size(contact%field)
-               total = total + node_bytes(contact%field(index)%nodes)
-            end do
+      do index = 1, size(simulation%fields)
+         total = total + node_bytes(simulation%fields(index)%nodes)
+      end do
+      if (allocated(simulation%effects%contact)) then
+         associate (contact => simulation%effects%contact)
             total = total + 8_int64*(length(contact%outward) + length(contact%area) &
                + length(contact%reach))
          end associate
       end if
-      if (allocated(simulation%conduction)) then
-         associate (heat => simulation%conduction)
+      if (allocated(simulation%effects%conduction)) then
+         associate (heat => simulation%effects%conduction)
             total = total + 8_int64*(length(heat%content) + length(heat%total) &
                + length(heat%temperature) + length(heat%flow) + length(heat%share) &
                + length(heat%volume) + length(heat%slope) + length(heat%push))
             if (allocated(heat%weight)) total = total + 8_int64*size(heat%weight, kind=int64)
          end associate
       end if
-      call simulation%communicator%total(total)
+      call simulation%machine%communicator%total(total)
       bytes = 0.0_wp
       if (particles > 0) bytes = real(total(1), wp)/real(particles, wp)
    end function bytes_per_particle
@@ -255,11 +257,11 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run
       integer(int64), intent(out) :: traffic(kinds)  !! Messages, bytes, messages, bytes, tiles
 
-      associate (said => simulation%communicator%traffic, halo => simulation%halo)
+      associate (said => simulation%machine%communicator%traffic, halo => simulation%space%halo)
          traffic = [halo%messages, 8*halo%words, said%messages - halo%messages, &
-            8*(said%words - halo%words), simulation%load%sent]
+            8*(said%words - halo%words), simulation%machine%load%sent]
       end associate
-      call simulation%communicator%total(traffic)
+      call simulation%machine%communicator%total(traffic)
    end subroutine count_traffic
 
    !> How evenly the ranks worked and what they said to each other, as lines of text.
@@ -271,7 +273,7 @@ contains
       real(wp) :: each
 
       text = ""
-      associate (load => simulation%load)
+      associate (load => simulation%machine%load)
          if (load%looks > 0) then
             write (line, "(a,f6.3,a,f6.3,a,f6.3,a,i0,a)") "work      busiest rank over mean", &
                load%total/real(load%looks, wp), " on average,", load%last, " at last,", &
@@ -279,7 +281,8 @@ contains
             text = trim(line)//new_line("a")
          end if
       end associate
-      each = 1.0_wp/(real(simulation%communicator%size, wp)*real(max(simulation%step, 1_int64), wp))
+      each = 1.0_wp/(real(simulation%machine%communicator%size, &
+         wp)*real(max(simulation%clock%step, 1_int64), wp))
       write (line, "(a,2(f6.2,a,es9.2,a))") "messages  a step and rank:", &
          each*real(traffic(1), wp), " of patches,", each*real(traffic(2), wp), " bytes; ", &
          each*real(traffic(3), wp), " of particles,", each*real(traffic(4), wp), " bytes"
@@ -293,7 +296,7 @@ contains
       integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
       integer :: n
 
-      associate (load => simulation%load)
+      associate (load => simulation%machine%load)
          call json%begin("work_of_ranks")
          call json%add("looks", load%looks)
          call json%add("shared_out_anew", load%cuts)
@@ -334,7 +337,7 @@ contains
          end associate
       end do
       do p = 1, extremes
-         range(p) = simulation%communicator%maximum(range(p))
+         range(p) = simulation%machine%communicator%maximum(range(p))
       end do
       range([2, 4]) = -range([2, 4])
       if (range(1) < 0.0_wp) range = 0.0_wp
@@ -363,12 +366,12 @@ contains
       integer :: n
 
       call json%begin("timers")
-      do n = 1, simulation%timer%count()
-         call json%begin(trim(simulation%timer%name(n)))
+      do n = 1, simulation%machine%timer%count()
+         call json%begin(trim(simulation%machine%timer%name(n)))
          call json%add("min", least(n))
          call json%add("avg", mean(n))
          call json%add("max", greatest(n))
-         call json%add("calls", simulation%timer%calls(n))
+         call json%add("calls", simulation%machine%timer%calls(n))
          call json%end()
       end do
       call json%end()
@@ -399,9 +402,9 @@ contains
       call json%add("energy_error", now%energy_error)
       call json%begin("start")
       do n = 1, size(ledger_entries)
-         call json%add(trim(ledger_entries(n)%name), simulation%ledger%start%entry(n))
+         call json%add(trim(ledger_entries(n)%name), simulation%balance%ledger%start%entry(n))
       end do
-      call json%add("total", simulation%ledger%start%total)
+      call json%add("total", simulation%balance%ledger%start%total)
       call json%end()
       call json%begin("end")
       do n = 1, size(ledger_entries)
@@ -418,7 +421,7 @@ contains
       type(json_t), intent(inout) :: json            !! The summary
       type(simulation_t), intent(in) :: simulation   !! With the errors
 
-      associate (case => simulation%exact)
+      associate (case => simulation%effects%exact)
          call json%begin("exact")
          call json%add("displacement_error", case%error(1))
          call json%add("velocity_error", case%error(2))

@@ -23,10 +23,10 @@ contains
       character(len=:), allocatable :: text
       character(len=16) :: part(2)
 
-      text = "steps     "//number(simulation%step)
+      text = "steps     "//number(simulation%clock%step)
       if (reason == "t_end reached") text = text//" (estimate at the start "// &
-         number(nint(simulation%guard%expected, int64))//")"
-      text = text//", "//rules_text(simulation%guard)
+         number(nint(simulation%clock%guard%expected, int64))//")"
+      text = text//", "//rules_text(simulation%clock%guard)
       write (part, "(f16.1)") wall, worked
       text = text//new_line("a")//"time      wall "//trim(adjustl(part(1)))// &
          " s with start and output, processor "//trim(adjustl(part(2)))// &

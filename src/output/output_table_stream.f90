@@ -74,8 +74,8 @@ contains
       note = ""
       self%table%units = header%units
       call self%list_columns(columns)
-      call self%table%open(simulation%communicator, folder//"/"//self%file, &
-         columns, merge(simulation%step, -1_int64, restarted), error)
+      call self%table%open(simulation%machine%communicator, folder//"/"//self%file, &
+         columns, merge(simulation%clock%step, -1_int64, restarted), error)
    end subroutine table_open
 
    !> Write the rows of the present time. Collective.
@@ -86,9 +86,9 @@ contains
       character(len=:), allocatable, intent(inout) :: note !! Not changed
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
 
-      call simulation%timer%start(simulation%phase%ledger)
+      call simulation%machine%timer%start(simulation%machine%phase%ledger)
       call self%write_rows(simulation, error)
-      call simulation%timer%stop(simulation%phase%ledger)
+      call simulation%machine%timer%stop(simulation%machine%phase%ledger)
    end subroutine table_write
 
    !> Close the file.

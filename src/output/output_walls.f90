@@ -33,10 +33,12 @@ contains
       integer :: face
 
       do face = 1, 6
-         if (simulation%grid%active(ishft(face + 1, -1))) call add_face(walls, simulation, face)
+         if (simulation%space%grid%active(ishft(face + 1, -1))) call add_face(walls, simulation, &
+            face)
       end do
-      if (allocated(simulation%rigid)) call add_rigid(walls, simulation, time_end)
-      call walls_write(simulation%communicator, join_path(folder, outputs%case//"_walls.hdf"), &
+      if (allocated(simulation%space%rigid)) call add_rigid(walls, simulation, time_end)
+      call walls_write(simulation%machine%communicator, join_path(folder, &
+         outputs%case//"_walls.hdf"), &
          walls, outputs%header, error)
    end subroutine write_walls
 
@@ -49,7 +51,7 @@ contains
       integer :: axis, across(2), cells(3), i, j, part, wall
       real(wp) :: begin, finish
 
-      associate (grid => simulation%grid, boundary => simulation%boundary)
+      associate (grid => simulation%space%grid, boundary => simulation%space%boundary)
          axis = ishft(face + 1, -1)
          across = pack([1, 2, 3], [1, 2, 3] /= axis)
          call flat_box(grid, low, high)
@@ -195,19 +197,19 @@ contains
 
       faces = size(walls%name)
       walls%time = [(time_end*real(n, wp)/real(entries - 1, wp), n=0, entries - 1)]
-      allocate (way(3, size(simulation%rigid%wall), entries))
+      allocate (way(3, size(simulation%space%rigid%wall), entries))
       do number = 1, size(way, 2)
-         associate (rigid => simulation%rigid%wall(number))
+         associate (rigid => simulation%space%rigid%wall(number))
             do n = 1, entries
                way(:, number, n) = rigid%motion%shift(walls%time(n))
             end do
             call name_part(walls, rigid, begin, finish, wall)
             ! what is in the box at some time, where it is at the start
-            call flat_box(simulation%grid, low, high)
+            call flat_box(simulation%space%grid, low, high)
             low = low - maxval(way(:, number, :), dim=2)
             high = high - minval(way(:, number, :), dim=2)
-            call cut_surface(rigid%region, low, high, simulation%grid%active, &
-               part*simulation%grid%spacing, piece)
+            call cut_surface(rigid%region, low, high, simulation%space%grid%active, &
+               part*simulation%space%grid%spacing, piece)
             call walls%add(wall, piece)
          end associate
       end do

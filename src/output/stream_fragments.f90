@@ -101,10 +101,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       real(wp), allocatable :: rows(:, :)
 
-      call fragment_rows(simulation%communicator, simulation%grid, &
-         simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
+      call fragment_rows(simulation%machine%communicator, simulation%space%grid, &
+         simulation%space%tiles%coordinate(:, :simulation%space%tiles%own), simulation%stores, &
          self%fragments, rows)
-      call self%table%rows(simulation%communicator, [simulation%time, real(simulation%step, wp)], &
+      call self%table%rows(simulation%machine%communicator, [simulation%clock%time, &
+         real(simulation%clock%step, wp)], &
          rows, error)
    end subroutine fragments_write_rows
 end module stream_fragments

@@ -83,7 +83,7 @@ contains
       call choose_means(simulation%stores, self%fields, .true., self%means, error)
       call self%read_format(group)
       call read_selection(group, deck, shapes, self%format%pick_rule_t)
-      self%cells = cells_in(simulation%grid, self%format%pick_rule_t)
+      self%cells = cells_in(simulation%space%grid, self%format%pick_rule_t)
       self%series%of_grids = .true.
    end subroutine grid_read
 
@@ -135,8 +135,8 @@ contains
       type(snapshot_header_t), intent(in) :: header  !! Text and time for the file
       type(error_t), allocatable, intent(out) :: error !! It cannot be written
 
-      call grid_write(simulation%communicator, path, simulation%grid, &
-         simulation%tiles%coordinate(:, :simulation%tiles%own), simulation%stores, &
+      call grid_write(simulation%machine%communicator, path, simulation%space%grid, &
+         simulation%space%tiles%coordinate(:, :simulation%space%tiles%own), simulation%stores, &
          self%means, self%format, header, error)
    end subroutine grid_write_file
 

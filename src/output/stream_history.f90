@@ -72,8 +72,8 @@ contains
 
       call read_fields(group, deck, simulation, self, fields)
       ! read_fields has left out each name that would be an error here
-      call choose_history(fields, allocated(simulation%exact), simulation%grid, &
-         allocated(simulation%gravity), self%columns, error)
+      call choose_history(fields, allocated(simulation%effects%exact), simulation%space%grid, &
+         allocated(simulation%effects%gravity), self%columns, error)
    end subroutine history_read
 
    !> Without &output the ledger is written.
@@ -82,8 +82,8 @@ contains
       type(simulation_t), intent(in) :: simulation   !! For the columns that exist
       type(error_t), allocatable :: error
 
-      call choose_history(["default"], allocated(simulation%exact), simulation%grid, &
-         allocated(simulation%gravity), self%columns, error)
+      call choose_history(["default"], allocated(simulation%effects%exact), simulation%space%grid, &
+         allocated(simulation%effects%gravity), self%columns, error)
    end subroutine history_read_default
 
    !> Rows without &output.
@@ -102,8 +102,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! There is no such column
       type(history_columns_t) :: columns
 
-      call choose_history([field], allocated(simulation%exact), simulation%grid, &
-         allocated(simulation%gravity), columns, error)
+      call choose_history([field], allocated(simulation%effects%exact), simulation%space%grid, &
+         allocated(simulation%effects%gravity), columns, error)
    end subroutine history_try_field
 
    !> Rows with sums over all particles that a run will write.
@@ -131,6 +131,6 @@ contains
       real(wp), allocatable :: row(:)
 
       call history_row(simulation, self%columns, row)
-      call self%table%row(simulation%communicator, row, error)
+      call self%table%row(simulation%machine%communicator, row, error)
    end subroutine history_write_rows
 end module stream_history

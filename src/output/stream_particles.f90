@@ -135,10 +135,10 @@ contains
       type(error_t), allocatable, intent(out) :: error !! It cannot be written
       type(labels_t), allocatable :: labels(:)
 
-      if (any(self%fields == "fragment")) call fragment_labels(simulation%communicator, &
-         simulation%grid, simulation%tiles%coordinate(:, :simulation%tiles%own), &
+      if (any(self%fields == "fragment")) call fragment_labels(simulation%machine%communicator, &
+         simulation%space%grid, simulation%space%tiles%coordinate(:, :simulation%space%tiles%own), &
          simulation%stores, self%fragments, labels)
-      call snapshot_write(simulation%communicator, path, simulation%stores, self%fields, &
+      call snapshot_write(simulation%machine%communicator, path, simulation%stores, self%fields, &
          self%format, header, error, labels)
    end subroutine particles_write_file
 

@@ -74,7 +74,7 @@ contains
       character(len=field_length), allocatable :: fields(:)
       type(error_t), allocatable :: error
 
-      associate (profile => self%profile, grid => simulation%grid)
+      associate (profile => self%profile, grid => simulation%space%grid)
          call read_fields(group, deck, simulation, self, fields)
          ! read_fields has left out each name that would be an error here
          call choose_means(simulation%stores, fields, .false., profile%means, error)
@@ -123,9 +123,10 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       real(wp), allocatable :: rows(:, :)
 
-      call profile_rows(simulation%communicator, simulation%grid, simulation%stores, &
+      call profile_rows(simulation%machine%communicator, simulation%space%grid, simulation%stores, &
          self%profile, rows)
-      call self%table%rows(simulation%communicator, [simulation%time, real(simulation%step, wp)], &
+      call self%table%rows(simulation%machine%communicator, [simulation%clock%time, &
+         real(simulation%clock%step, wp)], &
          rows, error)
    end subroutine profile_write_rows
 end module stream_profile

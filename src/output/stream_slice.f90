@@ -64,7 +64,7 @@ contains
       type(named_shape_t), intent(in) :: shapes(:)   !! The regions
 
       call self%stream_particles_t%read(group, deck, simulation, shapes)
-      call read_plane(group, deck, simulation%grid, self%format%pick_rule_t)
+      call read_plane(group, deck, simulation%space%grid, self%format%pick_rule_t)
    end subroutine slice_read
 
    !> A run without &output writes no slices.

@@ -65,8 +65,9 @@ contains
       type(body_t), intent(in) :: bodies(:)
       integer :: n
 
-      state = allocated(simulation%shaking) .or. simulation%boundary%absorbs_waves() .or. &
-         allocated(simulation%exact)
+      state = allocated(simulation%effects%shaking) .or. &
+         simulation%space%boundary%absorbs_waves() .or. &
+         allocated(simulation%effects%exact)
       do n = 1, size(bodies)
          state = state .or. allocated(bodies(n)%formula) .or. allocated(bodies(n)%given)
       end do
@@ -125,29 +126,29 @@ contains
       integer :: n, k
 
       speed = 0.0_wp
-      if (allocated(simulation%boundary%wall)) then
-         do n = 1, size(simulation%boundary%wall)
-            speed = max(speed, wall_speed(simulation%boundary%wall(n)%motion))
+      if (allocated(simulation%space%boundary%wall)) then
+         do n = 1, size(simulation%space%boundary%wall)
+            speed = max(speed, wall_speed(simulation%space%boundary%wall(n)%motion))
          end do
       end if
-      if (allocated(simulation%rigid)) then
-         do n = 1, size(simulation%rigid%wall)
-            speed = max(speed, wall_speed(simulation%rigid%wall(n)%motion))
+      if (allocated(simulation%space%rigid)) then
+         do n = 1, size(simulation%space%rigid%wall)
+            speed = max(speed, wall_speed(simulation%space%rigid%wall(n)%motion))
          end do
       end if
       head = 0.0_wp
       do n = 1, size(bodies)
          call bodies(n)%shape%bounds(low, high)
-         low = max(low, simulation%grid%lower)
-         high = min(high, simulation%grid%upper)
+         low = max(low, simulation%space%grid%lower)
+         high = min(high, simulation%space%grid%upper)
          speed = max(speed, norm2(bodies(n)%velocity) + norm2(bodies(n)%spin)*norm2(high - low))
-         if (.not. allocated(simulation%gravity)) cycle
+         if (.not. allocated(simulation%effects%gravity)) cycle
          do k = 1, 3
-            reach(k) = merge(high(k) - simulation%grid%lower(k), &
-               simulation%grid%upper(k) - low(k), simulation%gravity(k) < 0.0_wp)
-            if (simulation%boundary%is_periodic(2*k)) reach(k) = 0.0_wp
+            reach(k) = merge(high(k) - simulation%space%grid%lower(k), &
+               simulation%space%grid%upper(k) - low(k), simulation%effects%gravity(k) < 0.0_wp)
+            if (simulation%space%boundary%is_periodic(2*k)) reach(k) = 0.0_wp
          end do
-         head = max(head, dot_product(abs(simulation%gravity), reach))
+         head = max(head, dot_product(abs(simulation%effects%gravity), reach))
       end do
       pressure = material%density*(0.5_wp*speed**2 + head) + cohesion(material)
    end function load_pressure

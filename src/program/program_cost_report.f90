@@ -38,9 +38,9 @@ contains
       steps = expected_steps(simulation, bodies, limits)
       bytes = memory_bytes(simulation, survey)
       text = grid_line(simulation, survey)//new_line("a")//particles_text(bodies, survey) &
-         //solid_volumes_text(simulation%grid, bodies, survey%body) &
+         //solid_volumes_text(simulation%space%grid, bodies, survey%body) &
          //fields_text(simulation, survey)
-      if (allocated(simulation%contact)) text = text//contact_text(simulation, bodies)
+      if (allocated(simulation%effects%contact)) text = text//contact_text(simulation, bodies)
       text = text &
          //"step       first dt "//four_digits(dt)//" s"//cause//"; about "// &
          number(nint(steps, int64))//" steps"// &
@@ -58,7 +58,7 @@ contains
       type(survey_t), intent(in) :: survey
       character(len=:), allocatable :: text
 
-      associate (grid => simulation%grid)
+      associate (grid => simulation%space%grid)
          text = "grid       "//number(grid%cells(1))//" x " &
             //number(grid%cells(2))//" x "//number(grid%cells(3))//" = " &
             //number(grid%cell_count())//" cells of "//four_digits(grid%spacing)//" m; tiles of " &
@@ -93,7 +93,7 @@ contains
       text = "fields     "//number(base_bytes(simulation))// &
          " bytes a particle for identity, position, velocity, cell"
       if (allocated(simulation%stores(1)%body)) text = text//", body (there are several)"
-      if (allocated(simulation%exact)) text = text//", reference (exact solution)"
+      if (allocated(simulation%effects%exact)) text = text//", reference (exact solution)"
       text = text//new_line("a")
       do n = 1, size(simulation%materials)
          text = text//"  "//simulation%stores(n)%name//new_line("a")
@@ -128,7 +128,7 @@ contains
          if (allocated(store%ahead)) bytes = bytes + 72
          if (allocated(store%bond)) bytes = bytes + 8
       end associate
-      if (allocated(simulation%exact)) bytes = bytes + 24
+      if (allocated(simulation%effects%exact)) bytes = bytes + 24
    end function base_bytes
 
    !> Bytes of a particle of the material with the most fields.
@@ -158,22 +158,25 @@ contains
       integer :: d
 
       ! packed patches hold the components along the directions of the scene
-      d = simulation%grid%dimensions
+      d = simulation%space%grid%dimensions
       columns = real(always + 1 + 2*d, wp)
-      if (simulation%method%dual) columns = columns + real(4 + d + d*d, wp)
-      if (simulation%method%dual .and. simulation%carries_energy) columns = columns + real(d*d, wp)
-      if (simulation%method%controlled()) columns = columns + real(7 + 6, wp)
-      if (simulation%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 + 3, wp)
-      if (allocated(simulation%contact)) columns = real(contact_columns(simulation%contact), wp) &
-         + real(size(simulation%contact%field), wp)*columns
-      if (allocated(simulation%conduction)) columns = columns &
-         + merge(26.0_wp, 7.0_wp, simulation%method%dual)
-      if (simulation%repacks) columns = columns + 1.0_wp
-      if (simulation%method%heat_flux > 0.0_wp) columns = columns + 5.0_wp
+      if (simulation%scheme%method%dual) columns = columns + real(4 + d + d*d, wp)
+      if (simulation%scheme%method%dual .and. simulation%scheme%carries_energy) columns = columns &
+         + real(d*d, wp)
+      if (simulation%scheme%method%controlled()) columns = columns + real(7 + 6, wp)
+      if (simulation%scheme%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 &
+         + 3, wp)
+      if (allocated(simulation%effects%contact)) columns = &
+         real(contact_columns(simulation%effects%contact), wp) &
+         + real(size(simulation%fields), wp)*columns
+      if (allocated(simulation%effects%conduction)) columns = columns &
+         + merge(26.0_wp, 7.0_wp, simulation%scheme%method%dual)
+      if (simulation%scheme%repacks) columns = columns + 1.0_wp
+      if (simulation%scheme%method%heat_flux > 0.0_wp) columns = columns + 5.0_wp
       bytes = spare*real(survey%particles, wp)*particle_bytes(simulation, survey) &
          + real(size(survey%key), wp)*(8.0_wp*columns &
-         *real(simulation%grid%tile_nodes, wp) &
-         + 4.0_wp*real(simulation%grid%tile_cells + neighbors + 12, wp))
+         *real(simulation%space%grid%tile_nodes, wp) &
+         + 4.0_wp*real(simulation%space%grid%tile_cells + neighbors + 12, wp))
    end function memory_bytes
 
    !> A number with four digits.

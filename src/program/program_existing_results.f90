@@ -19,7 +19,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! Results exist or cannot be removed
       type(former_run_t) :: former
 
-      associate (communicator => setup%simulation%communicator, command => setup%command, &
+      associate (communicator => setup%simulation%machine%communicator, command => setup%command, &
          outputs => setup%outputs)
          if (communicator%rank == 0) then
             call find_former_run(outputs%folder, outputs%case, outputs%header%echo, former)

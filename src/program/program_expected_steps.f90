@@ -7,8 +7,8 @@ module program_expected_steps
    use material_type, only: material_t
    use particle_fill, only: body_t
    use program_run_limits, only: limits_t
-   use step_conduction, only: conduction_step
    use step_simulation, only: simulation_t
+   use step_time_step, only: conduction_step
    implicit none
    private
 
@@ -52,7 +52,8 @@ contains
          signal = 0.0_wp
          if (.not. limits%dt_fixed > 0.0_wp) call find_impacts(simulation, bodies, &
             limits%time_end, signal)
-         steps = sum(max(1.0_wp/dt, signal/(simulation%method%cfl*simulation%grid%spacing))) &
+         steps = sum(max(1.0_wp/dt, &
+            signal/(simulation%scheme%method%cfl*simulation%space%grid%spacing))) &
             *limits%time_end/real(spans, wp)
          steps = min(steps, countless)
       end if
@@ -99,21 +100,21 @@ contains
       logical :: mirrors(6)
       integer :: n, k
 
-      mirrors = [(simulation%boundary%mirrors(k), k=1, 6)]
-      mirrors(1) = mirrors(1) .or. simulation%grid%axisymmetric
+      mirrors = [(simulation%space%boundary%mirrors(k), k=1, 6)]
+      mirrors(1) = mirrors(1) .or. simulation%space%grid%axisymmetric
       allocate (flight%low(3, size(bodies)), flight%high(3, size(bodies)))
       allocate (flight%met(size(bodies)), source=huge(1.0_wp))
       allocate (flight%passes(size(bodies)), source=.false.)
       do n = 1, size(bodies)
          call bodies(n)%shape%bounds(flight%low(:, n), flight%high(:, n))
-         flight%low(:, n) = max(flight%low(:, n), simulation%grid%lower)
-         flight%high(:, n) = min(flight%high(:, n), simulation%grid%upper)
+         flight%low(:, n) = max(flight%low(:, n), simulation%space%grid%lower)
+         flight%high(:, n) = min(flight%high(:, n), simulation%space%grid%upper)
       end do
       flight%extent = flight%high - flight%low
       do k = 1, 3
-         where (flight%low(k, :) <= simulation%grid%lower(k) .and. mirrors(2*k - 1)) &
+         where (flight%low(k, :) <= simulation%space%grid%lower(k) .and. mirrors(2*k - 1)) &
             flight%extent(k, :) = 2.0_wp*flight%extent(k, :)
-         where (flight%high(k, :) >= simulation%grid%upper(k) .and. mirrors(2*k)) &
+         where (flight%high(k, :) >= simulation%space%grid%upper(k) .and. mirrors(2*k)) &
             flight%extent(k, :) = 2.0_wp*flight%extent(k, :)
       end do
    end subroutine set_boxes
@@ -130,7 +131,7 @@ contains
       integer :: k, axis, striker
 
       coming = bodies(one)%velocity - bodies(other)%velocity
-      where (.not. simulation%grid%active) coming = 0.0_wp
+      where (.not. simulation%space%grid%active) coming = 0.0_wp
       meeting%speed = norm2(coming)
       if (.not. meeting%speed > 0.0_wp) return
       begin = 0.0_wp
@@ -139,7 +140,7 @@ contains
       meeting%path = huge(1.0_wp)
       axis = maxloc(abs(coming), dim=1)
       do k = 1, 3
-         if (.not. simulation%grid%active(k)) cycle
+         if (.not. simulation%space%grid%active(k)) cycle
          size_of = [flight%extent(k, one), flight%extent(k, other)]
          volume = volume*size_of
          ! lower side of the other from the upper one of this body, and the reverse
@@ -163,7 +164,7 @@ contains
       meeting%time = begin
       meeting%striker = merge(2, 1, volume(2) < volume(1))
       striker = merge(other, one, meeting%striker == 2)
-      width = minval(flight%extent(:, striker), mask=simulation%grid%active)
+      width = minval(flight%extent(:, striker), mask=simulation%space%grid%active)
       ! a body that slides along the surface makes fresh contact over its whole length
       slide = sqrt(max(1.0_wp - (coming(axis)/meeting%speed)**2, 0.0_wp)) &
          *flight%extent(axis, striker)
@@ -247,22 +248,24 @@ contains
       integer :: k, face
 
       associate (material => simulation%materials(body%store))
-         if (allocated(simulation%rigid)) then
+         if (allocated(simulation%space%rigid)) then
             speed = norm2(body%velocity)
             if (speed > 0.0_wp) call raise_signal(0.0_wp, time_end, &
                0.5_wp*speed + shock_signal(material, speed), time_end, signal)
          end if
          do k = 1, 3
-            if (.not. simulation%grid%active(k)) cycle
+            if (.not. simulation%space%grid%active(k)) cycle
             speed = abs(body%velocity(k))
             if (.not. speed > 0.0_wp) cycle
             face = merge(2*k - 1, 2*k, body%velocity(k) < 0.0_wp)
-            if (.not. simulation%boundary%is_closed(face)) cycle
-            if (simulation%boundary%moves(face)) cycle
-            gap = merge(low(k) - simulation%grid%lower(k), simulation%grid%upper(k) - high(k), &
+            if (.not. simulation%space%boundary%is_closed(face)) cycle
+            if (simulation%space%boundary%moves(face)) cycle
+            gap = merge(low(k) - simulation%space%grid%lower(k), simulation%space%grid%upper(k) - &
+               high(k), &
                body%velocity(k) < 0.0_wp)
             moving = norm2(body%velocity) - 0.5_wp*speed
-            call raise_signal(gap/speed, 0.5_wp*minval(extent, mask=simulation%grid%active)/speed, &
+            call raise_signal(gap/speed, 0.5_wp*minval(extent, &
+               mask=simulation%space%grid%active)/speed, &
                moving + contact_signal(material, speed, speed), time_end, signal)
             call raise_signal(gap/speed, (high(k) - low(k))/speed, &
                moving + shock_signal(material, speed), time_end, signal)
@@ -369,8 +372,9 @@ contains
          end associate
       end do
       dt = huge(dt)
-      if (fastest > 0.0_wp) dt = simulation%method%cfl*simulation%grid%spacing/fastest
-      longest = conduction_step(simulation%grid%spacing, simulation%grid%dimensions, diffusivity)
+      if (fastest > 0.0_wp) dt = simulation%scheme%method%cfl*simulation%space%grid%spacing/fastest
+      longest = conduction_step(simulation%space%grid%spacing, simulation%space%grid%dimensions, &
+         diffusivity)
       cause = ""
       if (longest < dt) cause = " (heat conduction)"
       dt = min(dt, longest)

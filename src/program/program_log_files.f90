@@ -30,7 +30,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! Folder or file cannot be written
       character(len=:), allocatable :: line, stem
 
-      associate (communicator => setup%simulation%communicator, outputs => setup%outputs, &
+      associate (communicator => setup%simulation%machine%communicator, outputs => setup%outputs, &
          survey => setup%survey)
          if (communicator%rank == 0) call make_folder(outputs%folder, error)
          call agree(communicator, error)

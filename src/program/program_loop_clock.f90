@@ -49,18 +49,18 @@ contains
       self%processor_begin = process_seconds()
       self%last_line = self%begin
       self%last_checkpoint = self%begin
-      self%time_begin = simulation%time
-      self%step_begin = simulation%step
+      self%time_begin = simulation%clock%time
+      self%step_begin = simulation%clock%step
       self%wall_limit = limits%wall_limit
       if (limits%ask_scheduler) then
-         call job_seconds_left(simulation%communicator, self%wall_limit, error)
+         call job_seconds_left(simulation%machine%communicator, self%wall_limit, error)
          if (allocated(error)) return
          if (self%wall_limit >= no_job) call log%warn("warning: wall_limit = 'slurm' has no "// &
             "effect: this is not a Slurm job, and the wall time is not limited")
          self%wall_limit = self%wall_limit - scheduler_reserve
       end if
       if (limits%checkpoint_time > 0.0_wp) &
-         self%checkpoint_intervals = int(simulation%time/limits%checkpoint_time, int64)
+         self%checkpoint_intervals = int(simulation%clock%time/limits%checkpoint_time, int64)
    end subroutine loop_clock_start
 
    !> True if the wall time that is left is needed for the last checkpoint. The reserve is twice the
@@ -83,9 +83,9 @@ contains
       type(simulation_t), intent(in) :: simulation   !! After a step
       type(limits_t), intent(in) :: limits           !! Intervals of checkpoints
 
-      due = simulation%requests%checkpoint > 0.0_wp
+      due = simulation%machine%requests%checkpoint > 0.0_wp
       if (.not. limits%checkpoint_time > 0.0_wp) return
-      do while (simulation%time >= &
+      do while (simulation%clock%time >= &
          real(self%checkpoint_intervals + 1, wp)*limits%checkpoint_time)
          self%checkpoint_intervals = self%checkpoint_intervals + 1
          due = .true.

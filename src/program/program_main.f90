@@ -69,11 +69,13 @@ contains
       end if
       if (allocated(error)) then
          code = error%code
-         if (session%simulation%communicator%rank == 0) call session%log%error(error%message)
+         if (session%simulation%machine%communicator%rank == 0) call &
+            session%log%error(error%message)
       end if
       call session%log%close()
-      call session%simulation%communicator%finish()
-      if (allocated(session%preview_folder) .and. session%simulation%communicator%rank == 0) &
+      call session%simulation%machine%communicator%finish()
+      if (allocated(session%preview_folder) .and. session%simulation%machine%communicator%rank == &
+         0) &
          call print_preview(session)
    end subroutine run_program
 
@@ -121,7 +123,7 @@ contains
       call yield_when_waiting(program_arguments())
       associate (command => session%command)
          if (.not. (command%check .or. command%point .or. allocated(command%job%scheduler))) &
-            call session%simulation%communicator%start()
+            call session%simulation%machine%communicator%start()
          call read_setup(session, error)
          if (allocated(error)) return
          if (command%point) then
@@ -150,7 +152,7 @@ contains
       type(session_t), intent(inout) :: session
 
       session%most_threads = omp_get_max_threads()
-      associate (survey => session%survey, ranks => session%simulation%communicator%size)
+      associate (survey => session%survey, ranks => session%simulation%machine%communicator%size)
          call choose_threads(session%most_threads, (size(survey%key) + ranks - 1)/ranks, &
             survey%particles/ranks)
       end associate
@@ -207,7 +209,7 @@ contains
          code = error%code
          reason = error%message
       end if
-      call session%outputs%close(session%simulation%communicator, late)
+      call session%outputs%close(session%simulation%machine%communicator, late)
       if (allocated(late) .and. .not. allocated(error)) then
          call move_alloc(late, error)
          code = error%code
@@ -217,11 +219,11 @@ contains
       call group%get("timing", timing)
       call summarise(session%simulation, session%outputs, session%log, wall_seconds() - begin, &
          timing, code, reason, late)
-      call agree(session%simulation%communicator, late)
+      call agree(session%simulation%machine%communicator, late)
       if (.not. allocated(error)) then
          call session%log%info("ended     "//reason)
          if (code == exit_again) call session%log%info("go on     "//resume_command( &
-            session%simulation%communicator%size))
+            session%simulation%machine%communicator%size))
          call move_alloc(late, error)
       end if
    end subroutine run_simulation
@@ -233,7 +235,7 @@ contains
       character(len=:), allocatable :: note
       type(changes_t) :: changes
 
-      session%simulation%guard%expected = expected_steps(session%simulation, session%bodies, &
+      session%simulation%clock%guard%expected = expected_steps(session%simulation, session%bodies, &
          session%limits)
       ! before the log is opened: a run that is refused changes no file of the previous one
       call protect_results(session, error)

@@ -23,19 +23,20 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The stable step is too short
       integer :: rule
 
-      associate (guard => simulation%guard)
-         dt = min(simulation%dt_next, limits%dt_max)
+      associate (guard => simulation%clock%guard)
+         dt = min(simulation%clock%dt_next, limits%dt_max)
          guard%longest = max(guard%longest, dt)
          if (dt < limits%dt_min .or. .not. is_step_allowed(simulation)) then
             call refuse_step(simulation, limits, dt, error)
             return
          end if
          rule = guard%rule
-         if (limits%dt_max < simulation%dt_next .or. limits%dt_fixed > 0.0_wp) rule = rule_deck
+         if (limits%dt_max < simulation%clock%dt_next .or. limits%dt_fixed > 0.0_wp) rule = &
+            rule_deck
          if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
          ! the last step ends at t_end, without a remainder as short as rounding errors
-         if (simulation%time + dt*(1.0_wp + 1.0e-9_wp) >= limits%time_end) then
-            dt = limits%time_end - simulation%time
+         if (simulation%clock%time + dt*(1.0_wp + 1.0e-9_wp) >= limits%time_end) then
+            dt = limits%time_end - simulation%clock%time
             rule = rule_end
          end if
          guard%counted = rule
@@ -47,9 +48,9 @@ contains
    pure logical function is_step_allowed(simulation) result(allowed)
       type(simulation_t), intent(in) :: simulation   !! With the next stable step
 
-      associate (guard => simulation%guard)
-         allowed = simulation%dt_next > 0.0_wp .and. &
-            simulation%dt_next >= guard%bounds%collapse*guard%longest
+      associate (guard => simulation%clock%guard)
+         allowed = simulation%clock%dt_next > 0.0_wp .and. &
+            simulation%clock%dt_next >= guard%bounds%collapse*guard%longest
       end associate
    end function is_step_allowed
 
@@ -67,8 +68,8 @@ contains
             " s is below dt_min =", limits%dt_min, " s"
       else
          write (text, "(a,es10.3,a,es10.3,a,es10.3,a)") "the stable time step", dt, &
-            " s has fallen below dt_collapse =", simulation%guard%bounds%collapse, &
-            " of the longest,", simulation%guard%longest, " s"
+            " s has fallen below dt_collapse =", simulation%clock%guard%bounds%collapse, &
+            " of the longest,", simulation%clock%guard%longest, " s"
       end if
       call name_limiting(simulation, particle)
       if (.not. is_step_allowed(simulation)) &

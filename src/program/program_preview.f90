@@ -40,7 +40,8 @@ contains
       folder = folder(:max(verify(folder, "/", back=.true.), 1))//"_preview"
       call make_first_state(setup%simulation, setup%bodies, setup%survey, setup%shapes, error)
       if (allocated(error)) return
-      associate (communicator => setup%simulation%communicator, case => setup%outputs%case, &
+      associate (communicator => setup%simulation%machine%communicator, case => &
+         setup%outputs%case, &
          header => setup%outputs%header)
          if (communicator%rank == 0) call make_folder(folder, error)
          call agree(communicator, error)

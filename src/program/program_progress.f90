@@ -8,9 +8,9 @@ module program_progress
    use program_loop_clock, only: loop_clock_t
    use program_run_limits, only: limits_t
    use program_threads, only: is_starved, starved_text
-   use step_advance, only: count_particles
    use step_ledger, only: balance_t, kinetic
    use step_simulation, only: simulation_t
+   use step_sort_particles, only: count_particles
    implicit none
    private
 
@@ -31,20 +31,21 @@ contains
 
       wall = wall_seconds()
       clock%last_line = wall
-      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+      call simulation%balance%ledger%balance(simulation%machine%communicator, &
+         simulation%space%grid, simulation%stores, &
          simulation%materials, balance)
-      counts = [count_particles(simulation), simulation%updates]
-      call simulation%communicator%total(counts)
+      counts = [count_particles(simulation), simulation%clock%updates]
+      call simulation%machine%communicator%total(counts)
       progress%wall = wall - clock%begin
-      progress%time = simulation%time
+      progress%time = simulation%clock%time
       progress%time_end = limits%time_end
-      progress%step = simulation%step
-      progress%step_length = simulation%dt
+      progress%step = simulation%clock%step
+      progress%step_length = simulation%clock%dt
       progress%kinetic = balance%entry(kinetic)
       progress%energy_error = balance%energy_error
       progress%particles = counts(1)
       progress%updates_per_second = real(counts(2), wp)/progress%wall
-      done = (simulation%time - clock%time_begin)/(limits%time_end - clock%time_begin)
+      done = (simulation%clock%time - clock%time_begin)/(limits%time_end - clock%time_begin)
       progress%seconds_left = progress%wall*(1.0_wp/done - 1.0_wp)
       call log%info(progress_line(progress))
    end subroutine log_progress
@@ -60,7 +61,7 @@ contains
       character(len=9), parameter :: parts(2) = [character(len=9) :: "the steps", "the run"]
 
       wall = [clock%steps_wall, wall_seconds() - clock%begin]
-      processor = [simulation%worked, process_seconds() - clock%processor_begin]
+      processor = [simulation%machine%worked, process_seconds() - clock%processor_begin]
       ! the steps use all threads, output only one
       threads = [omp_get_max_threads(), 1]
       do part = 1, 2

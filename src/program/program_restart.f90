@@ -30,8 +30,8 @@ contains
       if (allocated(error)) return
       associate (simulation => setup%simulation, limits => setup%limits)
          ! a state exactly at the new end of the run is its result; a later state is an error
-         ended = len(changes%end) > 0 .and. (simulation%step > limits%max_steps .or. &
-            simulation%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
+         ended = len(changes%end) > 0 .and. (simulation%clock%step > limits%max_steps .or. &
+            simulation%clock%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
          if (changes%state() .and. .not. ended) ended = is_finished(simulation, limits)
       end associate
       if (ended) call fail(error, exit_file, note//": the run is finished, so what has changed "// &

@@ -64,7 +64,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The deck cannot be read
       type(text_t), allocatable :: overrides(:)
 
-      associate (communicator => setup%simulation%communicator, command => setup%command)
+      associate (communicator => setup%simulation%machine%communicator, command => setup%command)
          if (communicator%rank == 0) call read_deck_file(command%deck, setup%deck_text, error)
          call agree(communicator, error)
          if (allocated(error)) return
@@ -88,7 +88,7 @@ contains
       call set_up_scene(setup%deck, setup%simulation, setup%bodies, setup%shapes)
       ! errors in other groups do not hide errors in the positions of bodies
       if (allocated(setup%bodies) .and. setup%deck%sound("body")) call check_size(setup%deck, &
-         setup%simulation%grid, setup%bodies, setup%most_points, setup%command%force)
+         setup%simulation%space%grid, setup%bodies, setup%most_points, setup%command%force)
       if (allocated(setup%bodies) .and. setup%deck%sound("body")) then
          call take_survey(setup%simulation, setup%bodies, setup%survey)
          call check_places(setup%deck, setup%simulation, setup%bodies, setup%survey)

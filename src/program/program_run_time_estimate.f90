@@ -97,7 +97,8 @@ contains
       left = (setup%limits%time_end - trial%last%time)/(trial%last%time - trial%first%time)
       more = left*real(trial%last%steps - trial%first%steps, wp)
       basis = "if all others cost the same"
-      coarser = cell_size_ratio(setup%simulation%grid, more*cost/real(omp_get_max_threads(), wp))
+      coarser = cell_size_ratio(setup%simulation%space%grid, &
+         more*cost/real(omp_get_max_threads(), wp))
       do
          call run_copy(setup, coarser, trial, copy, found)
          if (found .or. coarser == 2) exit

@@ -6,9 +6,9 @@ module program_stop_criteria
    use base_kinds, only: int64, wp
    use program_run_limits, only: limits_t
    use program_signals, only: signal_name
-   use step_advance, only: count_particles
    use step_ledger, only: balance_t, kinetic
    use step_simulation, only: simulation_t
+   use step_sort_particles, only: count_particles
    implicit none
    private
 
@@ -41,13 +41,13 @@ contains
       finished = .true.
       code = exit_success
       ! no step has counted the particles yet
-      if (simulation%requests%present < 0.0_wp) simulation%requests%present = &
-         merge(1.0_wp, 0.0_wp, simulation%communicator%any(count_particles(simulation) > 0))
-      request = nint(simulation%requests%leave)
+      if (simulation%machine%requests%present < 0.0_wp) simulation%machine%requests%present = &
+         merge(1.0_wp, 0.0_wp, simulation%machine%communicator%any(count_particles(simulation) > 0))
+      request = nint(simulation%machine%requests%leave)
       reason = "t_end reached"
-      if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp))) return
+      if (simulation%clock%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp))) return
       reason = "max_steps reached"
-      if (simulation%step >= limits%max_steps) return
+      if (simulation%clock%step >= limits%max_steps) return
       code = exit_again
       reason = "wall_limit reached"
       if (request >= wall_limit_request) return
@@ -55,11 +55,12 @@ contains
       if (request > 0) return
       code = exit_success
       reason = none_left
-      if (.not. simulation%requests%present > 0.0_wp) return
+      if (.not. simulation%machine%requests%present > 0.0_wp) return
       reason = "kinetic energy below stop_value"
       if (max(limits%kinetic_below, limits%rest_below) >= 0.0_wp .and. &
-         mod(simulation%step, kinetic_interval) == 0) then
-         call simulation%ledger%balance(simulation%communicator, simulation%grid, &
+         mod(simulation%clock%step, kinetic_interval) == 0) then
+         call simulation%balance%ledger%balance(simulation%machine%communicator, &
+            simulation%space%grid, &
             simulation%stores, simulation%materials, balance)
          self%greatest_kinetic = max(self%greatest_kinetic, balance%entry(kinetic))
          if (balance%entry(kinetic) < limits%kinetic_below) return

@@ -85,12 +85,12 @@ contains
       integer :: index
 
       if (size(simulation%scratch) == 1) return
-      if (mod(simulation%step, int(adjust_every, int64)) /= 0) return
+      if (mod(simulation%clock%step, int(adjust_every, int64)) /= 0) return
       particles = 0
       do index = 1, size(simulation%stores)
          particles = particles + simulation%stores(index)%particles()
       end do
-      call choose_threads(size(simulation%scratch), simulation%tiles%own, particles)
+      call choose_threads(size(simulation%scratch), simulation%space%tiles%own, particles)
    end subroutine adjust_threads
 
    !> A line on the threads of a rank; empty if all are busy.

@@ -15,9 +15,10 @@ module program_time_loop
    use program_signals, only: caught_signal, watch_signal
    use program_stop_criteria, only: none_left, stop_criteria_t, wall_limit_request
    use program_threads, only: adjust_threads
-   use step_advance, only: advance, count_particles
+   use step_advance, only: advance
    use step_load_balance, only: balance_ranks, watch_costs
    use step_simulation, only: requests_t, simulation_t
+   use step_sort_particles, only: count_particles
    use step_trust, only: begin_trust, watch_trust
    implicit none
    private
@@ -59,7 +60,7 @@ contains
          call watch_costs(simulation, limits%balancing)
          call adjust_threads(simulation)
          call advance_timed(simulation, dt, clock, error)
-         if (simulation%requests%line > 0.0_wp) &
+         if (simulation%machine%requests%line > 0.0_wp) &
             call warn_if_starved(simulation, log, clock, warned)
          if (allocated(error)) exit
          call watch_trust(simulation, log, error)
@@ -67,7 +68,8 @@ contains
          call balance_ranks(simulation, limits%balancing)
          call write_outputs(simulation, outputs, .false., log, error)
          if (allocated(error)) return
-         if (simulation%requests%line > 0.0_wp) call log_progress(simulation, limits, log, clock)
+         if (simulation%machine%requests%line > 0.0_wp) call log_progress(simulation, limits, &
+            log, clock)
          if (clock%is_checkpoint_due(simulation, limits)) then
             call write_logged_checkpoint(simulation, outputs, place, log, clock, error)
             if (allocated(error)) return
@@ -94,10 +96,10 @@ contains
       type(loop_clock_t), intent(inout) :: clock
       type(error_t), allocatable, intent(out) :: error
 
-      simulation%worked = simulation%worked - process_seconds()
+      simulation%machine%worked = simulation%machine%worked - process_seconds()
       clock%steps_wall = clock%steps_wall - wall_seconds()
       call advance(simulation, dt, error)
-      simulation%worked = simulation%worked + process_seconds()
+      simulation%machine%worked = simulation%machine%worked + process_seconds()
       clock%steps_wall = clock%steps_wall + wall_seconds()
    end subroutine advance_timed
 
@@ -127,12 +129,12 @@ contains
       real(wp) :: now
 
       now = wall_seconds()
-      associate (requests => simulation%requests)
+      associate (requests => simulation%machine%requests)
          requests = requests_t(leave=real(caught_signal(), wp), &
             present=merge(1.0_wp, 0.0_wp, count_particles(simulation) > 0))
-         if (clock%is_wall_limit_near(simulation%step)) &
+         if (clock%is_wall_limit_near(simulation%clock%step)) &
             requests%leave = real(wall_limit_request, wp)
-         if (simulation%communicator%rank > 0) return
+         if (simulation%machine%communicator%rank > 0) return
          if (now - clock%last_line >= limits%progress) requests%line = 1.0_wp
          if (now - clock%last_checkpoint >= limits%checkpoint_wall) requests%checkpoint = 1.0_wp
       end associate
@@ -167,7 +169,7 @@ contains
       call write_checkpoint(simulation, outputs, place, error)
       if (allocated(error)) return
       clock%checkpoint_cost = wall_seconds() - clock%last_checkpoint
-      write (step, "(i0)") simulation%step
+      write (step, "(i0)") simulation%clock%step
       call log%info("  checkpoint "//path(index(path, "/", back=.true.) + 1:)//" at step " &
          //trim(step))
    end subroutine write_logged_checkpoint

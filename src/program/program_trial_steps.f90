@@ -55,8 +55,8 @@ contains
       marked = .false.
       timed = .false.
       do
-         if (simulation%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp)) .or. &
-            simulation%step >= limits%max_steps) then
+         if (simulation%clock%time >= limits%time_end*(1.0_wp - epsilon(1.0_wp)) .or. &
+            simulation%clock%step >= limits%max_steps) then
             trial%whole = .true.
             exit
          end if
@@ -66,12 +66,13 @@ contains
          if (allocated(error)) exit
          call advance(simulation, dt, error)
          if (allocated(error)) exit
-         trial%last = mark_t(simulation%time, process_seconds() - start, wall_seconds() - begin, &
+         trial%last = mark_t(simulation%clock%time, process_seconds() - start, wall_seconds() - &
+            begin, &
             trial%last%steps + 1)
          if (present(from)) then
-            if (simulation%time >= from .and. .not. marked(1)) trial%first = trial%last
-            if (simulation%time >= to .and. .not. marked(2)) trial%middle = trial%last
-            marked = marked .or. simulation%time >= [from, to]
+            if (simulation%clock%time >= from .and. .not. marked(1)) trial%first = trial%last
+            if (simulation%clock%time >= to .and. .not. marked(2)) trial%middle = trial%last
+            marked = marked .or. simulation%clock%time >= [from, to]
             if (.not. timed .and. marked(2)) then
                trial%clocked = trial%last
                timed = trial%last%processor - trial%first%processor >= timeable
@@ -89,9 +90,10 @@ contains
       real(wp) :: begin
 
       begin = process_seconds()
-      call simulation%ledger%balance(simulation%communicator, simulation%grid, simulation%stores, &
+      call simulation%balance%ledger%balance(simulation%machine%communicator, &
+         simulation%space%grid, simulation%stores, &
          simulation%materials, now)
-      if (allocated(simulation%exact)) call take_errors(simulation)
+      if (allocated(simulation%effects%exact)) call take_errors(simulation)
       seconds = process_seconds() - begin
    end function time_history_row
 end module program_trial_steps

@@ -25,12 +25,12 @@ contains
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
       integer :: n, face, refused
 
-      if (.not. allocated(simulation%boundary%wall)) return
-      do n = 1, size(simulation%boundary%wall)
-         face = simulation%boundary%wall(n)%face
-         if (.not. simulation%grid%active(normal_direction(face))) cycle
+      if (.not. allocated(simulation%space%boundary%wall)) return
+      do n = 1, size(simulation%space%boundary%wall)
+         face = simulation%space%boundary%wall(n)%face
+         if (.not. simulation%space%grid%active(normal_direction(face))) cycle
          refused = 0
-         select type (condition => simulation%boundary%wall(n)%condition)
+         select type (condition => simulation%space%boundary%wall(n)%condition)
          type is (boundary_absorbing_t)
             call set_dashpots(simulation, bodies, face, condition, refused)
          end select
@@ -52,8 +52,8 @@ contains
       integer :: n
 
       refused = 0
-      share = share_of_face(simulation%grid, face, simulation%method%basis%at_wall())
-      call find_beyond(simulation%grid, bodies, face, absorbing%beyond)
+      share = share_of_face(simulation%space%grid, face, simulation%scheme%method%basis%at_wall())
+      call find_beyond(simulation%space%grid, bodies, face, absorbing%beyond)
       allocate (absorbing%decay(2, size(simulation%materials)))
       do n = 1, size(simulation%materials)
          associate (material => simulation%materials(n))

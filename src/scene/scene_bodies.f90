@@ -157,11 +157,11 @@ contains
             if (deck%sound("material", body%store)) &
                call read_energy(deck, group, simulation%materials(body%store), body)
             body%density = simulation%materials(body%store)%density
-            where (.not. simulation%grid%active)
+            where (.not. simulation%space%grid%active)
                body%per_cell = 1
                body%velocity = 0.0_wp
             end where
-            if (packing == "poisson_disk") call pack_disks(deck, simulation%grid, index, body)
+            if (packing == "poisson_disk") call pack_disks(deck, simulation%space%grid, index, body)
             call read_points(deck, simulation, group, shapes(body%region), body)
             if (deck%sound("material", body%store)) &
                call read_lithostatic(deck, simulation, group, body)
@@ -220,8 +220,9 @@ contains
          if (packing /= "file") call deck%complain(group, "its region is a list of points; "// &
             "write packing = 'file'", "packing")
       else if (allocated(shape%points)) then
-         call pack_points(deck, simulation%grid, simulation%boundary, group, shape%points, body)
-         call simulation%method%request(traits)
+         call pack_points(deck, simulation%space%grid, simulation%space%boundary, group, &
+            shape%points, body)
+         call simulation%scheme%method%request(traits)
          call compare_fields(deck, group, simulation%materials(body%store), traits, shape%points, &
             body%keeps_stress)
       else if (body%keeps_stress) then

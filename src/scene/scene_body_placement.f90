@@ -83,7 +83,7 @@ contains
 
       do n = 1, size(bodies)
          if (survey%body(n) == 0 .or. .not. bodies(n)%share > 0.0_wp) then
-            call refuse_empty(deck, simulation%grid, bodies(n), n)
+            call refuse_empty(deck, simulation%space%grid, bodies(n), n)
             cycle
          end if
          call check_outside(deck, simulation, bodies(n), n)
@@ -92,7 +92,7 @@ contains
       pairs = size(bodies)*(size(bodies) - 1)/2
       do n = 1, size(bodies) - 1
          do other = n + 1, size(bodies)
-            call check_overlap(deck, simulation%grid, bodies, [n, other], pairs)
+            call check_overlap(deck, simulation%space%grid, bodies, [n, other], pairs)
          end do
       end do
    end subroutine check_places
@@ -107,9 +107,9 @@ contains
       integer :: n, other
       logical :: walls
 
-      walls = allocated(simulation%rigid)
+      walls = allocated(simulation%space%rigid)
       do n = 1, 6
-         walls = walls .or. simulation%boundary%acts_on(n)
+         walls = walls .or. simulation%space%boundary%acts_on(n)
       end do
       do n = 1, size(bodies)
          associate (material => simulation%materials(bodies(n)%store))
@@ -156,7 +156,7 @@ contains
       real(wp) :: low(3), high(3)
       integer :: inside, outside, k
 
-      associate (grid => simulation%grid, boundary => simulation%boundary)
+      associate (grid => simulation%space%grid, boundary => simulation%space%boundary)
          call body%shape%bounds(low, high)
          do k = 1, 3
             if (boundary%mirrors(2*k - 1)) low(k) = max(low(k), grid%lower(k))
@@ -220,7 +220,7 @@ contains
       logical :: first, last
       integer :: k
 
-      associate (grid => simulation%grid, boundary => simulation%boundary)
+      associate (grid => simulation%space%grid, boundary => simulation%space%boundary)
          call cut_bounds(grid, body, low, high)
          do k = 1, 3
             if (.not. grid%active(k)) cycle

@@ -63,11 +63,11 @@ contains
             return
          end if
          call refuse_others(deck, group, simulation)
-         allocate (contact%field(fields), contact%law(fields, fields))
+         allocate (simulation%fields(fields), contact%law(fields, fields))
       end associate
-      call share_out(contact, simulation%materials, bodies)
+      call share_out(contact, simulation, bodies)
       call read_pairs(deck, bodies, contact)
-      call move_alloc(contact, simulation%contact)
+      call move_alloc(contact, simulation%effects%contact)
    end subroutine read_contact
 
    !> Number the velocity fields in the order of the bodies.
@@ -118,17 +118,17 @@ contains
    end subroutine refuse_others
 
    !> Each pair of velocity field and material gets a store of its own, those of a field in a row.
-   subroutine share_out(contact, materials, bodies)
+   subroutine share_out(contact, simulation, bodies)
       type(contact_t), intent(inout) :: contact      !! Gets the stores of its fields
-      type(material_t), allocatable, intent(inout) :: materials(:) !! One a store, in the end
+      type(simulation_t), intent(inout) :: simulation !! In the end one material a store
       type(body_t), intent(inout) :: bodies(:)       !! Get their stores
       integer :: kind(size(bodies)), owner(size(bodies)), field, material, body, stores
 
       owner = bodies%store
       stores = 0
-      do field = 1, size(contact%field)
-         contact%field(field)%first = stores + 1
-         do material = 1, size(materials)
+      do field = 1, size(simulation%fields)
+         simulation%fields(field)%first_store = stores + 1
+         do material = 1, size(simulation%materials)
             if (.not. any(contact%field_of_body == field .and. owner == material)) cycle
             stores = stores + 1
             kind(stores) = material
@@ -137,9 +137,9 @@ contains
                   bodies(body)%store = stores
             end do
          end do
-         contact%field(field)%last = stores
+         simulation%fields(field)%last_store = stores
       end do
-      materials = materials(kind(:stores))
+      simulation%materials = simulation%materials(kind(:stores))
       contact%material = kind(:stores)
    end subroutine share_out
 
@@ -151,7 +151,7 @@ contains
       type(text_t), allocatable :: names(:)
       type(pair_law_t) :: law
       type(group_t) :: group
-      integer :: owner(size(contact%field), size(contact%field)), wild, index, one, other, i, j
+      integer :: owner(size(contact%law, 1), size(contact%law, 1)), wild, index, one, other, i, j
 
       owner = 0
       ! pairs of '*' give way to those of one, and these to those of none
@@ -267,9 +267,9 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run with contact; empty stores
       integer :: field, index
 
-      do field = 1, size(simulation%contact%field)
-         if (.not. any(simulation%contact%law(field, :)%kind == contact_bonded)) cycle
-         do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+      do field = 1, size(simulation%fields)
+         if (.not. any(simulation%effects%contact%law(field, :)%kind == contact_bonded)) cycle
+         do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
             allocate (simulation%stores(index)%bond(0))
          end do
       end do
@@ -294,7 +294,7 @@ contains
    pure integer function contact_columns(contact) result(columns)
       type(contact_t), intent(in) :: contact         !! The fields
 
-      associate (fields => size(contact%field))
+      associate (fields => size(contact%law, 1))
          columns = fields*(3 + 1 + 2*merge(4, 3, contact%bonded) + guesses*fields)
       end associate
    end function contact_columns
@@ -306,11 +306,11 @@ contains
       character(len=:), allocatable :: text
       integer :: a, b
 
-      associate (contact => simulation%contact)
-         text = "contact    "//number(size(contact%field))//" velocity fields, each with node "// &
+      associate (contact => simulation%effects%contact)
+         text = "contact    "//number(size(contact%law, 1))//" velocity fields, each with node "// &
             "fields and an exchange of its own, and "//number(contact_columns(contact))// &
             " numbers a node"//new_line("a")
-         do b = 2, size(contact%field)
+         do b = 2, size(contact%law, 1)
             do a = 1, b - 1
                text = text//"           "//members(contact, bodies, a)//" - "// &
                   members(contact, bodies, b)//": "//law_text(contact%law(a, b))//new_line("a")

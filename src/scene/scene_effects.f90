@@ -59,7 +59,7 @@ contains
       type(group_t) :: group
 
       group = deck%group("effects", 1)
-      call group%get("erosion", simulation%erosion)
+      call group%get("erosion", simulation%scheme%erosion)
       call read_gravity(deck, simulation)
    end subroutine read_effects
 
@@ -74,18 +74,19 @@ contains
       group = deck%group("effects", 1)
       call group%get("gravity", acts)
       if (.not. acts) return
-      allocate (simulation%gravity(3))
-      call group%get("gravity_vector", simulation%gravity)
-      where (.not. simulation%grid%active) simulation%gravity = 0.0_wp
+      allocate (simulation%effects%gravity(3))
+      call group%get("gravity_vector", simulation%effects%gravity)
+      where (.not. simulation%space%grid%active) simulation%effects%gravity = 0.0_wp
       if (.not. group%given("gravity_table")) return
-      allocate (simulation%shaking)
-      simulation%shaking%steady = simulation%gravity
-      call read_motion_table(deck, simulation%communicator, group, "gravity_table", of_gravity, &
-         "m/s2", simulation%shaking)
-      if (.not. allocated(simulation%shaking%speed)) return
+      allocate (simulation%effects%shaking)
+      simulation%effects%shaking%steady = simulation%effects%gravity
+      call read_motion_table(deck, simulation%machine%communicator, group, "gravity_table", &
+         of_gravity, &
+         "m/s2", simulation%effects%shaking)
+      if (.not. allocated(simulation%effects%shaking%speed)) return
       do k = 1, 3
-         if (simulation%grid%active(k)) cycle
-         if (.not. any(abs(simulation%shaking%speed(k, :)) > 0.0_wp)) cycle
+         if (simulation%space%grid%active(k)) cycle
+         if (.not. any(abs(simulation%effects%shaking%speed(k, :)) > 0.0_wp)) cycle
          call deck%complain(group, "gravity_table: the table must be 0 in "//axis_names(k)// &
             ", as the scene does not have this direction", "gravity_table")
       end do

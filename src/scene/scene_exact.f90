@@ -54,16 +54,16 @@ contains
       group = deck%group("exact")
       call group%get("solution", name)
       if (name == "none") return
-      if (simulation%grid%axisymmetric) then
+      if (simulation%space%grid%axisymmetric) then
          call deck%complain(group, "no solution knows rings; write dimension = '1d', "// &
             "'plane_strain' or '3d' in &run", "solution")
          return
       end if
-      if (allocated(simulation%method%splitting)) call deck%complain(group, "halves of "// &
+      if (allocated(simulation%scheme%method%splitting)) call deck%complain(group, "halves of "// &
          "particles have no place at rest; write split = .false. in &method", "solution")
       call find_followers(deck, group, bodies, follows)
-      allocate (simulation%exact)
-      allocate (simulation%exact%material(size(simulation%materials)))
+      allocate (simulation%effects%exact)
+      allocate (simulation%effects%exact%material(size(simulation%materials)))
       do n = 1, size(simulation%materials)
          if (any(follows .and. bodies%store == n)) call read_solution(deck, group, name, n, &
             simulation)
@@ -121,7 +121,7 @@ contains
       solution%density = simulation%materials(place)%density
       solution%shear = simulation%materials(place)%shear
       solution%lambda = simulation%materials(place)%bulk - 2.0_wp/3.0_wp*solution%shear
-      solution%dimensions = simulation%grid%dimensions
+      solution%dimensions = simulation%space%grid%dimensions
       call group%get("origin", solution%origin)
       call solution%read(group)
       text = solution%fault()
@@ -134,7 +134,7 @@ contains
          call deck%complain(material, "exact solutions are elastic; write strength_model = "// &
             "'elastic' or 'neo_hookean'", "strength_model")
       end if
-      simulation%exact%forced = simulation%exact%forced .or. solution%forced()
-      call move_alloc(solution, simulation%exact%material(place)%solution)
+      simulation%effects%exact%forced = simulation%effects%exact%forced .or. solution%forced()
+      call move_alloc(solution, simulation%effects%exact%material(place)%solution)
    end subroutine read_solution
 end module scene_exact

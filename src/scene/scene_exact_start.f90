@@ -6,8 +6,8 @@ module scene_exact_start
    use exact_solution, only: determinant, exact_t, inverse
    use particle_place, only: place_tile
    use particle_store, only: moved_out, store_t
-   use step_advance, only: sort_particles
    use step_simulation, only: simulation_t
+   use step_sort_particles, only: sort_particles
    use transfer_affine, only: keep_affine
    implicit none
    private
@@ -24,21 +24,22 @@ contains
       integer :: index, tile
       logical :: outside
 
-      if (.not. allocated(simulation%exact)) return
+      if (.not. allocated(simulation%effects%exact)) return
       outside = .false.
       do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index), holder => simulation%exact%material(index))
+         associate (store => simulation%stores(index), holder => &
+            simulation%effects%exact%material(index))
             if (.not. allocated(holder%solution)) cycle
-            do tile = 1, simulation%tiles%own
+            do tile = 1, simulation%space%tiles%own
                call move_tile(holder%solution, store, tile)
-               call place_tile(simulation%grid, simulation%boundary, &
-                  simulation%tiles%coordinate(:, tile), store, tile)
+               call place_tile(simulation%space%grid, simulation%space%boundary, &
+                  simulation%space%tiles%coordinate(:, tile), store, tile)
                outside = outside .or. any(store%home(store%first(tile):store%first(tile) &
                   + store%count(tile) - 1) == moved_out)
             end do
          end associate
       end do
-      if (simulation%communicator%any(outside)) then
+      if (simulation%machine%communicator%any(outside)) then
          call fail(error, exit_input, "&exact puts particles outside of the grid; widen &grid")
          return
       end if
@@ -68,11 +69,12 @@ contains
       real(wp) :: gradient(3, 3), stress(6), point(3)
       integer :: index, tile, p
 
-      if (.not. allocated(simulation%exact)) return
+      if (.not. allocated(simulation%effects%exact)) return
       do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index), holder => simulation%exact%material(index))
+         associate (store => simulation%stores(index), holder => &
+            simulation%effects%exact%material(index))
             if (.not. allocated(holder%solution)) cycle
-            do tile = 1, simulation%tiles%own
+            do tile = 1, simulation%space%tiles%own
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   point = store%reference(p, :)
                   call holder%solution%gradient(point, 0.0_wp, gradient)
@@ -82,8 +84,9 @@ contains
                   if (allocated(store%state%deformation_gradient)) &
                      store%state%deformation_gradient(p, :) = reshape(gradient, [9])
                end do
-               if (simulation%method%transfer%affine()) call slope_tile(holder%solution, store, &
-                  tile, 0.1_wp*simulation%grid%spacing &
+               if (simulation%scheme%method%transfer%affine()) call slope_tile(holder%solution, &
+                  store, &
+                  tile, 0.1_wp*simulation%space%grid%spacing &
                   /simulation%materials(index)%reference_speed())
                ! what follows from these by the laws, such as the pressure of an equation of state
                call simulation%materials(index)%find_rest_stress(store%state, store%first(tile), &

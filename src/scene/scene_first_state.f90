@@ -43,7 +43,8 @@ contains
       call first_step(simulation)
       call take_clock(simulation, bodies, shapes)
       call update_gravity(simulation)
-      call simulation%ledger%balance(simulation%communicator, simulation%grid, &
-         simulation%stores, simulation%materials, simulation%ledger%start)
+      call simulation%balance%ledger%balance(simulation%machine%communicator, &
+         simulation%space%grid, &
+         simulation%stores, simulation%materials, simulation%balance%ledger%start)
    end subroutine make_first_state
 end module scene_first_state

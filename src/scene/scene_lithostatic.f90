@@ -34,10 +34,10 @@ contains
       call group%get("initial_stress", word)
       if (word /= "lithostatic") return
       call group%get("k0", body%lateral)
-      if (.not. allocated(simulation%gravity)) then
+      if (.not. allocated(simulation%effects%gravity)) then
          call deck%complain(group, "lithostatic is the stress of its weight; write "// &
             "&effects gravity = .true. /", "initial_stress")
-      else if (.not. any(abs(simulation%gravity) > 0.0_wp)) then
+      else if (.not. any(abs(simulation%effects%gravity) > 0.0_wp)) then
          call deck%complain(group, "lithostatic is the stress of its weight, but gravity "// &
             "has no direction that the scene has", "initial_stress")
       end if
@@ -62,7 +62,7 @@ contains
       if (.not. any(bodies%lateral >= 0.0_wp)) return
       do index = 1, size(simulation%stores)
          if (.not. any(bodies%lateral >= 0.0_wp .and. bodies%store == index)) cycle
-         call weigh_store(simulation%grid, simulation%gravity, bodies, &
+         call weigh_store(simulation%space%grid, simulation%effects%gravity, bodies, &
             simulation%materials(index), simulation%stores(index))
       end do
    end subroutine weigh_down

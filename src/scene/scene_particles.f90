@@ -15,11 +15,11 @@ module scene_particles
    use particle_store, only: store_t, traits_t
    use particle_volume_factors, only: set_volume_factors
    use scene_contact, only: bond_stores, store_name
-   use step_advance, only: count_particles, limit_step, sort_particles
-   use step_conduction, only: greatest_diffusivity
    use step_ledger, only: cross
    use step_normalised_sums, only: choose_normalised
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, velocity_field_t
+   use step_sort_particles, only: count_particles, sort_particles
+   use step_time_step, only: greatest_diffusivity, limit_step
    implicit none
    private
 
@@ -46,19 +46,19 @@ contains
       integer :: material
 
       allocate (simulation%scratch(0:omp_get_max_threads() - 1))
-      if (simulation%method%dual) then
-         simulation%dual%surface = simulation%method%surface
-         call simulation%dual%start(simulation%grid)
+      if (simulation%scheme%method%dual) then
+         simulation%scheme%dual%surface = simulation%scheme%method%surface
+         call simulation%scheme%dual%start(simulation%space%grid)
       end if
-      call partition_keys(none, none, simulation%communicator%size, border)
-      call simulation%tiles%cut(border)
-      call simulation%tiles%set(simulation%grid, none, none)
+      call partition_keys(none, none, simulation%machine%communicator%size, border)
+      call simulation%space%tiles%cut(border)
+      call simulation%space%tiles%set(simulation%space%grid, none, none)
       do material = 1, size(simulation%materials)
          if (.not. allocated(simulation%materials(material)%heat)) cycle
          if (simulation%materials(material)%heat%conductivity > 0.0_wp .and. &
-            .not. allocated(simulation%conduction)) allocate (simulation%conduction)
+            .not. allocated(simulation%effects%conduction)) allocate (simulation%effects%conduction)
       end do
-      simulation%repacks = any(simulation%materials%repacks)
+      simulation%scheme%repacks = any(simulation%materials%repacks)
       call choose_normalised(simulation)
       call name_phases(simulation)
    end subroutine prepare_simulation
@@ -68,7 +68,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run
       integer :: effect, n
 
-      associate (timer => simulation%timer, phase => simulation%phase)
+      associate (timer => simulation%machine%timer, phase => simulation%machine%phase)
          phase%sort = timer%phase("sort, move tiles")
          phase%scatter = timer%phase("points to nodes")
          phase%exchange = timer%phase("exchange")
@@ -79,8 +79,9 @@ contains
             if (any([(simulation%materials(n)%has(effect), n=1, size(simulation%materials))])) &
                phase%effect(effect) = timer%phase(trim(effect_names(effect)))
          end do
-         if (allocated(simulation%conduction)) phase%conduction = timer%phase("heat conduction")
-         if (allocated(simulation%contact)) phase%contact = timer%phase("contact")
+         if (allocated(simulation%effects%conduction)) phase%conduction = &
+            timer%phase("heat conduction")
+         if (allocated(simulation%effects%contact)) phase%contact = timer%phase("contact")
          phase%ledger = timer%phase("ledger, history")
          phase%output = timer%phase("output")
          phase%checkpoint = timer%phase("checkpoint")
@@ -95,23 +96,27 @@ contains
 
       if (allocated(simulation%stores)) deallocate (simulation%stores)
       allocate (simulation%stores(size(simulation%materials)))
-      simulation%carries_energy = .false.
+      if (.not. allocated(simulation%effects%contact)) &
+         simulation%fields = [velocity_field_t(last_store=size(simulation%stores))]
+      simulation%scheme%carries_energy = .false.
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             call simulation%materials(index)%allocate_state(store%state)
-            call store%start(store_name(simulation%materials, index), simulation%grid%tile_cells, &
+            call store%start(store_name(simulation%materials, index), &
+               simulation%space%grid%tile_cells, &
                traits)
             store%material = index
-            if (allocated(simulation%contact)) store%material = simulation%contact%material(index)
-            if (allocated(simulation%exact)) then
-               if (allocated(simulation%exact%material(index)%solution)) &
+            if (allocated(simulation%effects%contact)) store%material = &
+               simulation%effects%contact%material(index)
+            if (allocated(simulation%effects%exact)) then
+               if (allocated(simulation%effects%exact%material(index)%solution)) &
                   allocate (store%reference(0, 3))
             end if
-            simulation%carries_energy = simulation%carries_energy .or. &
+            simulation%scheme%carries_energy = simulation%scheme%carries_energy .or. &
                allocated(store%state%energy)
          end associate
       end do
-      if (allocated(simulation%contact)) call bond_stores(simulation)
+      if (allocated(simulation%effects%contact)) call bond_stores(simulation)
    end subroutine make_stores
 
    !> Count the particles of bodies and tiles, and find the volumes of those that lie at random.
@@ -120,9 +125,10 @@ contains
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get factors of volumes
       type(survey_t), intent(out) :: survey          !! The counts
 
-      call set_volume_factors(simulation%communicator, simulation%grid, bodies)
+      call set_volume_factors(simulation%machine%communicator, simulation%space%grid, bodies)
       allocate (survey%body(size(bodies)))
-      call survey_bodies(simulation%communicator, simulation%grid, bodies, survey%key, &
+      call survey_bodies(simulation%machine%communicator, simulation%space%grid, bodies, &
+         survey%key, &
          survey%tile, survey%body)
       survey%particles = sum(survey%tile)
    end subroutine take_survey
@@ -139,19 +145,20 @@ contains
       next = 1
       do body = 1, size(bodies)
          bodies(body)%first_identity = next
-         next = next + product(bodies(body)%sites(simulation%grid))
+         next = next + product(bodies(body)%sites(simulation%space%grid))
       end do
-      call partition_keys(survey%key, survey%tile, simulation%communicator%size, border)
-      call simulation%tiles%cut(border)
+      call partition_keys(survey%key, survey%tile, simulation%machine%communicator%size, border)
+      call simulation%space%tiles%cut(border)
       own = pack(survey%key, &
-         survey%key >= simulation%tiles%border(simulation%communicator%rank) .and. &
-         survey%key < simulation%tiles%border(simulation%communicator%rank + 1))
+         survey%key >= simulation%space%tiles%border(simulation%machine%communicator%rank) .and. &
+         survey%key < simulation%space%tiles%border(simulation%machine%communicator%rank + 1))
       allocate (none(0))
-      call simulation%tiles%set(simulation%grid, own, none)
+      call simulation%space%tiles%set(simulation%space%grid, own, none)
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
-            call store%remap([(0, tile=1, size(own))], simulation%grid%tile_cells)
-            call fill_bodies(simulation%grid, bodies, simulation%tiles%coordinate, index, store)
+            call store%remap([(0, tile=1, size(own))], simulation%space%grid%tile_cells)
+            call fill_bodies(simulation%space%grid, bodies, simulation%space%tiles%coordinate, &
+               index, store)
             do tile = 1, size(own)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   body = body_of(bodies, store%identity(p))
@@ -182,8 +189,9 @@ contains
       do body = 1, size(bodies)
          if (.not. any(abs(bodies(body)%spin) > 0.0_wp)) cycle
          first = bodies(body)%first_identity
-         last = first + product(bodies(body)%sites(simulation%grid)) - 1
-         call find_centre(simulation%communicator, simulation%stores(bodies(body)%store), first, &
+         last = first + product(bodies(body)%sites(simulation%space%grid)) - 1
+         call find_centre(simulation%machine%communicator, simulation%stores(bodies(body)%store), &
+            first, &
             last, centre)
          call add_spin(first, last, bodies(body)%spin, centre, &
             simulation%stores(bodies(body)%store))
@@ -263,7 +271,7 @@ contains
       integer :: n, tiles
 
       call count_tiles(simulation, own)
-      call simulation%communicator%gather(own, whole)
+      call simulation%machine%communicator%gather(own, whole)
       ! pairs of key and particles, a tile perhaps several times
       order = sort_order(whole(1::2))
       allocate (key(size(order)), weight(size(order)))
@@ -279,10 +287,10 @@ contains
          key(tiles) = whole(2*order(n) - 1)
          weight(tiles) = whole(2*order(n))
       end do
-      call partition_keys(key(:tiles), weight(:tiles), simulation%communicator%size, border)
-      call simulation%tiles%cut(border)
+      call partition_keys(key(:tiles), weight(:tiles), simulation%machine%communicator%size, border)
+      call simulation%space%tiles%cut(border)
       do n = 1, size(simulation%stores)
-         call simulation%stores(n)%mark_all_leaving(simulation%grid%tile_cells)
+         call simulation%stores(n)%mark_all_leaving(simulation%space%grid%tile_cells)
       end do
       call sort_particles(simulation)
    end subroutine distribute_particles
@@ -301,10 +309,10 @@ contains
       do index = 1, size(simulation%stores)
          associate (position => simulation%stores(index)%position)
             do n = 1, simulation%stores(index)%particles()
-               call find_place(simulation%grid, simulation%boundary, [position(n, 1), &
+               call find_place(simulation%space%grid, simulation%space%boundary, [position(n, 1), &
                   position(n, 2), position(n, 3)], owner, cells, lost)
                filled = filled + 1
-               key(filled) = hilbert_key(owner, simulation%grid%dimensions)
+               key(filled) = hilbert_key(owner, simulation%space%grid%dimensions)
             end do
          end associate
       end do
@@ -345,11 +353,12 @@ contains
             end do
          end associate
       end do
-      fastest = simulation%communicator%maximum(fastest)
-      simulation%dt_next = huge(1.0_wp)
+      fastest = simulation%machine%communicator%maximum(fastest)
+      simulation%clock%dt_next = huge(1.0_wp)
       if (fastest > 0.0_wp) &
-         simulation%dt_next = simulation%method%cfl*simulation%grid%spacing/fastest
-      if (allocated(simulation%conduction)) call limit_step(simulation, &
-         simulation%communicator%maximum(greatest_diffusivity(simulation)))
+         simulation%clock%dt_next = &
+            simulation%scheme%method%cfl*simulation%space%grid%spacing/fastest
+      if (allocated(simulation%effects%conduction)) call limit_step(simulation, &
+         simulation%machine%communicator%maximum(greatest_diffusivity(simulation)))
    end subroutine first_step
 end module scene_particles

@@ -67,7 +67,7 @@ contains
       integer :: n
 
       dt = 0.0_wp
-      if (.not. simulation%method%leapfrog .or. allocated(simulation%exact)) return
+      if (.not. simulation%scheme%method%leapfrog .or. allocated(simulation%effects%exact)) return
       do n = 1, size(bodies)
          if (.not. has_clock(bodies(n), shapes)) cycle
          dt = 2.0_wp*shapes(bodies(n)%region)%points%list%lag
@@ -84,7 +84,7 @@ contains
       real(wp) :: dt
       integer :: n
 
-      simulation%dt = step_before(simulation, bodies, shapes)
+      simulation%clock%dt = step_before(simulation, bodies, shapes)
       dt = huge(dt)
       do n = 1, size(bodies)
          if (.not. has_clock(bodies(n), shapes)) cycle
@@ -92,6 +92,7 @@ contains
             if (next > 0.0_wp) dt = min(dt, next)
          end associate
       end do
-      if (dt <= simulation%method%step_growth*simulation%dt_next) simulation%dt_next = dt
+      if (dt <= simulation%scheme%method%step_growth*simulation%clock%dt_next) &
+         simulation%clock%dt_next = dt
    end subroutine take_clock
 end module scene_points_clock

@@ -111,7 +111,7 @@ contains
             call take_field(source, points%placing, store, putter, error)
          end do
          call source%close()
-         call agree(simulation%communicator, error)
+         call agree(simulation%machine%communicator, error)
          if (allocated(error) .or. body%keeps_stress) return
          do tile = 1, size(store%count)
             call simulation%materials(body%store)%find_rest_stress(store%state, store%first(tile), &

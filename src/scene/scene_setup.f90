@@ -42,16 +42,16 @@ contains
       integer :: n
 
       call read_materials(deck, simulation)
-      call read_method(simulation%method, deck, stores_work(simulation%materials), &
+      call read_method(simulation%scheme%method, deck, stores_work(simulation%materials), &
          all_gases(simulation%materials))
       do n = 1, size(simulation%materials)
          if (allocated(simulation%materials(n)%viscosity)) &
-            simulation%materials(n)%viscosity%limited = simulation%method%limited
+            simulation%materials(n)%viscosity%limited = simulation%scheme%method%limited
       end do
-      call read_bounds(deck, simulation%guard%bounds, simulation%method%cfl)
-      call read_grid(deck, simulation%grid)
+      call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
+      call read_grid(deck, simulation%space%grid)
       call set_crack_bands(deck, simulation)
-      if (present(coarser)) call coarsen(simulation%grid, coarser)
+      if (present(coarser)) call coarsen(simulation%space%grid, coarser)
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
       if (deck%sound("material")) then
@@ -59,13 +59,13 @@ contains
          call check_heat_flux(deck, simulation)
       end if
       call read_boundaries(deck, simulation)
-      simulation%grid%margin = simulation%method%margin()
-      simulation%grid%reaches = merge(2, 1, simulation%method%dual)
-      call simulation%grid%start(tile_edge(deck))
-      call check_periodic(deck, simulation%grid)
+      simulation%space%grid%margin = simulation%scheme%method%margin()
+      simulation%space%grid%reaches = merge(2, 1, simulation%scheme%method%dual)
+      call simulation%space%grid%start(tile_edge(deck))
+      call check_periodic(deck, simulation%space%grid)
       call read_effects(deck, simulation)
       if (.not. deck%sound("region")) return
-      call read_shapes(deck, simulation%communicator, simulation%grid, shapes)
+      call read_shapes(deck, simulation%machine%communicator, simulation%space%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
       call read_walls(deck, simulation, shapes)
@@ -84,7 +84,7 @@ contains
       do n = 1, size(bodies)
          simulation%body_names(n)%text = bodies(n)%name
       end do
-      call simulation%method%request(traits)
+      call simulation%scheme%method%request(traits)
       call make_stores(simulation, traits)
    end subroutine set_up_scene
 
@@ -107,7 +107,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
-      if (simulation%method%dual) return
+      if (simulation%scheme%method%dual) return
       do n = 1, size(simulation%materials)
          if (simulation%materials(n)%repacks) call deck%complain("material", n, &
             "volume_from = 'grid' needs method = 'ddmp' in &run; remove it", "volume_from")
@@ -120,7 +120,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
-      if (.not. simulation%method%heat_flux > 0.0_wp) return
+      if (.not. simulation%scheme%method%heat_flux > 0.0_wp) return
       do n = 1, size(simulation%materials)
          if (simulation%materials(n)%carries_energy()) return
       end do
@@ -153,9 +153,9 @@ contains
       do index = 1, size(simulation%materials)
          associate (failure => simulation%materials(index)%failure)
             if (.not. allocated(failure%softening)) cycle
-            failure%softening%width = simulation%method%band_width()
-            fault = failure%softening%band_fault(simulation%grid%spacing, &
-               simulation%grid%dimensions)
+            failure%softening%width = simulation%scheme%method%band_width()
+            fault = failure%softening%band_fault(simulation%space%grid%spacing, &
+               simulation%space%grid%dimensions)
          end associate
          if (len(fault) == 0) cycle
          group = deck%group("material", index)

@@ -35,11 +35,11 @@ contains
       do body = 1, size(bodies)
          if (.not. allocated(bodies(body)%formula)) cycle
          call compile_formula(bodies(body), formula)
-         call add_to_body(simulation%grid, bodies(body), formula, &
+         call add_to_body(simulation%space%grid, bodies(body), formula, &
             simulation%stores(bodies(body)%store), fault)
          if (allocated(fault)) call fail(error, exit_input, "&body '"//bodies(body)%name// &
             "': velocity_formula: "//fault)
-         call agree(simulation%communicator, error)
+         call agree(simulation%machine%communicator, error)
          if (allocated(error)) return
       end do
    end subroutine add_formula_velocities
@@ -63,13 +63,13 @@ contains
       do body = 1, size(bodies)
          numbered(body) = bodies(body)
          numbered(body)%first_identity = next
-         next = next + product(bodies(body)%sites(simulation%grid))
+         next = next + product(bodies(body)%sites(simulation%space%grid))
       end do
       do body = 1, size(bodies)
          if (.not. allocated(bodies(body)%formula)) cycle
          call compile_formula(bodies(body), formula)
          call check_body(simulation, numbered, body, formula, keys, error)
-         call agree(simulation%communicator, error)
+         call agree(simulation%machine%communicator, error)
          if (allocated(error)) call deck%complain("body", body, error%message, "velocity_formula")
       end do
    end subroutine check_formulas
@@ -86,12 +86,13 @@ contains
       type(store_t) :: store
       integer :: n, tile(3, 1)
 
-      do n = simulation%communicator%rank + 1, size(keys), simulation%communicator%size
-         tile(:, 1) = hilbert_coordinate(keys(n), simulation%grid%dimensions)
+      do n = simulation%machine%communicator%rank + 1, size(keys), &
+         simulation%machine%communicator%size
+         tile(:, 1) = hilbert_coordinate(keys(n), simulation%space%grid%dimensions)
          store = simulation%stores(bodies(body)%store)
-         call store%remap([0], simulation%grid%tile_cells)
-         call fill_bodies(simulation%grid, bodies, tile, bodies(body)%store, store)
-         call add_to_body(simulation%grid, bodies(body), formula, store, fault)
+         call store%remap([0], simulation%space%grid%tile_cells)
+         call fill_bodies(simulation%space%grid, bodies, tile, bodies(body)%store, store)
+         call add_to_body(simulation%space%grid, bodies(body), formula, store, fault)
          if (.not. allocated(fault)) cycle
          call fail(error, exit_input, "velocity_formula: "//fault)
          return

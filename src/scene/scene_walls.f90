@@ -29,7 +29,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       integer :: face, k
 
-      associate (boundary => simulation%boundary, grid => simulation%grid)
+      associate (boundary => simulation%space%boundary, grid => simulation%space%grid)
          do face = 1, 6
             call read_boundary(deck, face, grid%axisymmetric .and. face == 1, boundary)
          end do
@@ -111,11 +111,11 @@ contains
             call set_motion(deck, index, wall%motion, simulation)
          end if
       end do
-      if (allocated(simulation%boundary%wall)) &
-         call simulation%boundary%advance(0.0_wp, 0.0_wp, 0.0_wp, switched)
+      if (allocated(simulation%space%boundary%wall)) &
+         call simulation%space%boundary%advance(0.0_wp, 0.0_wp, 0.0_wp, switched)
       if (size(rigid%wall) == 0) return
-      allocate (simulation%rigid)
-      call move_alloc(rigid%wall, simulation%rigid%wall)
+      allocate (simulation%space%rigid)
+      call move_alloc(rigid%wall, simulation%space%rigid%wall)
    end subroutine read_walls
 
    !> What a &boundary does, how it moves, and its region.
@@ -131,11 +131,11 @@ contains
       call group%get("type", kind)
       call choose_boundary(kind, wall%condition)
       call wall%condition%read(group)
-      call read_times(deck, simulation%communicator, group, wall%motion)
-      where (.not. simulation%grid%active) wall%motion%steady = 0.0_wp
+      call read_times(deck, simulation%machine%communicator, group, wall%motion)
+      where (.not. simulation%space%grid%active) wall%motion%steady = 0.0_wp
       if (allocated(wall%motion%speed)) then
          do index = 1, 3
-            if (.not. simulation%grid%active(index)) wall%motion%speed(index, :) = 0.0_wp
+            if (.not. simulation%space%grid%active(index)) wall%motion%speed(index, :) = 0.0_wp
          end do
       end if
       call group%get("region", region)
@@ -163,10 +163,10 @@ contains
       if (name == "") call rigid%add(wall)
       do face = 1, 6
          if (name /= face_names(face) .and. name /= "all") cycle
-         if (.not. simulation%grid%active(normal_direction(face))) cycle
+         if (.not. simulation%space%grid%active(normal_direction(face))) cycle
          wall%face = face
-         call simulation%boundary%insert(wall)
-         if (wall%condition%acts_on_nodes()) simulation%grid%wall(face) = .true.
+         call simulation%space%boundary%insert(wall)
+         if (wall%condition%acts_on_nodes()) simulation%space%grid%wall(face) = .true.
       end do
    end subroutine add_region
 
@@ -178,7 +178,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       integer :: face
 
-      associate (boundary => simulation%boundary, grid => simulation%grid)
+      associate (boundary => simulation%space%boundary, grid => simulation%space%grid)
          do face = 1, 6
             if (.not. grid%active(normal_direction(face)) .or. group_of(deck, face) /= index) cycle
             if (face == 1 .and. grid%axisymmetric) cycle

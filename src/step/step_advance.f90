@@ -1,239 +1,164 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> One step of time.
 module step_advance
-   use base_error, only: error_t, exit_physics, fail
-   use base_kinds, only: int64, wp
-   use particle_migrate, only: migrate
-   use particle_split, only: split_store
-   use step_bounds, only: rule_conduction, rule_growth, rule_signal, rule_strain
-   use step_conduction, only: conduct_heat, conduction_step, greatest_diffusivity
-   use step_gravity, only: update_gravity
+   use base_error, only: error_t
+   use base_kinds, only: wp
+   use step_conduction, only: conduct_heat
+   use step_contact, only: break_bonds, touch_bodies
+   use step_contact_surface, only: find_surfaces
+   use step_dual_gradient, only: dual_fields
+   use step_exact_force, only: record_body_force
+   use step_gravity, only: act_gravity, update_gravity
    use step_heat_flux, only: smear_heat
-   use step_ledger, only: dissipated
+   use step_mean_stress, only: find_star
    use step_method, only: stress_before
-   use step_nodes_to_particles, only: gather_parts_t
-   use step_normalised_sums, only: find_full
-   use step_offending_particle, only: name_bad
-   use step_remove_particles, only: check_retired
-   use step_simulation, only: simulation_t
+   use step_move_nodes, only: finish_nodes, move_nodes, remap_nodes, start_nodes
+   use step_nodes_to_particles, only: gather_parts_t, nodes_to_particles
+   use step_normalised_sums, only: find_factors
+   use step_particles_to_nodes, only: particles_to_nodes
+   use step_retry, only: judge_nodes
+   use step_simulation, only: simulation_t, velocity_field_t
+   use step_sort_particles, only: count_particles, sort_particles, split_particles
+   use step_stress_difference, only: find_difference
    use step_tile_rotation, only: smooth_rotation
-   use step_velocity_fields, only: gather_all, push_nodes, strain_before
+   use step_time_step, only: close_step
+   use step_velocity_remap, only: filter_nodes, scatter_again
    implicit none
    private
 
-   public :: advance, count_particles, limit_step, sort_particles
+   public :: advance
 
 contains
 
-   !> Advance the run by one time step. The particles are sorted before and after.
+   !> Advance the simulation by one time step. The particles are sorted before and after.
    subroutine advance(simulation, wish, error)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp), intent(in) :: wish                   !! Time step, unless nodes go too far in it [s]
-      type(error_t), allocatable, intent(out) :: error !! If numbers went bad
-      type(gather_parts_t) :: parts
-      real(wp) :: moved, dt
+      type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(in) :: wish                   !! Time step, unless nodes move too far [s]
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: dt
+      integer :: n
 
       dt = wish
-      parts%work = simulation%carries_energy
-      if (allocated(simulation%exact)) simulation%exact%force_time = simulation%time
-      if (simulation%method%smooth_turn) call smooth_rotation(simulation)
-      associate (method => simulation%method)
-         ! time for which positions have moved already with the velocity before the step
-         moved = merge(simulation%dt, dt, method%leapfrog)
-         if (method%strains_first() .and. moved > 0.0_wp) call strain_before(simulation, moved)
-         call push_nodes(simulation, dt, error)
-         if (allocated(error)) return
-         if (allocated(simulation%conduction)) call conduct_heat(simulation, dt)
-         if (method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
-         parts%strain = method%stress /= stress_before
-         parts%motion = .true.
-         call gather_all(simulation, parts, dt)
-      end associate
-      simulation%updates = simulation%updates + count_particles(simulation)
-      simulation%time = simulation%time + dt
-      simulation%step = simulation%step + 1
-      simulation%dt = dt
-      call update_gravity(simulation)
+      if (allocated(simulation%effects%exact)) simulation%effects%exact%force_time = &
+         simulation%clock%time
+      if (simulation%scheme%method%smooth_turn) call smooth_rotation(simulation)
+      if (simulation%scheme%method%strains_first()) call strain_before(simulation, dt)
+      do n = 1, size(simulation%fields)
+         call find_forces(simulation, simulation%fields(n))
+      end do
+      call move_all_nodes(simulation, dt, error)
+      if (allocated(error)) return
+      if (allocated(simulation%effects%conduction)) call conduct_heat(simulation, dt)
+      if (simulation%scheme%method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
+      do n = 1, size(simulation%fields)
+         call nodes_to_particles(simulation, simulation%fields(n), gather_parts_t( &
+            work=simulation%scheme%carries_energy, motion=.true., &
+            strain=simulation%scheme%method%stress /= stress_before), dt)
+      end do
+      call advance_clock(simulation, dt)
       call close_step(simulation, error)
       if (allocated(error)) return
-      if (allocated(simulation%method%splitting)) call halve_particles(simulation)
+      if (allocated(simulation%scheme%method%splitting)) call split_particles(simulation)
       call sort_particles(simulation)
    end subroutine advance
 
-   !> Halve the particles that have become long.
-   subroutine halve_particles(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp), allocatable :: gain(:)
-      logical, allocatable :: full(:, :)
-      integer :: index, n
+   !> Strain the particles with the node velocities before the forces act. Each velocity field has
+   !! its own: after contact bodies do not approach each other.
+   subroutine strain_before(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: moved
+      integer :: n
 
-      call simulation%timer%start(simulation%phase%sort)
-      do index = 1, size(simulation%stores)
-         call find_full(simulation, index, full)
-         call split_store(simulation%method%splitting, full, simulation%grid, &
-            simulation%boundary, simulation%tiles, simulation%stores(index), gain)
-         simulation%halved = simulation%halved + size(gain)
-         do n = 1, size(gain)
-            call simulation%ledger%sums(dissipated)%add(-gain(n))
-         end do
+      ! time for which positions have moved already with the velocity before the step
+      moved = merge(simulation%clock%dt, dt, simulation%scheme%method%leapfrog)
+      if (.not. moved > 0.0_wp) return
+      do n = 1, size(simulation%fields)
+         call find_forces(simulation, simulation%fields(n))
+         call move_nodes(simulation, simulation%fields(n), 0.0_wp)
+         call nodes_to_particles(simulation, simulation%fields(n), gather_parts_t(strain=.true.), &
+            moved)
       end do
-      call simulation%timer%stop(simulation%phase%sort)
-   end subroutine halve_particles
+   end subroutine strain_before
 
-   !> Collect what the threads saw: the books, the next time step, bad numbers.
-   subroutine close_step(simulation, error)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      type(error_t), allocatable, intent(out) :: error !! If numbers went bad
-      real(wp) :: fastest, diffusivity, rate
-      character(len=:), allocatable :: text
-      logical :: sound, retired
-      integer :: thread, n
+   !> Particles to nodes: mass, momentum and force, with the stress of the dual gradient.
+   subroutine find_forces(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
 
-      fastest = 0.0_wp
-      sound = .true.
-      retired = .false.
-      call find_rate(simulation, rate)
-      do thread = 0, ubound(simulation%scratch, 1)
-         associate (scratch => simulation%scratch(thread))
-            fastest = max(fastest, scratch%fastest)
-            sound = sound .and. scratch%sound
-            retired = retired .or. scratch%retired
-            call simulation%ledger%merge(scratch%ledger)
-            do n = 1, size(scratch%ledger%sums)
-               call scratch%ledger%sums(n)%clear()
-            end do
-            scratch%fastest = 0.0_wp
-            scratch%sound = .true.
-            scratch%retired = .false.
-         end associate
-      end do
-      ! a number gone bad on one rank must stop all: it travels as an infinite speed
-      if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
-      diffusivity = 0.0_wp
-      if (allocated(simulation%conduction)) diffusivity = greatest_diffusivity(simulation)
-      call agree(simulation, fastest, diffusivity, rate, retired)
-      if (fastest >= huge(fastest)) then
-         call name_bad(simulation, text)
-         call fail(error, exit_physics, text)
-         return
-      end if
-      if (retired) call check_retired(simulation, error)
-      if (allocated(error)) return
-      call set_next_step(simulation, fastest, rate)
-      if (allocated(simulation%conduction)) call limit_step(simulation, diffusivity)
-   end subroutine close_step
+      if (simulation%scheme%method%controlled()) call find_star(simulation, field)
+      if (allocated(simulation%scheme%normalises)) call find_factors(simulation, field)
+      call particles_to_nodes(simulation, field)
+      if (simulation%scheme%method%dual) call dual_fields(simulation, field)
+      if (simulation%scheme%method%differing()) call find_difference(simulation, field)
+   end subroutine find_forces
 
-   !> Steepest velocity gradient that the threads saw, and whose it is.
-   subroutine find_rate(simulation, rate)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp), intent(out) :: rate                  !! On this rank [1/s]
-      integer :: thread
-      real(wp) :: most
+   !> Move the nodes, and find the velocities that strain and move the particles. A step in which
+   !! nodes would move too far is repeated with a shorter time.
+   subroutine move_all_nodes(simulation, dt, error)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(inout) :: dt                  !! Time step [s]
+      type(error_t), allocatable, intent(out) :: error !! If no step is short enough
+      logical :: again
+      integer :: n
 
-      most = 0.0_wp
-      associate (who => simulation%guard%steepest)
-         who = huge(who)
-         do thread = 0, ubound(simulation%scratch, 1)
-            associate (scratch => simulation%scratch(thread))
-               if (scratch%steepest > most) who = huge(who)
-               if (scratch%steepest >= most) who = min(who, scratch%steepest_identity)
-               most = max(most, scratch%steepest)
-               scratch%steepest = 0.0_wp
-               scratch%steepest_identity = huge(who)
-            end associate
-         end do
-      end associate
-      rate = sqrt(most)
-   end subroutine find_rate
-
-   !> Let conduction of heat limit the next time step.
-   subroutine limit_step(simulation, diffusivity)
-      type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
-      real(wp), intent(in) :: diffusivity            !! Greatest of all ranks [m2/s]
-      real(wp) :: dt
-
-      dt = conduction_step(simulation%grid%spacing, simulation%grid%dimensions, diffusivity)
-      if (.not. dt < simulation%dt_next) return
-      simulation%guard%rule = rule_conduction
-      simulation%dt_next = dt
-   end subroutine limit_step
-
-   !> Agree with the other ranks on the fastest signal and on what they ask for: the only time in a
-   !! step that all ranks wait for all.
-   subroutine agree(simulation, fastest, diffusivity, rate, retired)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
-      real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
-      real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
-      logical, intent(inout) :: retired              !! The same: have particles been taken out?
-      real(wp) :: asked(8)
-
-      if (simulation%communicator%size == 1) return
-      associate (requests => simulation%requests)
-         asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
-            rate, merge(1.0_wp, 0.0_wp, retired), requests%present]
-         call simulation%timer%start(simulation%phase%wait)
-         call simulation%communicator%maxima(asked)
-         call simulation%timer%stop(simulation%phase%wait)
-         fastest = asked(1)
-         requests%leave = asked(2)
-         requests%line = asked(3)
-         requests%checkpoint = asked(4)
-         diffusivity = asked(5)
-         if (rate < asked(6)) simulation%guard%steepest = huge(1_int64)
-         rate = asked(6)
-         retired = asked(7) > 0.0_wp
-         requests%present = asked(8)
-      end associate
-   end subroutine agree
-
-   !> Stable time step for the fastest signal and the steepest gradient, not growing too fast.
-   !! Equations (S.1) and (S.3) of doc/theory/time_step.md.
-   pure subroutine set_next_step(simulation, fastest, rate)
-      type(simulation_t), intent(inout) :: simulation !! The run, gets the step and its rule
-      real(wp), intent(in) :: fastest                !! Fastest signal and motion [m/s]
-      real(wp), intent(in) :: rate                   !! Steepest velocity gradient [1/s]
-      real(wp) :: dt, grown
-
-      associate (guard => simulation%guard)
-         dt = huge(dt)
-         guard%rule = rule_signal
-         guard%rate = rate
-         if (fastest > 0.0_wp) dt = simulation%method%cfl*simulation%grid%spacing/fastest
-         if (rate*dt > guard%bounds%strain_max) then
-            dt = guard%bounds%strain_max/rate
-            guard%rule = rule_strain
+      do
+         simulation%clock%kick = simulation%scheme%method%kick(simulation%clock%dt, dt)
+         call act_gravity(simulation%scheme, simulation%effects, simulation%clock)
+         if (allocated(simulation%effects%contact)) then
+            call move_in_contact(simulation, simulation%clock%kick)
+         else
+            call move_nodes(simulation, simulation%fields(1), simulation%clock%kick, dt)
          end if
-         grown = simulation%method%step_growth*simulation%dt_next
-         if (grown < dt) guard%rule = rule_growth
-         simulation%dt_next = min(dt, grown)
-      end associate
-   end subroutine set_next_step
-
-   !> Book particles that left the box, and bring the others into their tiles and in order.
-   subroutine sort_particles(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp) :: waited
-
-      waited = simulation%communicator%traffic%waiting
-      call simulation%timer%start(simulation%phase%sort)
-      call simulation%ledger%record_lost(simulation%stores, simulation%materials)
-      call migrate(simulation%communicator, simulation%grid, simulation%boundary, &
-         simulation%tiles, &
-         simulation%stores)
-      call simulation%timer%stop(simulation%phase%sort)
-      if (simulation%communicator%size > 1) call simulation%timer%move(simulation%phase%sort, &
-         simulation%phase%wait, simulation%communicator%traffic%waiting - waited)
-   end subroutine sort_particles
-
-   !> Particles of this rank.
-   pure integer(int64) function count_particles(simulation) result(particles)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer :: index
-
-      particles = 0
-      do index = 1, size(simulation%stores)
-         particles = particles + simulation%stores(index)%particles()
+         do n = 1, size(simulation%fields)
+            call remap_velocities(simulation, simulation%fields(n), simulation%clock%kick)
+         end do
+         call judge_nodes(simulation, dt, again, error)
+         if (allocated(error)) return
+         if (.not. again) exit
       end do
-   end function count_particles
+      if (allocated(simulation%effects%exact)) &
+         call record_body_force(simulation, simulation%fields(1), simulation%clock%kick)
+   end subroutine move_all_nodes
+
+   !> Move the nodes of all velocity fields, whose bodies push each other.
+   subroutine move_in_contact(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      integer :: n
+
+      do n = 1, size(simulation%fields)
+         call start_nodes(simulation, simulation%fields(n), dt)
+      end do
+      call find_surfaces(simulation)
+      call touch_bodies(simulation, dt)
+      if (simulation%effects%contact%bonded) call break_bonds(simulation)
+      do n = 1, size(simulation%fields)
+         call finish_nodes(simulation, simulation%fields(n), dt)
+      end do
+   end subroutine move_in_contact
+
+   !> Filter the node velocities (XPIC, FMPM), or map those of the particles once more (MUSL).
+   subroutine remap_velocities(simulation, field, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+
+      if (simulation%scheme%method%transfer%sweeps() > 0) call filter_nodes(simulation, field, dt)
+      if (.not. simulation%scheme%method%remaps()) return
+      call scatter_again(simulation, field, dt)
+      call remap_nodes(simulation, field)
+   end subroutine remap_velocities
+
+   !> Time, gravity and counters at the end of the step.
+   subroutine advance_clock(simulation, dt)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      simulation%clock%updates = simulation%clock%updates + count_particles(simulation)
+      simulation%clock%time = simulation%clock%time + dt
+      simulation%clock%step = simulation%clock%step + 1
+      simulation%clock%dt = dt
+      call update_gravity(simulation)
+   end subroutine advance_clock
 end module step_advance

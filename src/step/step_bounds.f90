@@ -58,10 +58,10 @@ module step_bounds
 contains
 
    !> Particles of a tile that are not as they should be. A number that is none fails every
-   !! comparison, so it need not be asked for.
+   !! comparison, so it needs no test.
    pure real(wp) function count_bad(store, tile, density, bounds) result(bad)
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
       type(bounds_t), intent(in) :: bounds           !! What may happen
       integer :: first, last

@@ -11,6 +11,7 @@
 module step_conduction
    use base_constants, only: pi
    use base_kinds, only: wp
+   use material_type, only: material_t
    use material_voids, only: expanded_fraction
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
@@ -20,14 +21,14 @@ module step_conduction
    use step_ledger, only: dissipated
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_plain_places
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: effects_t, scratch_t, simulation_t, space_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_scatter, only: dual_columns, motion_columns
    use transfer_shape_data, only: shape_data_t, spare
    implicit none
    private
 
-   public :: conduct_heat, conduction_step, greatest_diffusivity
+   public :: conduct_heat, conducts, matter_volume
 
    integer, parameter :: capacity = 1                !! Row of heat capacity [J/K]
    integer, parameter :: content = 2                 !! Row of heat [J]
@@ -43,35 +44,35 @@ contains
 
    !> Conduct heat for one step. Particles are where they were when the forces were found.
    subroutine conduct_heat(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
+      type(simulation_t), intent(inout) :: simulation !! Some material conducts
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: began
       integer :: tile
 
-      call simulation%timer%start(simulation%phase%conduction)
+      call simulation%machine%timer%start(simulation%machine%phase%conduction)
       call find_temperature(simulation)
       call find_flow(simulation, dt)
       !$omp parallel do default(none) shared(simulation, dt) private(tile, began) &
       !$omp schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
+      do tile = 1, simulation%space%tiles%own
          began = cost_clock(simulation)
          call give_heat(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%conduction)
+      call simulation%machine%timer%stop(simulation%machine%phase%conduction)
    end subroutine conduct_heat
 
    !> Temperature of the nodes, and its gradient for the dual gradient.
    subroutine find_temperature(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n, rows
 
-      rows = merge(filled, content, simulation%method%dual)
-      associate (heat => simulation%conduction, nodes => simulation%grid%tile_nodes)
-         call ensure_patch(heat%content, rows, nodes, simulation%tiles%own)
+      rows = merge(filled, content, simulation%scheme%method%dual)
+      associate (heat => simulation%effects%conduction, nodes => simulation%space%grid%tile_nodes)
+         call ensure_patch(heat%content, rows, nodes, simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
             !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
@@ -79,30 +80,31 @@ contains
             do n = 1, size(tiles)
                began = cost_clock(simulation)
                call spread_content(simulation, simulation%scratch(omp_get_thread_num()), &
-                  tiles(n), simulation%conduction%content(:, :, tiles(n)))
+                  tiles(n), simulation%effects%conduction%content(:, :, tiles(n)))
                call record_cost(simulation, tiles(n), began)
             end do
             !$omp end parallel do
-            call pass_patches(simulation, part, simulation%conduction%content)
+            call pass_patches(simulation, part, simulation%effects%conduction%content)
          end do
-         call ensure_patch(heat%total, rows, nodes, simulation%tiles%all)
-         call ensure_patch(heat%temperature, 1, nodes, simulation%tiles%all)
+         call ensure_patch(heat%total, rows, nodes, simulation%space%tiles%all)
+         call ensure_patch(heat%temperature, 1, nodes, simulation%space%tiles%all)
       end associate
-      if (simulation%method%dual) call ensure_dual(simulation)
+      if (simulation%scheme%method%dual) call ensure_dual(simulation%space, simulation%effects)
       call each_tile(simulation, average_tile)
-      if (simulation%method%dual) call each_tile(simulation, slope_tile)
+      if (simulation%scheme%method%dual) call each_tile(simulation, slope_tile)
    end subroutine find_temperature
 
    !> Heat that flows to the nodes, from the cells and, with the dual gradient, between nodes.
    subroutine find_flow(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n
 
-      call ensure_patch(simulation%conduction%flow, merge(fluxes + 2, hidden, &
-         simulation%method%dual), simulation%grid%tile_nodes, simulation%tiles%own)
+      call ensure_patch(simulation%effects%conduction%flow, merge(fluxes + 2, hidden, &
+         simulation%scheme%method%dual), simulation%space%grid%tile_nodes, &
+            simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
          !$omp parallel do default(none) shared(simulation, tiles, dt) private(n, began) &
@@ -110,61 +112,26 @@ contains
          do n = 1, size(tiles)
             began = cost_clock(simulation)
             call spread_flow(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), dt, &
-               simulation%conduction%flow(:, :, tiles(n)))
+               simulation%effects%conduction%flow(:, :, tiles(n)))
             call record_cost(simulation, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, simulation%conduction%flow)
+         call pass_patches(simulation, part, simulation%effects%conduction%flow)
       end do
-      if (simulation%method%dual) call each_tile(simulation, push_tile)
+      if (simulation%scheme%method%dual) call each_tile(simulation, push_tile)
    end subroutine find_flow
 
-   !> Greatest time step that conduction bears [s]: half of the square of the spacing over the
-   !! diffusivity and the number of directions. Equation (A.16).
-   pure real(wp) function conduction_step(spacing, dimensions, diffusivity) result(dt)
-      real(wp), intent(in) :: spacing                !! Of the grid [m]
-      integer, intent(in) :: dimensions              !! Of the grid
-      real(wp), intent(in) :: diffusivity            !! Greatest of all particles [m2/s]
-
-      dt = huge(dt)
-      if (diffusivity > 0.0_wp) dt = spacing**2/(2.0_wp*real(dimensions, wp)*diffusivity)
-   end function conduction_step
-
-   !> Greatest diffusivity [m2/s] of the particles of this rank.
-   real(wp) function greatest_diffusivity(simulation) result(greatest)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      real(wp) :: conductivity, specific_heat
-      integer :: index, tile, p
-
-      greatest = 0.0_wp
-      do index = 1, size(simulation%stores)
-         if (.not. conducts(simulation, index)) cycle
-         conductivity = simulation%materials(index)%heat%conductivity
-         specific_heat = simulation%materials(index)%heat%specific_heat
-         associate (store => simulation%stores(index))
-            !$omp parallel do default(none) private(tile, p) reduction(max:greatest) &
-            !$omp shared(simulation, index, conductivity, specific_heat) schedule(static)
-            do tile = 1, size(simulation%stores(index)%count)
-               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  greatest = max(greatest, conductivity*matter_volume(store, p) &
-                     /(store%state%mass(p)*specific_heat))
-               end do
-            end do
-         end associate
-      end do
-   end function greatest_diffusivity
-
    !> Does the material conduct heat?
-   pure logical function conducts(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure logical function conducts(materials, index) result(yes)
+      type(material_t), intent(in) :: materials(:)
       integer, intent(in) :: index                   !! Which material
 
       yes = .false.
-      if (allocated(simulation%materials(index)%heat)) &
-         yes = simulation%materials(index)%heat%conductivity > 0.0_wp
+      if (allocated(materials(index)%heat)) &
+         yes = materials(index)%heat%conductivity > 0.0_wp
    end function conducts
 
-   !> Volume [m3] that conducts: that of the matter, without voids.
+   !> Volume [m3] that conducts: that of the material, without voids.
    pure real(wp) function matter_volume(store, particle) result(volume)
       type(store_t), intent(in) :: store             !! The particles
       integer, intent(in) :: particle                !! Which one
@@ -174,13 +141,14 @@ contains
          volume = volume*store%state%solid_fraction(particle)
    end function matter_volume
 
-   !> Make room for the fields of the dual gradient.
-   subroutine ensure_dual(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   !> Allocate the fields of the dual gradient.
+   subroutine ensure_dual(space, effects)
+      type(space_t), intent(in) :: space
+      type(effects_t), intent(inout) :: effects
 
-      associate (heat => simulation%conduction, nodes => simulation%grid%tile_nodes, &
-         all => simulation%tiles%all)
-         call ensure_weights(heat%weight, simulation%grid%tile_cells, all)
+      associate (heat => effects%conduction, nodes => space%grid%tile_nodes, &
+         all => space%tiles%all)
+         call ensure_weights(heat%weight, space%grid%tile_cells, all)
          call ensure_patch(heat%share, 1, nodes, all)
          call ensure_patch(heat%volume, 1, nodes, all)
          call ensure_patch(heat%slope, 9, nodes, all)
@@ -190,7 +158,7 @@ contains
 
    !> Do something with every tile, ghosts included.
    subroutine each_tile(simulation, work)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       interface
          subroutine work(simulation, tile)
             import :: simulation_t
@@ -202,7 +170,7 @@ contains
       integer :: tile
 
       !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-      do tile = 1, simulation%tiles%all
+      do tile = 1, simulation%space%tiles%all
          call work(simulation, tile)
       end do
       !$omp end parallel do
@@ -210,63 +178,67 @@ contains
 
    !> Heat capacity, heat and volume of the particles of a tile.
    subroutine spread_content(simulation, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer :: index, p, q
 
       call clear_patch(patch)
       do index = 1, size(simulation%stores)
-         if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
+         if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation%materials, &
+            index)) cycle
          associate (store => simulation%stores(index), shape => scratch%shape, &
             specific_heat => simulation%materials(index)%heat%specific_heat)
-            call find_plain_places(simulation, scratch, store, tile)
+            call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                shape%values(p, capacity) = specific_heat*store%state%mass(q)
                shape%values(p, content) = shape%values(p, capacity)*store%state%temperature(q)
                shape%values(p, filled) = store%state%volume(q)
             end do
-            call simulation%method%basis%scatter_values(simulation%grid, shape, size(patch, 1), &
+            call simulation%scheme%method%basis%scatter_values(simulation%space%grid, shape, &
+               size(patch, 1), &
                shape%values, 0, patch)
          end associate
       end do
    end subroutine spread_content
 
-   !> Temperature of the nodes of a tile; weights of its cells, where conducting matter is.
+   !> Temperature of the nodes of a tile; weights of its cells, where conducting material is.
    subroutine average_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: around(simulation%grid%tile_nodes)
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
+      real(wp) :: around(simulation%space%grid%tile_nodes)
 
-      associate (grid => simulation%grid, heat => simulation%conduction, &
-         coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%tiles, heat%content, tile, heat%total(:, :, tile))
+      associate (grid => simulation%space%grid, heat => simulation%effects%conduction, &
+         coordinate => simulation%space%tiles%coordinate(:, tile))
+         call assemble(grid, simulation%space%tiles, heat%content, tile, heat%total(:, :, tile))
          heat%temperature(1, :, tile) = heat%total(content, :, tile)
          call divide(heat%total(:, :, tile), capacity, heat%temperature(:, :, tile))
-         call hold_temperature(simulation, tile)
-         if (.not. simulation%method%dual) return
+         call hold_temperature(simulation%space, simulation%effects, tile)
+         if (.not. simulation%scheme%method%dual) return
          call grid%node_volume(coordinate, around)
-         call simulation%dual%cell_weights(grid, heat%total(:, :, tile), filled, around, &
+         call simulation%scheme%dual%cell_weights(grid, heat%total(:, :, tile), filled, around, &
             heat%weight(:, tile))
          call clear_patch(heat%share(:, :, tile))
-         call simulation%dual%add_volume(grid, coordinate, heat%weight(:, tile), &
+         call simulation%scheme%dual%add_volume(grid, coordinate, heat%weight(:, tile), &
             heat%share(:, :, tile))
       end associate
    end subroutine average_tile
 
    !> Share of the cells of a tile in the node gradient of temperature.
    subroutine slope_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: values(3, simulation%grid%tile_nodes)
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
+      real(wp) :: values(3, simulation%space%grid%tile_nodes)
 
-      associate (heat => simulation%conduction)
-         call assemble(simulation%grid, simulation%tiles, heat%share, tile, heat%volume(:, :, tile))
+      associate (heat => simulation%effects%conduction)
+         call assemble(simulation%space%grid, simulation%space%tiles, heat%share, tile, &
+            heat%volume(:, :, tile))
          call as_vector(heat%temperature(:, :, tile), values)
          call clear_patch(heat%slope(:, :, tile))
-         call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         call simulation%scheme%dual%add_gradient(simulation%space%grid, &
+            simulation%space%tiles%coordinate(:, tile), &
             heat%weight(:, tile), values, heat%slope(:, :, tile))
       end associate
    end subroutine slope_tile
@@ -282,39 +254,43 @@ contains
 
    !> What the particles of a tile hand to the nodes: heat, heat that nodes do not see: (A.14).
    subroutine spread_flow(simulation, scratch, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
-      real(wp) :: values(3, simulation%grid%tile_nodes)
+      real(wp) :: values(3, simulation%space%grid%tile_nodes)
       real(wp), allocatable :: slope(:, :), wide(:, :)
       integer :: index, p, k
 
       call clear_patch(patch)
-      call as_vector(simulation%conduction%temperature(:, :, tile), values)
-      if (simulation%method%dual) call node_slope(simulation, tile, slope)
-      allocate (wide(merge(dual_columns, motion_columns, simulation%method%dual), &
-         simulation%grid%tile_nodes))
+      call as_vector(simulation%effects%conduction%temperature(:, :, tile), values)
+      if (simulation%scheme%method%dual) call node_slope(simulation%space, simulation%effects, &
+         tile, slope)
+      allocate (wide(merge(dual_columns, motion_columns, simulation%scheme%method%dual), &
+         simulation%space%grid%tile_nodes))
       wide = 0.0_wp
       do index = 1, size(simulation%stores)
-         if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
+         if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation%materials, &
+            index)) cycle
          associate (store => simulation%stores(index), shape => scratch%shape, &
             specific_heat => simulation%materials(index)%heat%specific_heat, &
-            method => simulation%method, start => simulation%stores(index)%cell_start(:, tile))
-            call find_plain_places(simulation, scratch, store, tile)
+            method => simulation%scheme%method, start => simulation%stores(index)%cell_start(:, &
+               tile))
+            call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
             call push_particles(simulation, scratch, index, tile, values, slope, wide)
             call find_hidden(simulation, scratch, index, tile, dt)
             do p = 1, store%count(tile)
                shape%values(p, 1) = specific_heat*store%state%mass(store%first(tile) + p - 1) &
                   *shape%vector(p, 1)
             end do
-            call method%basis%scatter_values(simulation%grid, shape, 1, shape%values, hidden - 1, &
+            call method%basis%scatter_values(simulation%space%grid, shape, 1, shape%values, &
+               hidden - 1, &
                patch)
          end associate
       end do
       patch(1, :) = wide(5, :)
-      if (.not. simulation%method%dual) return
+      if (.not. simulation%scheme%method%dual) return
       do k = 1, 3
          patch(fluxes + k - 1, :) = wide(8 + full_line(k), :)
       end do
@@ -322,10 +298,10 @@ contains
 
    !> Flow of heat of the particles of a tile, as if it were the first line of a stress.
    subroutine push_particles(simulation, scratch, index, tile, values, slope, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: values(:, :)    !! (3, node) Temperature in row 1 [K]
       real(wp), allocatable, intent(in) :: slope(:, :)    !! (9, node) Of the nodes, if dual [K/m]
       real(wp), contiguous, intent(inout) :: patch(:, :)  !! (column, node)
@@ -333,8 +309,9 @@ contains
       integer :: p, k
 
       associate (store => simulation%stores(index), shape => scratch%shape, &
-         method => simulation%method, start => simulation%stores(index)%cell_start(:, tile), &
-         grid => simulation%grid)
+         method => simulation%scheme%method, start => simulation%stores(index)%cell_start(:, &
+            tile), &
+         grid => simulation%space%grid)
          call scratch%deformation%reserve(store%count(tile) + spare)
          if (method%dual) then
             call method%quadrature%gather_gradient(grid, shape, values, slope, 1.0_wp, &
@@ -363,19 +340,19 @@ contains
    !> What the nodes do not see of the temperature of particles, as far as it fades in this step, in
    !! the first column of the scratch vector [K]. The second of (A.15).
    subroutine find_hidden(simulation, scratch, index, tile, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: rate
       integer :: p, q
 
       associate (store => simulation%stores(index), shape => scratch%shape, &
          heat => simulation%materials(index)%heat)
-         call simulation%method%basis%gather_values(simulation%grid, shape, &
-            simulation%conduction%temperature(:, :, tile), shape%values)
-         rate = fade*dt*heat%conductivity/(heat%specific_heat*simulation%grid%spacing**2)
+         call simulation%scheme%method%basis%gather_values(simulation%space%grid, shape, &
+            simulation%effects%conduction%temperature(:, :, tile), shape%values)
+         rate = fade*dt*heat%conductivity/(heat%specific_heat*simulation%space%grid%spacing**2)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             shape%vector(p, 1) = min(fade_most, rate*matter_volume(store, q) &
@@ -385,68 +362,77 @@ contains
    end subroutine find_hidden
 
    !> Gradient of temperature on the nodes of a tile.
-   subroutine node_slope(simulation, tile, slope)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine node_slope(space, effects, tile, slope)
+      type(space_t), intent(in) :: space
+      type(effects_t), intent(in) :: effects
+      integer, intent(in) :: tile
       real(wp), allocatable, intent(out) :: slope(:, :) !! (9, node) [K/m]
 
-      allocate (slope(9, simulation%grid%tile_nodes))
-      associate (heat => simulation%conduction)
-         call assemble(simulation%grid, simulation%tiles, heat%slope, tile, slope)
+      allocate (slope(9, space%grid%tile_nodes))
+      associate (heat => effects%conduction)
+         call assemble(space%grid, space%tiles, heat%slope, tile, slope)
          call divide(heat%volume(:, :, tile), 1, slope)
       end associate
-      call simulation%boundary%insulate(simulation%grid, simulation%tiles%coordinate(:, tile), &
+      call space%boundary%insulate(space%grid, space%tiles%coordinate(:, tile), &
          slope)
    end subroutine node_slope
 
    !> Heat that the flux on the nodes of the cells of a tile carries.
    subroutine push_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: total(fluxes + 2, simulation%grid%tile_nodes)
-      real(wp) :: flux(9, simulation%grid%tile_nodes)
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
+      real(wp) :: total(fluxes + 2, simulation%space%grid%tile_nodes)
+      real(wp) :: flux(9, simulation%space%grid%tile_nodes)
       integer :: k
 
-      associate (heat => simulation%conduction, coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(simulation%grid, simulation%tiles, heat%flow, tile, total)
+      associate (heat => simulation%effects%conduction, coordinate => &
+         simulation%space%tiles%coordinate(:, tile))
+         call assemble(simulation%space%grid, simulation%space%tiles, heat%flow, tile, total)
          flux = 0.0_wp
          do k = 1, 3
             flux(full_line(k), :) = total(fluxes + k - 1, :)
          end do
          call divide(heat%volume(:, :, tile), 1, flux)
-         call simulation%boundary%insulate(simulation%grid, coordinate, flux)
+         call simulation%space%boundary%insulate(simulation%space%grid, coordinate, flux)
          call clear_patch(heat%push(:, :, tile))
-         call simulation%dual%add_force(simulation%grid, coordinate, heat%weight(:, tile), &
+         call simulation%scheme%dual%add_force(simulation%space%grid, coordinate, heat%weight(:, &
+            tile), &
             flux, heat%push(:, :, tile))
       end associate
    end subroutine push_tile
 
-   !> New temperatures of the particles of a tile. Heat that goes into or out of matter without an
-   !! internal energy is booked, so that the energy of the run stays whole. The first of (A.15).
+   !> New temperatures of the particles of a tile. Heat that goes into or out of material without an
+   !! internal energy is recorded, so that the energy of the run stays whole. The first of (A.15).
    subroutine give_heat(simulation, scratch, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: total(size(simulation%conduction%flow, 1), simulation%grid%tile_nodes)
-      real(wp) :: push(3, simulation%grid%tile_nodes), change(1, simulation%grid%tile_nodes)
+      real(wp) :: total(size(simulation%effects%conduction%flow, 1), &
+         simulation%space%grid%tile_nodes)
+      real(wp) :: push(3, simulation%space%grid%tile_nodes), change(1, &
+         simulation%space%grid%tile_nodes)
       real(wp) :: booked
       integer :: index
 
-      associate (heat => simulation%conduction)
-         call assemble(simulation%grid, simulation%tiles, heat%flow, tile, total)
+      associate (heat => simulation%effects%conduction)
+         call assemble(simulation%space%grid, simulation%space%tiles, heat%flow, tile, total)
          push = 0.0_wp
-         if (simulation%method%dual) &
-            call assemble(simulation%grid, simulation%tiles, heat%push, tile, push)
+         if (simulation%scheme%method%dual) &
+            call assemble(simulation%space%grid, simulation%space%tiles, heat%push, tile, push)
          change(1, :) = dt*(total(1, :) + push(1, :)) + total(hidden, :)
          call divide(heat%total(:, :, tile), capacity, change)
-         call take_heat(simulation, scratch%ledger, tile, capacity, change)
+         call take_heat(simulation%space, simulation%effects, scratch%ledger, tile, capacity, &
+            change)
       end associate
       do index = 1, size(simulation%stores)
-         if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation, index)) cycle
-         call find_plain_places(simulation, scratch, simulation%stores(index), tile)
+         if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation%materials, &
+            index)) cycle
+         call find_plain_places(simulation%space, simulation%scheme, scratch, &
+            simulation%stores(index), tile)
          call find_hidden(simulation, scratch, index, tile, dt)
-         call simulation%method%basis%gather_values(simulation%grid, scratch%shape, change, &
+         call simulation%scheme%method%basis%gather_values(simulation%space%grid, scratch%shape, &
+            change, &
             scratch%shape%values)
          call warm(simulation%materials(index)%heat%specific_heat, tile, scratch%shape, &
             booked, simulation%stores(index))
@@ -460,7 +446,7 @@ contains
    !> Warm the particles of a tile.
    pure subroutine warm(specific_heat, tile, shape, booked, store)
       real(wp), intent(in) :: specific_heat          !! [J/(kg K)]
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       !> What nodes give, and what fades, of each particle [K]
       type(shape_data_t), intent(in) :: shape
       real(wp), intent(out) :: booked !! Heat of particles that carry no internal energy [J]
@@ -484,7 +470,7 @@ contains
    !> Let the grains of a tile expand into their voids by what they were warmed.
    pure subroutine expand(expansion, tile, shape, store)
       real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       !> What nodes give, and what fades, of each particle [K]
       type(shape_data_t), intent(in) :: shape
       type(store_t), intent(inout) :: store          !! The particles

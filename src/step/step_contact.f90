@@ -8,15 +8,17 @@ module step_contact
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_contact_surface, only: direction_of, guess_area, reach_row
+   use step_ledger, only: dissipated
    use step_particles_to_nodes, only: find_plain_places
-   use step_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
+   use step_simulation, only: effects_t, empty_mass, guesses, scheme_t, scratch_t, simulation_t, &
+      space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_contact, only: bond_traction, contact_bonded, push_apart, state_bonded, &
       state_closed, state_open
    implicit none
    private
 
-   public :: break_bonds, touch_bodies
+   public :: add_contact_heat, break_bonds, touch_bodies
 
    real(wp), parameter :: slack = 1.0e-3_wp          !! Gap that counts as none, in cells
    real(wp), parameter :: bond_reach = 0.5_wp        !! Widest gap of a bond, in cells
@@ -27,61 +29,64 @@ contains
    !> Let the bodies push each other at all nodes that they share: that changes their accelerations
    !! and the velocities that strain.
    subroutine touch_bodies(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run; surfaces are known
+      type(simulation_t), intent(inout) :: simulation !! Surfaces are known
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
       real(wp) :: began
       integer :: tile, field
 
-      call simulation%timer%start(simulation%phase%contact)
-      do field = 1, size(simulation%contact%field)
-         call ensure_patch(simulation%contact%field(field)%nodes%rubbed, 1, &
-            simulation%grid%tile_nodes, simulation%tiles%all)
+      call simulation%machine%timer%start(simulation%machine%phase%contact)
+      do field = 1, size(simulation%fields)
+         call ensure_patch(simulation%fields(field)%nodes%rubbed, 1, &
+            simulation%space%grid%tile_nodes, simulation%space%tiles%all)
       end do
-      if (simulation%contact%bonded) call ensure_broken(simulation)
+      if (simulation%effects%contact%bonded) call ensure_broken(simulation%space, &
+         simulation%effects)
       !$omp parallel do default(none) shared(simulation, dt) private(tile, began) &
       !$omp schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%all
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
          call touch_tile(simulation, tile, dt)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%contact)
+      call simulation%machine%timer%stop(simulation%machine%phase%contact)
    end subroutine touch_bodies
 
-   !> Make room for the bonds that break.
-   subroutine ensure_broken(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   !> Allocate the bonds that break.
+   subroutine ensure_broken(space, effects)
+      type(space_t), intent(in) :: space
+      type(effects_t), intent(inout) :: effects
 
-      associate (contact => simulation%contact, all => simulation%tiles%all)
+      associate (contact => effects%contact, all => space%tiles%all)
          if (allocated(contact%broken)) then
             if (size(contact%broken, 3) < all) deallocate (contact%broken)
          end if
-         if (.not. allocated(contact%broken)) allocate (contact%broken(size(contact%field), &
-            simulation%grid%tile_nodes, all + all/16))
+         if (.not. allocated(contact%broken)) allocate (contact%broken(size(contact%law, 1), &
+            space%grid%tile_nodes, all + all/16))
       end associate
    end subroutine ensure_broken
 
    !> One tile.
    subroutine touch_tile(simulation, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
       real(wp), allocatable :: greatest(:, :)
-      integer :: who(size(simulation%contact%field)), node, field, here
+      integer :: who(size(simulation%fields)), node, field, here
 
-      do field = 1, size(simulation%contact%field)
-         simulation%contact%field(field)%nodes%rubbed(:, :, tile) = 0.0_wp
+      do field = 1, size(simulation%fields)
+         simulation%fields(field)%nodes%rubbed(:, :, tile) = 0.0_wp
       end do
-      if (simulation%contact%bonded) simulation%contact%broken(:, :, tile) = .false.
-      if (.not. simulation%contact%meets(tile)) return
-      allocate (greatest(guesses*size(who)**2, simulation%grid%tile_nodes))
-      call assemble_greatest(simulation%grid, simulation%tiles, simulation%contact%reach, tile, &
+      if (simulation%effects%contact%bonded) simulation%effects%contact%broken(:, :, tile) = .false.
+      if (.not. simulation%effects%contact%meets(tile)) return
+      allocate (greatest(guesses*size(who)**2, simulation%space%grid%tile_nodes))
+      call assemble_greatest(simulation%space%grid, simulation%space%tiles, &
+         simulation%effects%contact%reach, tile, &
          greatest)
-      do node = 1, simulation%grid%tile_nodes
+      do node = 1, simulation%space%grid%tile_nodes
          here = 0
          do field = 1, size(who)
-            if (.not. simulation%contact%field(field)%nodes%mass(1, node, tile) > empty_mass) cycle
+            if (.not. simulation%fields(field)%nodes%mass(1, node, tile) > empty_mass) cycle
             here = here + 1
             who(here) = field
          end do
@@ -91,8 +96,8 @@ contains
 
    !> One node where several fields have mass.
    subroutine touch_node(simulation, tile, node, who, reach, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (pair) How far they reach [m]
@@ -104,7 +109,7 @@ contains
 
       call survey_node(simulation, tile, node, who, reach, area, normal, state)
       if (all(state == state_open)) return
-      associate (field => simulation%contact%field, law => simulation%contact%law(who, who))
+      associate (field => simulation%fields, law => simulation%effects%contact%law(who, who))
          do a = 1, size(who)
             mass(a) = field(who(a))%nodes%mass(1, node, tile)
             velocity(:, a) = field(who(a))%nodes%strain(:, node, tile)
@@ -117,22 +122,22 @@ contains
                if (.not. bond_traction(push(:, a, b), normal(:, a, b), area(:, a, b), dt) &
                   > law(a, b)%strength) cycle
                state(a, b) = state_closed
-               simulation%contact%broken(who(a), node, tile) = .true.
-               simulation%contact%broken(who(b), node, tile) = .true.
+               simulation%effects%contact%broken(who(a), node, tile) = .true.
+               simulation%effects%contact%broken(who(b), node, tile) = .true.
                again = .true.
             end do
          end do
          if (again) call push_apart(mass, velocity, normal, state, law, push)
       end associate
-      call give_push(simulation%contact, tile, node, who, mass, push, dt)
+      call give_push(simulation%fields, tile, node, who, mass, push, dt)
    end subroutine touch_node
 
    !> How the fields at a node lie to each other. Of the guessed normals the one counts along which
    !! two bodies are farthest apart: that of a plane between them, if there is one. At an edge the
-   !! area of a body is askew, and along it the bodies would overlap.
+   !! area of a body is inclined, and along it the bodies would overlap.
    subroutine survey_node(simulation, tile, node, who, reach, area, normal, state)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
@@ -145,15 +150,15 @@ contains
       state = state_open
       area = 0.0_wp
       normal = 0.0_wp
-      associate (contact => simulation%contact, spacing => simulation%grid%spacing)
+      associate (contact => simulation%effects%contact, spacing => simulation%space%grid%spacing)
          do b = 2, size(who)
             do a = 1, b - 1
                call choose_normal(simulation, tile, node, [who(a), who(b)], reach, area(:, a, b), &
                   normal(:, a, b), gap)
                if (gap <= slack*spacing) state(a, b) = state_closed
                if (contact%law(who(a), who(b))%kind /= contact_bonded) cycle
-               if (gap <= bond_reach*spacing .and. holds(contact, tile, node, who(a)) .and. &
-                  holds(contact, tile, node, who(b))) state(a, b) = state_bonded
+               if (gap <= bond_reach*spacing .and. holds(simulation, tile, node, who(a)) .and. &
+                  holds(simulation, tile, node, who(b))) state(a, b) = state_bonded
             end do
          end do
       end associate
@@ -161,8 +166,8 @@ contains
 
    !> The normal along which two fields are farthest apart at a node. Equation (C.2).
    subroutine choose_normal(simulation, tile, node, pair, reach, area, normal, gap)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: pair(2)                 !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
@@ -177,11 +182,11 @@ contains
       gap = huge(gap)
       wide = -huge(wide)
       do guess = 1, guesses
-         trial = guess_area(simulation%contact, tile, node, pair(1), pair(2), guess)
-         direction = direction_of(simulation, trial)
+         trial = guess_area(simulation%effects%contact, tile, node, pair(1), pair(2), guess)
+         direction = direction_of(simulation%space, trial)
          if (all(abs(direction) <= 0.0_wp)) cycle
-         one = reach(reach_row(simulation%contact, pair(1), pair(2), guess))
-         other = reach(reach_row(simulation%contact, pair(2), pair(1), guess))
+         one = reach(reach_row(simulation%effects%contact, pair(1), pair(2), guess))
+         other = reach(reach_row(simulation%effects%contact, pair(2), pair(1), guess))
          ! not seen from here: functions that reach beyond a cell bring mass from farther away
          if (min(one, other) <= -huge(gap)) cycle
          if (-(one + other) <= wide) cycle
@@ -193,21 +198,21 @@ contains
    end subroutine choose_normal
 
    !> Do the bonds of most of the mass of a field at a node hold?
-   pure logical function holds(contact, tile, node, field) result(most)
-      type(contact_t), intent(in) :: contact         !! The fields
-      integer, intent(in) :: tile                    !! Which tile
+   pure logical function holds(simulation, tile, node, field) result(most)
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: field                   !! Which field
 
-      most = contact%area(4*field, node, tile) > &
-         held*contact%field(field)%nodes%mass(1, node, tile)
+      most = simulation%effects%contact%area(4*field, node, tile) > &
+         held*simulation%fields(field)%nodes%mass(1, node, tile)
    end function holds
 
    !> Give the fields at a node what pushes them. The work that the pushes take from all of them
    !! together becomes heat, the same for each mass. Equation (C.6).
-   subroutine give_push(contact, tile, node, who, mass, push, dt)
-      type(contact_t), intent(inout) :: contact      !! The fields
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine give_push(fields, tile, node, who, mass, push, dt)
+      type(velocity_field_t), intent(inout) :: fields(:)
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: who(:)                  !! The fields
       real(wp), intent(in) :: mass(:)                !! (field of who) [kg]
@@ -223,7 +228,7 @@ contains
             if (b < a) total = total + push(:, b, a)
             if (b > a) total = total - push(:, a, b)
          end do
-         associate (nodes => contact%field(who(a))%nodes)
+         associate (nodes => fields(who(a))%nodes)
             nodes%strain(:, node, tile) = nodes%strain(:, node, tile) + total/mass(a)
             nodes%acceleration(:, node, tile) = nodes%acceleration(:, node, tile) &
                + total/(dt*mass(a))
@@ -232,25 +237,26 @@ contains
          end associate
       end do
       do a = 1, size(who)
-         contact%field(who(a))%nodes%rubbed(1, node, tile) = lost/sum(mass)
+         fields(who(a))%nodes%rubbed(1, node, tile) = lost/sum(mass)
       end do
    end subroutine give_push
 
    !> Let the bonds of particles break whose nearest node broke in this step. The particles are
    !! where they were when they gave their masses.
    subroutine break_bonds(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run, bonds can break
+      type(simulation_t), intent(inout) :: simulation !! Bonds can break
       integer :: tile, field, index
 
       !$omp parallel do default(none) shared(simulation) private(tile, field, index) &
       !$omp schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
-         do field = 1, size(simulation%contact%field)
-            if (.not. any(simulation%contact%broken(field, :, tile))) cycle
-            do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+      do tile = 1, simulation%space%tiles%own
+         do field = 1, size(simulation%fields)
+            if (.not. any(simulation%effects%contact%broken(field, :, tile))) cycle
+            do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
                if (.not. allocated(simulation%stores(index)%bond)) cycle
-               call break_tile(simulation, simulation%scratch(omp_get_thread_num()), &
-                  simulation%contact%broken(field, :, tile), tile, simulation%stores(index))
+               call break_tile(simulation%space, simulation%scheme, &
+                  simulation%scratch(omp_get_thread_num()), &
+                  simulation%effects%contact%broken(field, :, tile), tile, simulation%stores(index))
             end do
          end do
       end do
@@ -258,17 +264,18 @@ contains
    end subroutine break_bonds
 
    !> One store in one tile.
-   subroutine break_tile(simulation, scratch, broken, tile, store)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine break_tile(space, scheme, scratch, broken, tile, store)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       logical, intent(in) :: broken(:)               !! (node)
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(store_t), intent(inout) :: store          !! The particles
       integer :: cell, p, q, node, upper(3)
 
-      call find_plain_places(simulation, scratch, store, tile)
+      call find_plain_places(space, scheme, scratch, store, tile)
       ! the cells are counted from 0, and a name for a part of an array would count them from 1
-      associate (grid => simulation%grid)
+      associate (grid => space%grid)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                q = store%first(tile) + p - 1
@@ -279,4 +286,33 @@ contains
          end do
       end associate
    end subroutine break_tile
+
+   !> Heat of contact to the particles of a tile; material that carries no internal energy records
+   !! it.
+   subroutine add_contact_heat(space, scheme, field, scratch, store, tile)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile
+      real(wp) :: lost
+      integer :: p, q
+
+      associate (rubbed => field%nodes%rubbed(:, :, tile), shape => scratch%shape)
+         if (.not. any(abs(rubbed) > 0.0_wp)) return
+         call scheme%method%basis%gather_values(space%grid, shape, &
+            rubbed, shape%values)
+      end associate
+      lost = 0.0_wp
+      do p = 1, store%count(tile)
+         q = store%first(tile) + p - 1
+         if (allocated(store%state%energy)) then
+            store%state%energy(q) = store%state%energy(q) + scratch%shape%values(p, 1)
+         else
+            lost = lost + store%state%mass(q)*scratch%shape%values(p, 1)
+         end if
+      end do
+      call scratch%ledger%sums(dissipated)%add(lost)
+   end subroutine add_contact_heat
 end module step_contact

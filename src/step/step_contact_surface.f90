@@ -11,9 +11,10 @@ module step_contact_surface
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_particles_to_nodes, only: find_plain_places
-   use step_simulation, only: contact_t, empty_mass, guesses, scratch_t, simulation_t
+   use step_simulation, only: contact_t, effects_t, empty_mass, guesses, scratch_t, simulation_t, &
+      space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use transfer_contact, only: particle_widths, find_reach
+   use transfer_contact, only: find_reach, particle_widths
    use transfer_scatter, only: motion_columns
    implicit none
    private
@@ -26,22 +27,22 @@ contains
 
    !> Outward areas of the bodies on the nodes, and how far they reach there.
    subroutine find_surfaces(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run; fields have their masses
+      type(simulation_t), intent(inout) :: simulation !! Fields have their masses
       integer :: fields, rows
 
-      fields = size(simulation%contact%field)
-      rows = area_rows(simulation%contact)*fields
-      call simulation%timer%start(simulation%phase%contact)
-      call find_meetings(simulation)
-      associate (contact => simulation%contact, number => simulation%grid%tile_nodes)
-         call ensure_patch(contact%outward, rows, number, simulation%tiles%own)
+      fields = size(simulation%fields)
+      rows = area_rows(simulation%effects%contact)*fields
+      call simulation%machine%timer%start(simulation%machine%phase%contact)
+      call find_meetings(simulation%space, simulation%fields, simulation%effects)
+      associate (contact => simulation%effects%contact, number => simulation%space%grid%tile_nodes)
+         call ensure_patch(contact%outward, rows, number, simulation%space%tiles%own)
          call spread(simulation, spread_area, contact%outward)
-         call ensure_patch(contact%area, rows, number, simulation%tiles%all)
+         call ensure_patch(contact%area, rows, number, simulation%space%tiles%all)
          call sum_areas(simulation)
-         call ensure_patch(contact%reach, guesses*fields**2, number, simulation%tiles%own)
+         call ensure_patch(contact%reach, guesses*fields**2, number, simulation%space%tiles%own)
          call spread(simulation, spread_places, contact%reach)
       end associate
-      call simulation%timer%stop(simulation%phase%contact)
+      call simulation%machine%timer%stop(simulation%machine%phase%contact)
    end subroutine find_surfaces
 
    !> Rows of the patch of areas, for one field.
@@ -52,32 +53,35 @@ contains
    end function area_rows
 
    !> Own tiles with nodes that several fields share.
-   subroutine find_meetings(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine find_meetings(space, fields, effects)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: fields(:)
+      type(effects_t), intent(inout) :: effects
       integer :: tile, field
-      integer :: here(simulation%grid%tile_nodes)
+      integer :: here(space%grid%tile_nodes)
 
-      if (allocated(simulation%contact%meets)) then
-         if (size(simulation%contact%meets) < simulation%tiles%all) &
-            deallocate (simulation%contact%meets)
+      if (allocated(effects%contact%meets)) then
+         if (size(effects%contact%meets) < space%tiles%all) &
+            deallocate (effects%contact%meets)
       end if
-      if (.not. allocated(simulation%contact%meets)) allocate (simulation%contact%meets( &
-         simulation%tiles%all + simulation%tiles%all/16))
-      !$omp parallel do default(none) shared(simulation) private(tile, field, here) schedule(static)
-      do tile = 1, simulation%tiles%all
+      if (.not. allocated(effects%contact%meets)) allocate (effects%contact%meets( &
+         space%tiles%all + space%tiles%all/16))
+      !$omp parallel do default(none) shared(space, fields, effects) private(tile, field, here) &
+      !$omp schedule(static)
+      do tile = 1, space%tiles%all
          here = 0
-         do field = 1, size(simulation%contact%field)
-            where (simulation%contact%field(field)%nodes%mass(1, :, tile) > empty_mass) &
+         do field = 1, size(fields)
+            where (fields(field)%nodes%mass(1, :, tile) > empty_mass) &
                here = here + 1
          end do
-         simulation%contact%meets(tile) = any(here > 1)
+         effects%contact%meets(tile) = any(here > 1)
       end do
       !$omp end parallel do
    end subroutine find_meetings
 
    !> Something of the particles to patches, and the patches of other ranks.
    subroutine spread(simulation, work, patch)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       interface
          subroutine work(simulation, scratch, tile, patch)
             import :: scratch_t, simulation_t, wp
@@ -111,25 +115,25 @@ contains
    !> Outward areas of the particles of a tile: what they would push the nodes with under unit
    !! pressure. With bonds also the mass of those that hold. Equation (C.1).
    subroutine spread_area(simulation, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
-      real(wp) :: wide(motion_columns, simulation%grid%tile_nodes)
+      real(wp) :: wide(motion_columns, simulation%space%grid%tile_nodes)
       integer :: field, index, rows, before
 
       call clear_patch(patch)
-      if (.not. simulation%contact%meets(tile)) return
-      rows = area_rows(simulation%contact)
-      do field = 1, size(simulation%contact%field)
+      if (.not. simulation%effects%contact%meets(tile)) return
+      rows = area_rows(simulation%effects%contact)
+      do field = 1, size(simulation%fields)
          before = rows*(field - 1)
          call clear_patch(wide)
-         do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
+         do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
             if (simulation%stores(index)%count(tile) == 0) cycle
-            associate (store => simulation%stores(index), grid => simulation%grid, &
-               basis => simulation%method%basis, pushed => scratch%pushed, &
+            associate (store => simulation%stores(index), grid => simulation%space%grid, &
+               basis => simulation%scheme%method%basis, pushed => scratch%pushed, &
                start => simulation%stores(index)%cell_start(:, tile))
-               call find_plain_places(simulation, scratch, store, tile)
+               call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
                call pushed%copy(store%first(tile), store%count(tile), store%position, &
                   store%state%volume, store%state%stress)
                call pushed%make_unit(store%count(tile))
@@ -150,7 +154,7 @@ contains
    !> Mass of the particles of a tile whose bonds hold, in the first column.
    pure subroutine hold(store, tile, values)
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(inout) :: values(:, :)        !! (particle of the tile, column) [kg]
       integer :: p, q
 
@@ -162,11 +166,11 @@ contains
 
    !> Areas of the nodes of all tiles; faces of the box are no surfaces.
    subroutine sum_areas(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer :: tile
 
       !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-      do tile = 1, simulation%tiles%all
+      do tile = 1, simulation%space%tiles%all
          call sum_tile(simulation, tile)
       end do
       !$omp end parallel do
@@ -174,23 +178,23 @@ contains
 
    !> One tile.
    subroutine sum_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: tensor(9, simulation%grid%tile_nodes)
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
+      real(wp) :: tensor(9, simulation%space%grid%tile_nodes)
       integer :: field, before, k
 
-      if (.not. simulation%contact%meets(tile)) return
-      associate (contact => simulation%contact)
-         call assemble(simulation%grid, simulation%tiles, contact%outward, tile, &
+      if (.not. simulation%effects%contact%meets(tile)) return
+      associate (contact => simulation%effects%contact)
+         call assemble(simulation%space%grid, simulation%space%tiles, contact%outward, tile, &
             contact%area(:, :, tile))
-         do field = 1, size(contact%field)
+         do field = 1, size(contact%law, 1)
             before = area_rows(contact)*(field - 1)
             tensor = 0.0_wp
             do k = 1, 3
                tensor(3*k - 2, :) = contact%area(before + k, :, tile)
             end do
-            call simulation%boundary%insulate(simulation%grid, &
-               simulation%tiles%coordinate(:, tile), tensor)
+            call simulation%space%boundary%insulate(simulation%space%grid, &
+               simulation%space%tiles%coordinate(:, tile), tensor)
             do k = 1, 3
                contact%area(before + k, :, tile) = tensor(3*k - 2, :)
             end do
@@ -202,7 +206,7 @@ contains
    !! one, of the other, or the mean of both. It changes its sign with the fields.
    pure function guess_area(contact, tile, node, a, b, guess) result(area)
       type(contact_t), intent(in) :: contact         !! The fields
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Which node
       integer, intent(in) :: a, b                    !! The fields, a < b
       integer, intent(in) :: guess                   !! 1 to 3
@@ -229,44 +233,47 @@ contains
       integer, intent(in) :: a, b                    !! The fields
       integer, intent(in) :: guess                   !! 1 to 3
 
-      row = guesses*(size(contact%field)*(a - 1) + b - 1) + guess
+      row = guesses*(size(contact%law, 1)*(a - 1) + b - 1) + guess
    end function reach_row
 
    !> Its direction; nothing where it is too small to have one.
-   pure function direction_of(simulation, area) result(normal)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure function direction_of(space, area) result(normal)
+      type(space_t), intent(in) :: space
       real(wp), intent(in) :: area(3)                !! [m2]
       real(wp) :: normal(3), length
 
       normal = 0.0_wp
       length = norm2(area)
-      if (length > faint*simulation%grid%depth &
-         *simulation%grid%spacing**(simulation%grid%dimensions - 1)) normal = area/length
+      if (length > faint*space%grid%depth &
+         *space%grid%spacing**(space%grid%dimensions - 1)) normal = area/length
    end function direction_of
 
    !> How far the particles of a tile reach towards each other field.
    subroutine spread_places(simulation, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
-      real(wp) :: normal(3, simulation%grid%tile_nodes), reach(simulation%grid%tile_nodes)
+      real(wp) :: normal(3, simulation%space%grid%tile_nodes), &
+         reach(simulation%space%grid%tile_nodes)
       integer :: a, b, guess
 
       patch = -huge(1.0_wp)
-      if (.not. simulation%contact%meets(tile)) return
-      do b = 2, size(simulation%contact%field)
+      if (.not. simulation%effects%contact%meets(tile)) return
+      do b = 2, size(simulation%fields)
          do a = 1, b - 1
             do guess = 1, guesses
                call find_normals(simulation, tile, a, b, guess, normal)
                if (.not. any(abs(normal) > 0.0_wp)) cycle
                reach = -huge(1.0_wp)
-               call reach_of_field(simulation, scratch, tile, a, normal, reach)
-               patch(reach_row(simulation%contact, a, b, guess), :) = reach
+               call reach_of_field(simulation%space, simulation%stores, simulation%fields, &
+                  scratch, tile, a, normal, reach)
+               patch(reach_row(simulation%effects%contact, a, b, guess), :) = reach
                normal = -normal
                reach = -huge(1.0_wp)
-               call reach_of_field(simulation, scratch, tile, b, normal, reach)
-               patch(reach_row(simulation%contact, b, a, guess), :) = reach
+               call reach_of_field(simulation%space, simulation%stores, simulation%fields, &
+                  scratch, tile, b, normal, reach)
+               patch(reach_row(simulation%effects%contact, b, a, guess), :) = reach
             end do
          end do
       end do
@@ -274,39 +281,41 @@ contains
 
    !> Guessed normals from one field to another at the nodes of a tile where both have mass.
    subroutine find_normals(simulation, tile, a, b, guess, normal)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       integer, intent(in) :: a, b                    !! From which field to which, a < b
       integer, intent(in) :: guess                   !! 1 to 3
       real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 where they do not meet [1]
       integer :: node
 
       normal = 0.0_wp
-      associate (contact => simulation%contact)
+      associate (contact => simulation%effects%contact, fields => simulation%fields)
          do node = 1, size(normal, 2)
-            if (.not. contact%field(a)%nodes%mass(1, node, tile) > empty_mass) cycle
-            if (.not. contact%field(b)%nodes%mass(1, node, tile) > empty_mass) cycle
-            normal(:, node) = direction_of(simulation, &
+            if (.not. fields(a)%nodes%mass(1, node, tile) > empty_mass) cycle
+            if (.not. fields(b)%nodes%mass(1, node, tile) > empty_mass) cycle
+            normal(:, node) = direction_of(simulation%space, &
                guess_area(contact, tile, node, a, b, guess))
          end do
       end associate
    end subroutine find_normals
 
    !> How far the particles of one field in a tile reach along the normals.
-   subroutine reach_of_field(simulation, scratch, tile, field, normal, reach)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine reach_of_field(space, stores, fields, scratch, tile, field, normal, reach)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(velocity_field_t), intent(in) :: fields(:)
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: field                   !! Which field
       real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
       real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
       integer :: index
 
-      do index = simulation%contact%field(field)%first, simulation%contact%field(field)%last
-         if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (store => simulation%stores(index), grid => simulation%grid, &
-            start => simulation%stores(index)%cell_start(:, tile), &
-            coordinate => simulation%tiles%coordinate(:, tile))
+      do index = fields(field)%first_store, fields(field)%last_store
+         if (stores(index)%count(tile) == 0) cycle
+         associate (store => stores(index), grid => space%grid, &
+            start => stores(index)%cell_start(:, tile), &
+            coordinate => space%tiles%coordinate(:, tile))
             call scratch%shape%reserve(store%count(tile))
             call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
                store%state%volume, scratch%shape%values(:, 1))

@@ -10,7 +10,7 @@ module step_diagnostics
    use particle_crowding, only: add_to_nodes, measure_claims, measure_noise, nodes_alone
    use particle_neighbours, only: neighbour_table_t
    use particle_store, only: store_t
-   use step_simulation, only: simulation_t
+   use step_simulation, only: conservation_t, machine_t, simulation_t, space_t
    use step_trust_record, only: apart
    implicit none
    private
@@ -50,19 +50,21 @@ module step_diagnostics
 contains
 
    !> Greatest speed, energies of particles. Collective.
-   subroutine look_at_bounds(simulation, least_energy, look)
-      type(simulation_t), intent(inout) :: simulation !! The run between two steps
+   subroutine look_at_bounds(space, stores, machine, least_energy, look)
+      type(space_t), intent(in) :: space
+      type(store_t), intent(in) :: stores(:)
+      type(machine_t), intent(inout) :: machine
       real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
       type(bounds_look_t), intent(out) :: look       !! What is found
-      real(wp) :: greatest(4, max(1, simulation%tiles%own)), all(4)
+      real(wp) :: greatest(4, max(1, space%tiles%own)), all(4)
       integer :: index, tile
 
       greatest = -huge(1.0_wp)
-      !$omp parallel do default(none) shared(simulation, least_energy, greatest) &
+      !$omp parallel do default(none) shared(space, stores, machine, least_energy, greatest) &
       !$omp private(tile, index) schedule(static)
-      do tile = 1, simulation%tiles%own
-         do index = 1, size(simulation%stores)
-            associate (store => simulation%stores(index))
+      do tile = 1, space%tiles%own
+         do index = 1, size(stores)
+            associate (store => stores(index))
                if (store%count(tile) == 0) cycle
                call find_bounds(store, store%first(tile), store%first(tile) + store%count(tile) &
                   - 1, least_energy, greatest(:, tile))
@@ -71,7 +73,7 @@ contains
       end do
       !$omp end parallel do
       all = maxval(greatest, dim=2)
-      call simulation%communicator%maxima(all)
+      call machine%communicator%maxima(all)
       look%speed = sqrt(max(0.0_wp, all(1)))
       look%heat = all(2)
       look%cold = -all(3)
@@ -116,8 +118,11 @@ contains
 
    !> Identity of the particle in which a measure is greatest, the lowest of several; huge if there
    !! is none. Collective.
-   integer(int64) function find_greatest(simulation, measure, least_energy) result(identity)
-      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+   integer(int64) function find_greatest(materials, stores, machine, measure, least_energy) &
+      result(identity)
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(in) :: stores(:)
+      type(machine_t), intent(in) :: machine
       integer, intent(in) :: measure                 !! One of those above
       real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
       real(wp) :: value, greatest
@@ -125,11 +130,11 @@ contains
 
       identity = huge(identity)
       greatest = -huge(greatest)
-      do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index))
+      do index = 1, size(stores)
+         associate (store => stores(index))
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  value = measure_of(store, p, simulation%materials(index)%density, measure, &
+                  value = measure_of(store, p, materials(index)%density, measure, &
                      least_energy)
                   if (value < greatest) cycle
                   if (value > greatest) identity = huge(identity)
@@ -139,7 +144,7 @@ contains
             end do
          end associate
       end do
-      identity = lowest_of(simulation, greatest, identity)
+      identity = lowest_of(machine, greatest, identity)
    end function find_greatest
 
    !> A measure of a particle; the lowest number where it has no meaning.
@@ -173,21 +178,21 @@ contains
    end function measure_of
 
    !> The lowest identity among the ranks that have the greatest value. Collective.
-   integer(int64) function lowest_of(simulation, value, own) result(identity)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   integer(int64) function lowest_of(machine, value, own) result(identity)
+      type(machine_t), intent(in) :: machine
       real(wp), intent(in) :: value                  !! Greatest of this rank
       integer(int64), intent(in) :: own              !! Its particle
       integer(int64) :: least(1)
 
       least = own
-      if (value < simulation%communicator%maximum(value)) least = huge(least)
-      call simulation%communicator%least(least)
+      if (value < machine%communicator%maximum(value)) least = huge(least)
+      call machine%communicator%least(least)
       identity = least(1)
    end function lowest_of
 
    !> Distances of neighbours, volumes, pressures. Collective.
    subroutine look_at_shapes(simulation, look)
-      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      type(simulation_t), intent(in) :: simulation   !! Between two steps
       type(shapes_look_t), intent(out) :: look       !! What is found
       real(wp), allocatable :: found(:, :)
       integer(int64), allocatable :: who(:, :)
@@ -196,31 +201,32 @@ contains
       integer(int64) :: identity(longest:differs)
       integer :: n, tile
 
-      allocate (found(columns, simulation%tiles%own), source=0.0_wp)
-      allocate (who(longest:differs, simulation%tiles%own), source=huge(1_int64))
+      allocate (found(columns, simulation%space%tiles%own), source=0.0_wp)
+      allocate (who(longest:differs, simulation%space%tiles%own), source=huge(1_int64))
       !$omp parallel default(none) shared(simulation, found, who)
       call look_at_some(simulation, found, who)
       !$omp end parallel
       do n = 1, sums
          call sum%clear()
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             call sum%add(found(n, tile))
          end do
-         call sum%over_ranks(simulation%communicator)
+         call sum%over_ranks(simulation%machine%communicator)
          total(n) = sum%value()
       end do
       do n = longest, differs
          greatest(n) = 0.0_wp
          identity(n) = huge(1_int64)
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             if (found(n, tile) < greatest(n)) cycle
             if (found(n, tile) > greatest(n)) identity(n) = huge(1_int64)
             greatest(n) = found(n, tile)
             identity(n) = min(identity(n), who(n, tile))
          end do
-         identity(n) = lowest_of(simulation, greatest(n), identity(n))
+         identity(n) = lowest_of(simulation%machine, greatest(n), identity(n))
       end do
-      look%longest = simulation%communicator%maximum(greatest(longest))/simulation%grid%spacing
+      look%longest = &
+         simulation%machine%communicator%maximum(greatest(longest))/simulation%space%grid%spacing
       if (total(seen_mass) > 0.0_wp) look%share = total(far_mass)/total(seen_mass)
       if (total(occupied) > 0.0_wp) look%overlap = (total(claimed) - total(occupied)) &
          /total(occupied)
@@ -235,7 +241,7 @@ contains
 
    !> The tiles of one thread, with scratch space of its own.
    subroutine look_at_some(simulation, found, who)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       real(wp), intent(inout) :: found(:, :)         !! (column, tile)
       integer(int64), intent(inout) :: who(longest:, :) !! (column, tile) Particles of the greatest
       type(neighbour_table_t) :: table
@@ -243,10 +249,12 @@ contains
       logical, allocatable :: alone(:)
       integer :: tile, index
 
-      allocate (patch(2, simulation%grid%tile_nodes), total(2, simulation%grid%tile_nodes))
+      allocate (patch(2, simulation%space%grid%tile_nodes), total(2, &
+         simulation%space%grid%tile_nodes))
       !$omp do schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
-         associate (grid => simulation%grid, coordinate => simulation%tiles%coordinate(:, tile))
+      do tile = 1, simulation%space%tiles%own
+         associate (grid => simulation%space%grid, coordinate => &
+            simulation%space%tiles%coordinate(:, tile))
             alone = nodes_alone(grid, coordinate)
             total = 0.0_wp
             do index = 1, size(simulation%stores)
@@ -257,9 +265,10 @@ contains
                   call add_to_nodes(grid, coordinate, store, tile, material%density, &
                      is_loose(material), patch)
                   total = total + patch
-                  call look_at_noise(simulation, store, tile, alone, patch, found(:, tile), &
+                  call look_at_noise(simulation%space, store, tile, alone, patch, found(:, tile), &
                      who(:, tile))
-                  if (is_solid(material)) call look_at_lengths(simulation, table, store, tile, &
+                  if (is_solid(material)) call look_at_lengths(simulation%space, &
+                     simulation%balance, table, store, tile, &
                      found(:, tile), who(:, tile))
                end associate
             end do
@@ -271,10 +280,10 @@ contains
    end subroutine look_at_some
 
    !> Pressures of a store in a tile.
-   pure subroutine look_at_noise(simulation, store, tile, alone, patch, found, who)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine look_at_noise(space, store, tile, alone, patch, found, who)
+      type(space_t), intent(in) :: space
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
       real(wp), intent(in) :: patch(:, :)            !! (2, node) Of this store
       real(wp), intent(inout) :: found(:)            !! (column)
@@ -283,7 +292,7 @@ contains
       integer :: p, n
 
       all = 0.0_wp
-      call measure_noise(simulation%grid, simulation%tiles%coordinate(:, tile), alone, store, &
+      call measure_noise(space%grid, space%tiles%coordinate(:, tile), alone, store, &
          tile, patch, all, p)
       do n = 1, 4
          found(noise + n - 1) = found(noise + n - 1) + all(n)
@@ -295,22 +304,23 @@ contains
    end subroutine look_at_noise
 
    !> Distances of neighbours of a store in a tile.
-   pure subroutine look_at_lengths(simulation, table, store, tile, found, who)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine look_at_lengths(space, balance, table, store, tile, found, who)
+      type(space_t), intent(in) :: space
+      type(conservation_t), intent(in) :: balance
       type(neighbour_table_t), intent(inout) :: table !! Scratch space
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(inout) :: found(:)            !! (column)
       integer(int64), intent(inout) :: who(longest:) !! (column)
       real(wp) :: length(store%count(tile)), mass
       integer :: p
 
-      call table%lengths(simulation%grid, simulation%trust%lattices, store, tile, length)
+      call table%lengths(space%grid, balance%trust%lattices, store, tile, length)
       do p = 1, size(length)
          if (length(p) < 0.0_wp) cycle
          mass = store%state%mass(store%first(tile) + p - 1)
          found(seen_mass) = found(seen_mass) + mass
-         if (length(p) > apart*simulation%grid%spacing) found(far_mass) = found(far_mass) + mass
+         if (length(p) > apart*space%grid%spacing) found(far_mass) = found(far_mass) + mass
          if (length(p) < found(longest)) cycle
          if (length(p) > found(longest)) who(longest) = huge(1_int64)
          found(longest) = length(p)

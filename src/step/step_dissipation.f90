@@ -15,7 +15,7 @@ module step_dissipation
 
 contains
 
-   !> Book what artificial viscosity and plastic flow took.
+   !> Record what artificial viscosity and plastic flow took.
    subroutine record_losses(ledger, material, state, deformation, count)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(material_t), intent(in) :: material       !! What can lose at all
@@ -43,7 +43,7 @@ contains
    !> Does the share of PIC take kinetic energy that nothing takes up, and that can be told?
    pure logical function damps(method, carries) result(told)
       type(method_t), intent(in) :: method           !! Its transfer
-      logical, intent(in) :: carries                 !! Does some matter carry an internal energy?
+      logical, intent(in) :: carries                 !! Does some material carry an internal energy?
 
       ! with musl the strain sees it, so what it takes is not lost
       told = .not. carries .and. (method%averages() .or. .not. method%remaps()) &
@@ -52,13 +52,13 @@ contains
          .and. method%transfer%flip_fraction() < 1.0_wp
    end function damps
 
-   !> Book the kinetic energy that the share of PIC took from the particles of a tile. With the
+   !> Record the kinetic energy that the share of PIC took from the particles of a tile. With the
    !! velocity c with which they moved they would have (v - (1 - f) c)/f without it, as FLIP gives
    !! it: more by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
    subroutine record_damping(ledger, store, tile, moved, keep)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(store_t), intent(in) :: store             !! The particles after the step
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: moved(:, :) !! (particle of the tile, 3) c [m/s]
       real(wp), intent(in) :: keep                   !! Share f of FLIP [1]
       real(wp) :: taken, lost
@@ -76,7 +76,7 @@ contains
       call record_damped(ledger, taken)
    end subroutine record_damping
 
-   !> Book energy that the share of PIC took.
+   !> Record energy that the share of PIC took.
    subroutine record_damped(ledger, energy)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       real(wp), intent(in) :: energy                 !! [J]

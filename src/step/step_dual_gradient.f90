@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The dual gradient on the nodes: weights of cells, volumes, forces of the node stress, and node
-!! gradients of velocities. Every tile adds the share of its cells, kept as pieces.
+!! gradients of velocities. Every tile adds the share of its cells, kept as packed patches.
 module step_dual_gradient
    use base_kinds, only: wp
    use mesh_packed_patch, only: packed_patch_t
@@ -8,7 +8,7 @@ module step_dual_gradient
    use step_method, only: stress_after
    use step_node_sums, only: divide, ensure_sums, keep_sums, slots
    use step_particles_to_nodes, only: nodes_seen, tensor_rows, vector_rows
-   use step_simulation, only: empty_mass, simulation_t
+   use step_simulation, only: empty_mass, scheme_t, simulation_t, space_t, velocity_field_t
    use step_small_masses, only: calm_light_nodes, light_may_gain
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
@@ -19,52 +19,58 @@ module step_dual_gradient
 contains
 
    !> Weights and volumes of the dual gradient, and the force of the stress on the nodes.
-   subroutine dual_fields(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine dual_fields(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       integer :: tile
       real(wp) :: began
 
-      call simulation%timer%start(simulation%phase%grid)
-      call ensure_dual(simulation)
-      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
-      do tile = 1, simulation%tiles%all
+      call simulation%machine%timer%start(simulation%machine%phase%grid)
+      call ensure_dual(simulation, field)
+      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      !$omp schedule(static)
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
-         call weigh_tile(simulation, tile)
+         call weigh_tile(simulation, field, tile)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      associate (nodes => simulation%nodes)
-         call nodes%weighted%line_up(simulation%grid, simulation%tiles)
+      associate (nodes => field%nodes)
+         call nodes%weighted%line_up(simulation%space%grid, simulation%space%tiles)
          call nodes%share%ensure(nodes%weighted%nodes())
          call nodes%force%ensure(nodes%weighted%nodes())
       end associate
-      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
-      do tile = 1, simulation%tiles%all
+      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      !$omp schedule(static)
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
-         call share_tile(simulation, tile)
+         call share_tile(simulation, field, tile)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      !$omp parallel do default(none) shared(simulation) private(tile, began) schedule(static)
-      do tile = 1, simulation%tiles%all
+      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      !$omp schedule(static)
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
-         call force_tile(simulation, tile)
+         call force_tile(simulation, field, tile)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%grid)
+      call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine dual_fields
 
-   !> Make room for the fields of the dual gradient, but for pieces whose boxes are not known yet.
-   pure subroutine ensure_dual(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   !> Allocate the fields of the dual gradient, but for pieces whose boxes are not known yet.
+   pure subroutine ensure_dual(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
 
-      associate (nodes => simulation%nodes, grid => simulation%grid, all => simulation%tiles%all)
-         call ensure_sums(simulation)
+      associate (nodes => field%nodes, grid => simulation%space%grid, all => &
+         simulation%space%tiles%all)
+         call ensure_sums(simulation, field)
          call ensure_weights(nodes%weight, grid%tile_cells, all)
          call nodes%weighted%ensure(all)
-         call ensure_patch(nodes%volume, 1, grid%tile_nodes, slots(simulation))
-         if (simulation%repacks) call ensure_patch(nodes%filled, 1, grid%tile_nodes, all)
+         call ensure_patch(nodes%volume, 1, grid%tile_nodes, slots(simulation, field))
+         if (simulation%scheme%repacks) call ensure_patch(nodes%filled, 1, grid%tile_nodes, all)
          if (allocated(nodes%share%row)) return
          call nodes%share%keep(1, [.true.])
          call nodes%force%keep(3, vector_rows(grid))
@@ -75,22 +81,24 @@ contains
    end subroutine ensure_dual
 
    !> Weights of the cells of a tile.
-   subroutine weigh_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine weigh_tile(simulation, field, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
       integer, parameter :: filled = 8               ! row of the patch
-      real(wp) :: around(simulation%grid%tile_nodes)
-      real(wp) :: sums(filled, simulation%grid%tile_nodes)
-      logical :: weighs(simulation%grid%tile_cells)
+      real(wp) :: around(simulation%space%grid%tile_nodes)
+      real(wp) :: sums(filled, simulation%space%grid%tile_nodes)
+      logical :: weighs(simulation%space%grid%tile_cells)
 
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile))
-         call nodes%motion(1)%assemble(grid, simulation%tiles, nodes%touched, tile, sums)
+      associate (grid => simulation%space%grid, nodes => field%nodes, &
+         coordinate => simulation%space%tiles%coordinate(:, tile))
+         call nodes%motion(1)%assemble(grid, simulation%space%tiles, nodes%touched, tile, sums)
          if (.not. nodes%lean) call keep_sums(nodes, tile, sums)
-         if (simulation%repacks) nodes%filled(1, :, tile) = sums(filled, :)
+         if (simulation%scheme%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
          ! with normalised sums they are known
-         if (.not. allocated(simulation%normalises)) call simulation%dual%cell_weights(grid, sums, &
+         if (.not. allocated(simulation%scheme%normalises)) call &
+            simulation%scheme%dual%cell_weights(grid, sums, &
             filled, around, nodes%weight(:, tile))
          call empty_box(nodes%weighted%box(:, :, tile))
          weighs = nodes%weight(:, tile) > 0.0_wp
@@ -99,52 +107,58 @@ contains
    end subroutine weigh_tile
 
    !> Share of the cells of a tile in the volumes of the nodes.
-   subroutine share_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: patch(1, simulation%grid%tile_nodes)
+   subroutine share_tile(simulation, field, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
+      real(wp) :: patch(1, simulation%space%grid%tile_nodes)
 
-      associate (grid => simulation%grid, nodes => simulation%nodes)
+      associate (grid => simulation%space%grid, nodes => field%nodes)
          call clear_patch(patch)
-         call simulation%dual%add_volume(grid, simulation%tiles%coordinate(:, tile), &
+         call simulation%scheme%dual%add_volume(grid, simulation%space%tiles%coordinate(:, tile), &
             nodes%weight(:, tile), patch)
          call nodes%share%put(grid, nodes%weighted, tile, 1, patch)
       end associate
    end subroutine share_tile
 
    !> Volumes of the nodes of a tile.
-   pure subroutine find_volumes(simulation, tile, slot)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   pure subroutine find_volumes(simulation, field, tile, slot)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
 
-      associate (nodes => simulation%nodes)
-         call nodes%share%assemble(simulation%grid, simulation%tiles, nodes%weighted, tile, &
+      associate (nodes => field%nodes)
+         call nodes%share%assemble(simulation%space%grid, simulation%space%tiles, nodes%weighted, &
+            tile, &
             nodes%volume(:, :, slot))
       end associate
    end subroutine find_volumes
 
    !> Force of the node stress of the cells of a tile.
-   subroutine force_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: stress(9, simulation%grid%tile_nodes), force(3, simulation%grid%tile_nodes)
+   subroutine force_tile(simulation, field, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
+      real(wp) :: stress(9, simulation%space%grid%tile_nodes), force(3, &
+         simulation%space%grid%tile_nodes)
       integer :: slot
 
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile))
+      associate (grid => simulation%space%grid, nodes => field%nodes, &
+         coordinate => simulation%space%tiles%coordinate(:, tile))
          slot = nodes%slot(tile)
-         call find_volumes(simulation, tile, slot)
-         call nodes%motion(2)%assemble(grid, simulation%tiles, nodes%touched, tile, stress)
+         call find_volumes(simulation, field, tile, slot)
+         call nodes%motion(2)%assemble(grid, simulation%space%tiles, nodes%touched, tile, stress)
          if (allocated(nodes%normal)) then
             call normalise(nodes%volume(:, :, slot), nodes%normal(:, :, tile), stress)
          else
             call divide(nodes%volume(:, :, slot), 1, stress)
          end if
-         if (simulation%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
-         call simulation%boundary%mirror(grid, coordinate, stress)
+         if (simulation%scheme%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
+         call simulation%space%boundary%mirror(grid, coordinate, stress)
          call clear_patch(force)
-         call simulation%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, force)
+         call simulation%scheme%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, &
+            force)
          call nodes%force%put(grid, nodes%weighted, tile, 1, force)
       end associate
    end subroutine force_tile
@@ -182,59 +196,64 @@ contains
       end do
    end subroutine add_star
 
-   !> Bound what light nodes of a tile gain in the velocity that strains.
-   pure subroutine calm_tile(simulation, tile, slot, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   !> Bound what nodes of small mass of a tile gain in the velocity that strains.
+   pure subroutine calm_tile(simulation, field, tile, slot, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
 
-      if (.not. (simulation%method%dual .and. simulation%method%stress == stress_after)) return
-      associate (nodes => simulation%nodes)
-         if (.not. light_may_gain(simulation%grid, dt, nodes%acceleration(:, :, slot))) return
-         if (nodes%lean) call find_volumes(simulation, tile, slot)
-         call calm_light_nodes(simulation%grid, simulation%tiles%coordinate(:, tile), &
+      if (.not. (simulation%scheme%method%dual .and. simulation%scheme%method%stress == &
+         stress_after)) return
+      associate (nodes => field%nodes)
+         if (.not. light_may_gain(simulation%space%grid, dt, nodes%acceleration(:, :, slot))) return
+         if (nodes%lean) call find_volumes(simulation, field, tile, slot)
+         call calm_light_nodes(simulation%space%grid, simulation%space%tiles%coordinate(:, tile), &
             nodes%volume(1, :, slot), dt, nodes%velocity(:, :, slot), &
             nodes%acceleration(:, :, slot), nodes%strain(:, :, slot))
       end associate
    end subroutine calm_tile
 
    !> Share of the cells of a tile in the node gradient of a velocity.
-   pure subroutine put_gradient(simulation, tile, velocity, gradient)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   pure subroutine put_gradient(space, scheme, field, tile, velocity, gradient)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       type(packed_patch_t), intent(inout) :: gradient      !! Gets it [m3/s]
-      real(wp) :: patch(9, simulation%grid%tile_nodes)
+      real(wp) :: patch(9, space%grid%tile_nodes)
 
       call clear_patch(patch)
-      call simulation%dual%add_gradient(simulation%grid, simulation%tiles%coordinate(:, tile), &
-         simulation%nodes%weight(:, tile), velocity, patch)
-      call gradient%put(simulation%grid, simulation%nodes%weighted, tile, 1, patch)
+      call scheme%dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), &
+         field%nodes%weight(:, tile), velocity, patch)
+      call gradient%put(space%grid, field%nodes%weighted, tile, 1, patch)
    end subroutine put_gradient
 
    !> Sum of the pieces of a node gradient, divided by the volumes of the nodes. Equation (M.6) of
    !! doc/theory/method.md.
-   subroutine node_gradient(simulation, tile, pieces, gradient)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine node_gradient(space, field, tile, pieces, gradient)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
       type(packed_patch_t), intent(in) :: pieces           !! Shares of the cells [m3/s]
       !> (9, node) [1/s]; only where the particles of the tile see it
       real(wp), allocatable, intent(inout) :: gradient(:, :)
       integer :: low, high
 
-      if (.not. allocated(gradient)) allocate (gradient(9, simulation%grid%tile_nodes))
-      call pieces%assemble(simulation%grid, simulation%tiles, simulation%nodes%weighted, tile, &
+      if (.not. allocated(gradient)) allocate (gradient(9, space%grid%tile_nodes))
+      call pieces%assemble(space%grid, space%tiles, field%nodes%weighted, tile, &
          gradient)
-      call nodes_seen(simulation, tile, low, high)
-      if (allocated(simulation%nodes%normal)) then
-         call normalise(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), &
-            simulation%nodes%normal(:, low:high, tile), gradient(:, low:high))
+      call nodes_seen(space, field, tile, low, high)
+      if (allocated(field%nodes%normal)) then
+         call normalise(field%nodes%volume(:, low:high, field%nodes%slot(tile)), &
+            field%nodes%normal(:, low:high, tile), gradient(:, low:high))
       else
-         call divide(simulation%nodes%volume(:, low:high, simulation%nodes%slot(tile)), 1, &
+         call divide(field%nodes%volume(:, low:high, field%nodes%slot(tile)), 1, &
             gradient(:, low:high))
       end if
-      call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
+      call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), &
          gradient)
    end subroutine node_gradient
 end module step_dual_gradient

@@ -27,21 +27,22 @@ contains
    !! Velocities may be behind positions, and the stress that is updated before the force is that of
    !! the last step; each is compared with the solution at its own time.
    subroutine take_errors(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run with a solution
+      type(simulation_t), intent(inout) :: simulation !! With a solution
       type(exact_sum_t) :: sums(errors + 1)
       real(wp) :: part(errors + 1), farthest, times(errors)
       integer :: index, tile, n
 
-      associate (case => simulation%exact)
-         if (case%seen == simulation%step) return
-         times = simulation%time
-         times(2) = simulation%time - simulation%method%lag(simulation%dt)
-         if (simulation%method%strains_first()) times(3) = simulation%time - simulation%dt
+      associate (case => simulation%effects%exact)
+         if (case%seen == simulation%clock%step) return
+         times = simulation%clock%time
+         times(2) = simulation%clock%time - simulation%scheme%method%lag(simulation%clock%dt)
+         if (simulation%scheme%method%strains_first()) times(3) = simulation%clock%time - &
+            simulation%clock%dt
          farthest = 0.0_wp
          do index = 1, size(simulation%stores)
             if (.not. allocated(case%material(index)%solution)) cycle
-            do tile = 1, simulation%tiles%own
-               call sum_tile(simulation%grid, case%material(index)%solution, &
+            do tile = 1, simulation%space%tiles%own
+               call sum_tile(simulation%space%grid, case%material(index)%solution, &
                   simulation%stores(index), tile, times, part, farthest)
                do n = 1, errors + 1
                   call sums(n)%add(part(n))
@@ -49,7 +50,7 @@ contains
             end do
          end do
          do n = 1, errors + 1
-            call sums(n)%over_ranks(simulation%communicator)
+            call sums(n)%over_ranks(simulation%machine%communicator)
          end do
          case%error = 0.0_wp
          if (sums(errors + 1)%value() > 0.0_wp) then
@@ -59,8 +60,8 @@ contains
          end if
          case%greatest_error = max(case%greatest_error, case%error(1))
          case%greatest_motion = max(case%greatest_motion, &
-            simulation%communicator%maximum(farthest))
-         case%seen = simulation%step
+            simulation%machine%communicator%maximum(farthest))
+         case%seen = simulation%clock%step
       end associate
    end subroutine take_errors
 
@@ -69,7 +70,7 @@ contains
       type(grid_t), intent(in) :: grid               !! For its periods
       class(exact_t), intent(in) :: solution         !! The solution
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: times(errors)          !! Of position, velocity, stress [s]
       real(wp), intent(out) :: sums(:)               !! Mass times squares, and mass
       real(wp), intent(inout) :: farthest            !! Greatest displacement of the solution [m]
@@ -101,25 +102,25 @@ contains
 
    !> Put the extremes into the state of a checkpoint.
    subroutine save_errors(simulation, state)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(state_t), intent(inout) :: state          !! Of the checkpoint
 
-      if (.not. allocated(simulation%exact)) return
-      call state%set("exact_errors", [simulation%exact%greatest_error, &
-         simulation%exact%greatest_motion])
+      if (.not. allocated(simulation%effects%exact)) return
+      call state%set("exact_errors", [simulation%effects%exact%greatest_error, &
+         simulation%effects%exact%greatest_motion])
    end subroutine save_errors
 
    !> Take them from a checkpoint, if it has them.
    subroutine load_errors(simulation, state)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(state_t), intent(in) :: state             !! Of the checkpoint
       real(wp), allocatable :: numbers(:)
       type(error_t), allocatable :: error
 
-      if (.not. allocated(simulation%exact)) return
+      if (.not. allocated(simulation%effects%exact)) return
       call state%get("exact_errors", numbers, error)
       if (allocated(error)) return
-      simulation%exact%greatest_error = numbers(1)
-      simulation%exact%greatest_motion = numbers(2)
+      simulation%effects%exact%greatest_error = numbers(1)
+      simulation%effects%exact%greatest_motion = numbers(2)
    end subroutine load_errors
 end module step_exact_error

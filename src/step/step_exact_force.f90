@@ -6,7 +6,7 @@ module step_exact_force
    use omp_lib, only: omp_get_thread_num
    use step_ledger, only: cross, external_work, impulse, torque
    use step_particles_to_nodes, only: find_places
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: scratch_t, simulation_t, velocity_field_t
    implicit none
    private
 
@@ -14,42 +14,46 @@ module step_exact_force
 
 contains
 
-   !> Book impulse, its moment and work of the body force, particle by particle. The particles are
+   !> Record impulse, its moment and work of the body force, particle by particle. The particles are
    !! where they were when they gave the force to the nodes, and the mean velocities are known.
-   subroutine record_body_force(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine record_body_force(simulation, field, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       integer :: tile
 
-      !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
-         call book_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
+      !$omp parallel do default(none) shared(simulation, field, dt) private(tile) &
+      !$omp schedule(dynamic, 1)
+      do tile = 1, simulation%space%tiles%own
+         call book_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
       end do
       !$omp end parallel do
    end subroutine record_body_force
 
    !> One tile.
-   subroutine book_tile(simulation, scratch, tile, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine book_tile(simulation, field, scratch, tile, dt)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp) :: carry(3, simulation%grid%tile_nodes)
+      real(wp) :: carry(3, simulation%space%grid%tile_nodes)
       real(wp) :: total(3), turn(3), work, point(3), force(3), place(3)
       integer :: index, p, q, k
 
       total = 0.0_wp
       turn = 0.0_wp
       work = 0.0_wp
-      carry = simulation%nodes%velocity(:, :, tile) &
-         + 0.5_wp*dt*simulation%nodes%acceleration(:, :, tile)
+      carry = field%nodes%velocity(:, :, tile) &
+         + 0.5_wp*dt*field%nodes%acceleration(:, :, tile)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
-         if (.not. allocated(simulation%exact%material(index)%solution)) cycle
+         if (.not. allocated(simulation%effects%exact%material(index)%solution)) cycle
          associate (store => simulation%stores(index), &
-            solution => simulation%exact%material(index)%solution)
-            call find_places(simulation, scratch, store, tile)
-            call simulation%method%basis%gather_values(simulation%grid, scratch%shape, carry, &
+            solution => simulation%effects%exact%material(index)%solution)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call simulation%scheme%method%basis%gather_values(simulation%space%grid, &
+               scratch%shape, carry, &
                scratch%shape%vector)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
@@ -57,7 +61,7 @@ contains
                   point(k) = store%reference(q, k)
                   place(k) = store%position(q, k)
                end do
-               call solution%body_force(point, simulation%exact%force_time, force)
+               call solution%body_force(point, simulation%effects%exact%force_time, force)
                force = store%state%mass(q)*dt*force
                total = total + force
                turn = turn + cross(place, force)

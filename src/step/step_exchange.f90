@@ -3,7 +3,7 @@
 !! tiles are worked on while it travels. Packing is timed apart from waiting.
 module step_exchange
    use base_kinds, only: wp
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, velocity_field_t
    implicit none
    private
 
@@ -16,62 +16,68 @@ contains
 
    !> Own tiles of a part, to be worked on now.
    subroutine next_tiles(simulation, part, tiles)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: part                    !! The edge first
       integer, allocatable, intent(out) :: tiles(:)  !! Indices
 
       if (part == edge_tiles) then
-         call simulation%halo%plan(simulation%communicator, simulation%grid, simulation%tiles)
-         tiles = simulation%halo%edge
+         call simulation%space%halo%plan(simulation%machine%communicator, simulation%space%grid, &
+            simulation%space%tiles)
+         tiles = simulation%space%halo%edge
       else
-         tiles = simulation%halo%inner
+         tiles = simulation%space%halo%inner
       end if
    end subroutine next_tiles
 
    !> After the edge send its patches, after the inner tiles receive those of other ranks.
    subroutine pass_patches(simulation, part, patch)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: part                    !! What is done
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       real(wp) :: waited
 
-      if (simulation%communicator%size == 1) return
-      associate (communicator => simulation%communicator, phase => simulation%phase)
-         call simulation%timer%start(phase%exchange)
+      if (simulation%machine%communicator%size == 1) return
+      associate (communicator => simulation%machine%communicator, phase => simulation%machine%phase)
+         call simulation%machine%timer%start(phase%exchange)
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
-            call simulation%halo%post(communicator, simulation%tiles, patch)
+            call simulation%space%halo%post(communicator, simulation%space%tiles, patch)
          else
-            call simulation%halo%complete(communicator, simulation%grid, simulation%tiles, patch)
+            call simulation%space%halo%complete(communicator, simulation%space%grid, &
+               simulation%space%tiles, patch)
          end if
-         call simulation%timer%stop(phase%exchange)
-         if (part == inner_tiles) call simulation%timer%move(phase%exchange, phase%wait, &
+         call simulation%machine%timer%stop(phase%exchange)
+         if (part == inner_tiles) call simulation%machine%timer%move(phase%exchange, phase%wait, &
             communicator%traffic%waiting - waited)
       end associate
    end subroutine pass_patches
 
-   !> The same for the pieces of the motion.
-   subroutine pass_motion(simulation, part)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   !> The same for the packed patches of the motion.
+   subroutine pass_motion(simulation, field, part)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: part                    !! What is done
       real(wp) :: waited
       integer :: kinds
 
-      if (simulation%communicator%size == 1) return
-      kinds = merge(2, 1, simulation%method%dual)
-      associate (communicator => simulation%communicator, phase => simulation%phase, &
-         nodes => simulation%nodes)
-         call simulation%timer%start(phase%exchange)
+      if (simulation%machine%communicator%size == 1) return
+      kinds = merge(2, 1, simulation%scheme%method%dual)
+      associate (communicator => simulation%machine%communicator, phase => &
+         simulation%machine%phase, &
+         nodes => field%nodes)
+         call simulation%machine%timer%start(phase%exchange)
          waited = communicator%traffic%waiting
          if (part == edge_tiles) then
-            call simulation%halo%post_packed(communicator, simulation%grid, simulation%tiles, &
+            call simulation%space%halo%post_packed(communicator, simulation%space%grid, &
+               simulation%space%tiles, &
                nodes%touched, nodes%motion(:kinds))
          else
-            call simulation%halo%complete_packed(communicator, simulation%grid, simulation%tiles, &
+            call simulation%space%halo%complete_packed(communicator, simulation%space%grid, &
+               simulation%space%tiles, &
                nodes%touched, nodes%motion(:kinds))
          end if
-         call simulation%timer%stop(phase%exchange)
-         if (part == inner_tiles) call simulation%timer%move(phase%exchange, phase%wait, &
+         call simulation%machine%timer%stop(phase%exchange)
+         if (part == inner_tiles) call simulation%machine%timer%move(phase%exchange, phase%wait, &
             communicator%traffic%waiting - waited)
       end associate
    end subroutine pass_motion

@@ -8,7 +8,7 @@
 !! restart.
 module step_gravity
    use base_kinds, only: wp
-   use step_simulation, only: simulation_t
+   use step_simulation, only: clock_t, effects_t, scheme_t, simulation_t
    implicit none
    private
 
@@ -17,21 +17,23 @@ module step_gravity
 contains
 
    !> Let gravity be its mean over the time in which the forces of a step act.
-   pure subroutine act_gravity(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run, its kick is set
+   pure subroutine act_gravity(scheme, effects, clock)
+      type(scheme_t), intent(in) :: scheme
+      type(effects_t), intent(inout) :: effects
+      type(clock_t), intent(in) :: clock
       real(wp) :: from
 
-      if (.not. allocated(simulation%shaking)) return
-      from = simulation%time - simulation%method%lag(simulation%dt)
-      if (simulation%kick > 0.0_wp) &
-         simulation%gravity = simulation%shaking%mean(from, simulation%kick)
+      if (.not. allocated(effects%shaking)) return
+      from = clock%time - scheme%method%lag(clock%dt)
+      if (clock%kick > 0.0_wp) &
+         effects%gravity = effects%shaking%mean(from, clock%kick)
    end subroutine act_gravity
 
    !> Let gravity be that of the present time.
    pure subroutine update_gravity(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
 
-      if (allocated(simulation%shaking)) &
-         simulation%gravity = simulation%shaking%velocity(simulation%time)
+      if (allocated(simulation%effects%shaking)) &
+         simulation%effects%gravity = simulation%effects%shaking%velocity(simulation%clock%time)
    end subroutine update_gravity
 end module step_gravity

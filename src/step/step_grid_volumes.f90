@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Volumes of loose matter from what the nodes see (`volume_from = 'grid'` of a material).
+!> Volumes of loose material from what the nodes see (`volume_from = 'grid'` of a material).
 !!
-!! The volume of a particle follows the velocity gradient. Where matter comes apart and together
+!! The volume of a particle follows the velocity gradient. Where material comes apart and together
 !! again the gradient jumps between particles, and what it adds to a volume while a gap opens is not
 !! what it takes away while it closes: gaps that bear pressure are left, beside particles that stay
 !! too large. The fill of a node, the volume of the particles around it over its own, knows of both.
 !! Where it is below 1 pressed particles grow, at most to their volume without pressure, and so let
 !! the gap close; where it is above 1 loose ones shrink, at most to that volume. Grains are never
-!! pressed by this. At the surface of bodies a fill below 1 says nothing, unless matter thins out
+!! pressed by this. At the surface of bodies a fill below 1 says nothing, unless material thins out
 !! towards a closed face.
 !!
 !! Particles of a cell share one gradient, so a pressed one keeps voids of a loose one beside it
@@ -37,7 +37,7 @@ contains
    !> Fill of the nodes of a tile above 1, or below it where no surface is near; without the noise.
    !! Equation (Y.28) of doc/theory/strength.md.
    pure subroutine excess_fill(grid, boundary, coordinate, filled, counted, excess)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       real(wp), contiguous, intent(in) :: filled(:, :)  !! (1, node) Volume of particles [m3]
@@ -60,10 +60,10 @@ contains
    end subroutine excess_fill
 
    !> Let the particles of a tile grow and shrink. What pressed ones lose of their elastic energy is
-   !! booked, where they carry no internal energy that would keep it. Equation (Y.29).
+   !! recorded, where they carry no internal energy that would keep it. Equation (Y.29).
    pure subroutine repack(store, tile, material, excess, ledger)
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(material_t), intent(in) :: material       !! Their material
       real(wp), contiguous, intent(in) :: excess(:, :) !! (particle of the tile, 1) Fill less 1 [1]
       type(ledger_t), intent(inout) :: ledger        !! Of this thread

@@ -3,7 +3,7 @@
 module step_heat_boundaries
    use base_kinds, only: wp
    use step_ledger, only: external_work, ledger_t
-   use step_simulation, only: simulation_t
+   use step_simulation, only: effects_t, space_t
    implicit none
    private
 
@@ -12,29 +12,31 @@ module step_heat_boundaries
 contains
 
    !> Give the nodes of a tile on such faces the temperature of their face.
-   pure subroutine hold_temperature(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run, some material conducts
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: held(simulation%grid%tile_nodes)
+   pure subroutine hold_temperature(space, effects, tile)
+      type(space_t), intent(in) :: space
+      type(effects_t), intent(inout) :: effects
+      integer, intent(in) :: tile
+      real(wp) :: held(space%grid%tile_nodes)
 
-      if (.not. any(simulation%boundary%warm)) return
-      call simulation%boundary%held_at(simulation%grid, simulation%tiles%coordinate(:, tile), held)
-      where (held >= 0.0_wp) simulation%conduction%temperature(1, :, tile) = held
+      if (.not. any(space%boundary%warm)) return
+      call space%boundary%held_at(space%grid, space%tiles%coordinate(:, tile), held)
+      where (held >= 0.0_wp) effects%conduction%temperature(1, :, tile) = held
    end subroutine hold_temperature
 
    !> Heat that reaches nodes on such faces goes into the face, or comes out of it; the tile books
    !! the share of its own particles.
-   pure subroutine take_heat(simulation, ledger, tile, heat, change)
-      type(simulation_t), intent(in) :: simulation   !! The run, some material conducts
+   pure subroutine take_heat(space, effects, ledger, tile, heat, change)
+      type(space_t), intent(in) :: space
+      type(effects_t), intent(in) :: effects
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: heat                    !! Row of heat capacity in the patch
       real(wp), contiguous, intent(inout) :: change(:, :) !! (1, node) Of the temperature [K]
-      real(wp) :: held(simulation%grid%tile_nodes), taken
+      real(wp) :: held(space%grid%tile_nodes), taken
 
-      if (.not. any(simulation%boundary%warm)) return
-      call simulation%boundary%held_at(simulation%grid, simulation%tiles%coordinate(:, tile), held)
-      taken = sum(simulation%conduction%content(heat, :, tile)*change(1, :), mask=held >= 0.0_wp)
+      if (.not. any(space%boundary%warm)) return
+      call space%boundary%held_at(space%grid, space%tiles%coordinate(:, tile), held)
+      taken = sum(effects%conduction%content(heat, :, tile)*change(1, :), mask=held >= 0.0_wp)
       where (held >= 0.0_wp) change(1, :) = 0.0_wp
       call ledger%sums(external_work)%add(-taken)
    end subroutine take_heat

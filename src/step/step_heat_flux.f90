@@ -15,10 +15,11 @@ module step_heat_flux
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_plain_places
-   use step_simulation, only: empty_mass, scratch_t, simulation_t
+   use step_simulation, only: empty_mass, scheme_t, scratch_t, simulation_t, space_t
    implicit none
    private
 
@@ -31,45 +32,45 @@ contains
 
    !> Let the energy of all materials that carry one flow for one step.
    subroutine smear_heat(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run, with artificial viscosity
+      type(simulation_t), intent(inout) :: simulation !! With artificial viscosity
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: index, tile
 
-      call simulation%timer%start(simulation%phase%grid)
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
-         call ensure_patch(nodes%heat, content, number, simulation%tiles%own)
-         call ensure_patch(nodes%flux, 1, number, simulation%tiles%own)
-         call ensure_patch(nodes%warmth, passed, number, simulation%tiles%own)
+      call simulation%machine%timer%start(simulation%machine%phase%grid)
+      associate (heat => simulation%effects%heat_flux, number => simulation%space%grid%tile_nodes)
+         call ensure_patch(heat%content, content, number, simulation%space%tiles%own)
+         call ensure_patch(heat%flux, 1, number, simulation%space%tiles%own)
+         call ensure_patch(heat%total, passed, number, simulation%space%tiles%own)
       end associate
       do index = 1, size(simulation%stores)
          if (.not. flows(simulation, index)) cycle
-         call each_own(simulation, index, dt, spread_energy, simulation%nodes%heat)
+         call each_own(simulation, index, dt, spread_energy, simulation%effects%heat_flux%content)
          !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             call find_energy(simulation, tile)
          end do
          !$omp end parallel do
-         call each_own(simulation, index, dt, spread_conductance, simulation%nodes%flux)
+         call each_own(simulation, index, dt, spread_conductance, simulation%effects%heat_flux%flux)
          !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             call find_passed(simulation, tile, dt)
          end do
          !$omp end parallel do
-         call each_own(simulation, index, dt, spread_flux, simulation%nodes%flux)
+         call each_own(simulation, index, dt, spread_flux, simulation%effects%heat_flux%flux)
          !$omp parallel do default(none) shared(simulation, index, dt) private(tile) &
          !$omp schedule(dynamic, 1)
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             if (simulation%stores(index)%count(tile) > 0) call give_energy(simulation, &
                simulation%scratch(omp_get_thread_num()), index, tile, dt)
          end do
          !$omp end parallel do
       end do
-      call simulation%timer%stop(simulation%phase%grid)
+      call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine smear_heat
 
    !> Does the energy of a material flow?
    pure logical function flows(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Which material
 
       associate (state => simulation%stores(index)%state)
@@ -79,7 +80,7 @@ contains
 
    !> Fill the patches of all own tiles, and bring those that other ranks hold.
    subroutine each_own(simulation, index, dt, work, patch)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: index                   !! Which material
       real(wp), intent(in) :: dt                     !! Time step [s]
       interface
@@ -114,52 +115,54 @@ contains
 
    !> Mass, and energy above zero, of the particles of a tile.
    subroutine spread_energy(simulation, scratch, index, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer :: p, q
 
       associate (store => simulation%stores(index), shape => scratch%shape)
-         call find_plain_places(simulation, scratch, store, tile)
+         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             shape%values(p, mass) = store%state%mass(q)
             shape%values(p, content) = store%state%mass(q)*max(store%state%energy(q), 0.0_wp)
          end do
-         call simulation%method%basis%scatter_values(simulation%grid, shape, content, &
+         call simulation%scheme%method%basis%scatter_values(simulation%space%grid, shape, content, &
             shape%values, 0, patch)
       end associate
    end subroutine spread_energy
 
    !> Mass and energy of the nodes of a tile.
    subroutine find_energy(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: sums(content, simulation%grid%tile_nodes)
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
+      real(wp) :: sums(content, simulation%space%grid%tile_nodes)
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%heat, tile, sums)
-      simulation%nodes%warmth(:content, :, tile) = sums
+      call assemble(simulation%space%grid, simulation%space%tiles, &
+         simulation%effects%heat_flux%content, tile, sums)
+      simulation%effects%heat_flux%total(:content, :, tile) = sums
    end subroutine find_energy
 
    !> Conductance of all edges of the cells that end in a node [W kg/J].
    subroutine spread_conductance(simulation, scratch, index, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
       real(wp) :: weight(4), place(3), conductance
       integer :: low(4), p, cell, direction, edges, edge, high
 
-      associate (store => simulation%stores(index), grid => simulation%grid)
-         call find_plain_places(simulation, scratch, store, tile)
+      associate (store => simulation%stores(index), grid => simulation%space%grid)
+         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
-               conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
+               conductance = conductance_of(simulation%space, simulation%scheme, &
+                  simulation%stores, index, store%first(tile) + p - 1, dt)
                if (.not. conductance > 0.0_wp) cycle
                place = scratch%shape%local(p, :)
                do direction = 1, 3
@@ -178,41 +181,43 @@ contains
 
    !> The share of the flux that each node of a tile lets pass: it gives no more than it has.
    subroutine find_passed(simulation, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: given(1, simulation%grid%tile_nodes)
+      real(wp) :: given(1, simulation%space%grid%tile_nodes)
       integer :: node
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%flux, tile, given)
-      associate (warmth => simulation%nodes%warmth(:, :, tile))
+      call assemble(simulation%space%grid, simulation%space%tiles, &
+         simulation%effects%heat_flux%flux, tile, given)
+      associate (total => simulation%effects%heat_flux%total(:, :, tile))
          do node = 1, size(given, 2)
-            warmth(passed, node) = merge(1.0_wp, 0.0_wp, warmth(mass, node) > empty_mass)
-            if (dt*given(1, node) > warmth(mass, node)) &
-               warmth(passed, node) = warmth(mass, node)/(dt*given(1, node))
+            total(passed, node) = merge(1.0_wp, 0.0_wp, total(mass, node) > empty_mass)
+            if (dt*given(1, node) > total(mass, node)) &
+               total(passed, node) = total(mass, node)/(dt*given(1, node))
          end do
       end associate
    end subroutine find_passed
 
    !> Energy that flows to the nodes [W].
    subroutine spread_flux(simulation, scratch, index, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
       real(wp) :: energy(1, size(patch, 2)), weight(4), place(3), conductance, flow
       integer :: low(4), p, cell, direction, edges, edge, high
 
-      energy(1, :) = simulation%nodes%warmth(content, :, tile)
-      call divide(simulation%nodes%warmth(:, :, tile), mass, energy)
-      associate (store => simulation%stores(index), grid => simulation%grid, &
-         share => simulation%nodes%warmth(passed, :, tile))
-         call find_plain_places(simulation, scratch, store, tile)
+      energy(1, :) = simulation%effects%heat_flux%total(content, :, tile)
+      call divide(simulation%effects%heat_flux%total(:, :, tile), mass, energy)
+      associate (store => simulation%stores(index), grid => simulation%space%grid, &
+         share => simulation%effects%heat_flux%total(passed, :, tile))
+         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
-               conductance = conductance_of(simulation, index, store%first(tile) + p - 1, dt)
+               conductance = conductance_of(simulation%space, simulation%scheme, &
+                  simulation%stores, index, store%first(tile) + p - 1, dt)
                if (.not. conductance > 0.0_wp) cycle
                place = scratch%shape%local(p, :)
                do direction = 1, 3
@@ -233,15 +238,17 @@ contains
 
    !> Conductance that a particle gives the edges around it along each direction [W kg/J]. The bound
    !! keeps an explicit step in full cells stable.
-   pure real(wp) function conductance_of(simulation, index, q, dt) result(conductance)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure real(wp) function conductance_of(space, scheme, stores, index, q, dt) result(conductance)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(store_t), intent(in) :: stores(:)
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: q                       !! The particle
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      associate (state => simulation%stores(index)%state, grid => simulation%grid)
+      associate (state => stores(index)%state, grid => space%grid)
          conductance = min(state%mass(q)/(4.0_wp*real(grid%dimensions, wp)*dt), &
-            simulation%method%heat_flux/grid%spacing*sqrt(state%mass(q)*state%volume(q) &
+            scheme%method%heat_flux/grid%spacing*sqrt(state%mass(q)*state%volume(q) &
             *max(state%viscous_pressure(q), 0.0_wp)))
       end associate
    end function conductance_of
@@ -249,7 +256,7 @@ contains
    !> Edges of a cell along a direction, and the linear functions of the other directions, which sum
    !! to one: sum of weight ((e_high - e_low)/h)**2 is the square of a gradient.
    pure subroutine find_edges(grid, cell, direction, local, edges, low, weight)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                    !! Which cell of a tile, from 0
       integer, intent(in) :: direction               !! Of the edges
       real(wp), intent(in) :: local(3)               !! Place in the cell, 0 to 1
@@ -274,29 +281,32 @@ contains
 
    !> New energies of the particles of a tile.
    subroutine give_energy(simulation, scratch, index, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: flow(1, simulation%grid%tile_nodes), change(2, simulation%grid%tile_nodes), given
+      real(wp) :: flow(1, simulation%space%grid%tile_nodes), change(2, &
+         simulation%space%grid%tile_nodes), given
       integer :: node, p, q
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%flux, tile, flow)
+      call assemble(simulation%space%grid, simulation%space%tiles, &
+         simulation%effects%heat_flux%flux, tile, flow)
       change = 0.0_wp
-      associate (warmth => simulation%nodes%warmth(:, :, tile))
+      associate (total => simulation%effects%heat_flux%total(:, :, tile))
          do node = 1, size(change, 2)
             ! by mass what is gained, by energy what is lost
             if (flow(1, node) > 0.0_wp) then
-               change(1, node) = dt*flow(1, node)/warmth(mass, node)
+               change(1, node) = dt*flow(1, node)/total(mass, node)
             else if (flow(1, node) < 0.0_wp) then
-               change(2, node) = dt*flow(1, node)/warmth(content, node)
+               change(2, node) = dt*flow(1, node)/total(content, node)
             end if
          end do
       end associate
       associate (store => simulation%stores(index), shape => scratch%shape)
-         call find_plain_places(simulation, scratch, store, tile)
-         call simulation%method%basis%gather_values(simulation%grid, shape, change, shape%values)
+         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call simulation%scheme%method%basis%gather_values(simulation%space%grid, shape, change, &
+            shape%values)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             given = shape%values(p, 1) + shape%values(p, 2)*max(store%state%energy(q), 0.0_wp)

@@ -4,8 +4,8 @@ module step_load_balance
    use base_kinds, only: int64, wp
    use mesh_tiles, only: partition_distributed_keys
    use particle_store, only: moved_away, store_t
-   use step_advance, only: count_particles, sort_particles
-   use step_simulation, only: simulation_t
+   use step_simulation, only: machine_t, simulation_t, space_t
+   use step_sort_particles, only: count_particles, sort_particles
    implicit none
    private
 
@@ -24,85 +24,87 @@ contains
 
    !> Have the work on tiles measured in the few steps before loads are compared.
    subroutine watch_costs(simulation, balancing)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(balancing_t), intent(in) :: balancing     !! When
       real(wp), allocatable :: cost(:)
 
-      if (simulation%communicator%size == 1 .or. .not. balancing%allowed) return
-      if (modulo(-simulation%step - 1, balancing%every) >= measured_steps) return
-      if (allocated(simulation%cost)) then
-         call carry_costs(simulation, cost)
+      if (simulation%machine%communicator%size == 1 .or. .not. balancing%allowed) return
+      if (modulo(-simulation%clock%step - 1, balancing%every) >= measured_steps) return
+      if (allocated(simulation%machine%cost)) then
+         call carry_costs(simulation%space, simulation%machine, cost)
       else
-         allocate (cost(simulation%tiles%own))
+         allocate (cost(simulation%space%tiles%own))
          cost = 0.0_wp
       end if
-      call move_alloc(cost, simulation%cost)
-      simulation%cost_key = simulation%tiles%key(:simulation%tiles%own)
+      call move_alloc(cost, simulation%machine%cost)
+      simulation%machine%cost_key = simulation%space%tiles%key(:simulation%space%tiles%own)
    end subroutine watch_costs
 
    !> The work measured so far for the tiles that there are now; both lists of tiles ascend. New
    !! tiles have none.
-   pure subroutine carry_costs(simulation, cost)
-      type(simulation_t), intent(in) :: simulation   !! The run, measured
+   pure subroutine carry_costs(space, machine, cost)
+      type(space_t), intent(in) :: space
+      type(machine_t), intent(in) :: machine
       real(wp), allocatable, intent(out) :: cost(:)  !! (own tile) [s]
       integer :: tile, old
 
-      allocate (cost(simulation%tiles%own))
+      allocate (cost(space%tiles%own))
       cost = 0.0_wp
       old = 1
-      do tile = 1, simulation%tiles%own
-         do while (old <= size(simulation%cost))
-            if (simulation%cost_key(old) >= simulation%tiles%key(tile)) exit
+      do tile = 1, space%tiles%own
+         do while (old <= size(machine%cost))
+            if (machine%cost_key(old) >= space%tiles%key(tile)) exit
             old = old + 1
          end do
-         if (old > size(simulation%cost)) return
-         if (simulation%cost_key(old) == simulation%tiles%key(tile)) &
-            cost(tile) = simulation%cost(old)
+         if (old > size(machine%cost)) return
+         if (machine%cost_key(old) == space%tiles%key(tile)) &
+            cost(tile) = machine%cost(old)
       end do
    end subroutine carry_costs
 
    !> Compare the work of the ranks in a step that was measured, and cut the curve anew if it
    !! differs too much.
    subroutine balance_ranks(simulation, balancing)
-      type(simulation_t), intent(inout) :: simulation !! The run, particles in order
+      type(simulation_t), intent(inout) :: simulation !! Particles in order
       type(balancing_t), intent(in) :: balancing     !! When
       integer(int64), allocatable :: weight(:), border(:)
       integer(int64) :: total(1)
       real(wp) :: ratio
       integer :: tile, index
 
-      if (.not. allocated(simulation%cost)) return
-      if (mod(simulation%step, balancing%every) /= 0) return
+      if (.not. allocated(simulation%machine%cost)) return
+      if (mod(simulation%clock%step, balancing%every) /= 0) return
       call weigh_tiles(simulation, weight)
-      deallocate (simulation%cost, simulation%cost_key)
+      deallocate (simulation%machine%cost, simulation%machine%cost_key)
       total = sum(weight)
-      ratio = simulation%communicator%maximum(real(total(1), wp))
-      call simulation%communicator%total(total)
-      ratio = ratio*real(simulation%communicator%size, wp)/real(max(total(1), 1_int64), wp)
-      call simulation%load%look(simulation%step, ratio)
+      ratio = simulation%machine%communicator%maximum(real(total(1), wp))
+      call simulation%machine%communicator%total(total)
+      ratio = ratio*real(simulation%machine%communicator%size, wp)/real(max(total(1), 1_int64), wp)
+      call simulation%machine%load%look(simulation%clock%step, ratio)
       if (ratio <= balancing%tolerance) return
-      call simulation%timer%start(simulation%phase%sort)
-      associate (tiles => simulation%tiles, rank => simulation%communicator%rank)
-         call partition_distributed_keys(simulation%communicator, tiles%key(:tiles%own), weight, &
+      call simulation%machine%timer%start(simulation%machine%phase%sort)
+      associate (tiles => simulation%space%tiles, rank => simulation%machine%communicator%rank)
+         call partition_distributed_keys(simulation%machine%communicator, tiles%key(:tiles%own), &
+            weight, &
             border)
          call tiles%cut(border)
          do tile = 1, tiles%own
             if (tiles%owner(tiles%key(tile)) == rank) cycle
-            simulation%load%sent = simulation%load%sent + 1
+            simulation%machine%load%sent = simulation%machine%load%sent + 1
             do index = 1, size(simulation%stores)
                call send_tile(simulation%stores(index), tile)
             end do
          end do
       end associate
-      call simulation%timer%stop(simulation%phase%sort)
-      simulation%load%cuts = simulation%load%cuts + 1
+      call simulation%machine%timer%stop(simulation%machine%phase%sort)
+      simulation%machine%load%cuts = simulation%machine%load%cuts + 1
       call sort_particles(simulation)
    end subroutine balance_ranks
 
    !> Work of each tile in nanoseconds. Tiles that came into being since it was measured get the
    !! mean work of their particles.
    subroutine weigh_tiles(simulation, weight)
-      type(simulation_t), intent(in) :: simulation   !! The run, measured
+      type(simulation_t), intent(in) :: simulation   !! Measured
       integer(int64), allocatable, intent(out) :: weight(:) !! (own tile) [ns], 1 or more
       real(wp), parameter :: nano = 1.0e-9_wp
       real(wp), allocatable :: cost(:)
@@ -110,7 +112,7 @@ contains
       integer(int64) :: particles
       integer :: tile, index
 
-      call carry_costs(simulation, cost)
+      call carry_costs(simulation%space, simulation%machine, cost)
       each = sum(cost)/real(max(count_particles(simulation), 1_int64), wp)
       allocate (weight(size(cost)))
       do tile = 1, size(cost)
@@ -128,7 +130,7 @@ contains
    !> Let all particles of a tile look for their new rank.
    pure subroutine send_tile(store, tile)
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer :: p
 
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1

@@ -8,7 +8,7 @@ module step_mean_stress
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_particles_to_nodes, only: find_places
-   use step_simulation, only: empty_mass, scratch_t, simulation_t
+   use step_simulation, only: empty_mass, scratch_t, simulation_t, velocity_field_t
    implicit none
    private
 
@@ -19,50 +19,53 @@ module step_mean_stress
 contains
 
    !> Mean stress on the nodes inside of bodies; less towards their surfaces and none there.
-   subroutine find_star(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine find_star(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
-         call simulation%timer%start(simulation%phase%scatter)
-         call ensure_patch(nodes%mean, columns, number, simulation%tiles%own)
+      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
+         call simulation%machine%timer%start(simulation%machine%phase%scatter)
+         call ensure_patch(nodes%mean, columns, number, simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
-               call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
-                  simulation%nodes%mean(:, :, tiles(n)))
+               call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
+                  tiles(n), &
+                  field%nodes%mean(:, :, tiles(n)))
             end do
             !$omp end parallel do
             call pass_patches(simulation, part, nodes%mean)
          end do
-         call simulation%timer%stop(simulation%phase%scatter)
-         call simulation%timer%start(simulation%phase%grid)
-         call ensure_patch(nodes%star, columns - 1, number, simulation%tiles%all)
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%all
-            call divide_tile(simulation, tile)
+         call simulation%machine%timer%stop(simulation%machine%phase%scatter)
+         call simulation%machine%timer%start(simulation%machine%phase%grid)
+         call ensure_patch(nodes%star, columns - 1, number, simulation%space%tiles%all)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         do tile = 1, simulation%space%tiles%all
+            call divide_tile(simulation, field, tile)
          end do
          !$omp end parallel do
-         call simulation%timer%stop(simulation%phase%grid)
+         call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end associate
    end subroutine find_star
 
    !> Volume and stress of the particles of a tile.
-   subroutine scatter_tile(simulation, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine scatter_tile(simulation, field, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index, p, q, k
 
       call clear_patch(patch)
-      do index = simulation%first_store, simulation%end_store()
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_places(simulation, scratch, store, tile)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                scratch%shape%values(p, 1) = store%state%volume(q)
@@ -74,7 +77,8 @@ contains
                      *store%state%stress(q, k)
                end do
             end do
-            call simulation%method%basis%scatter_values(simulation%grid, scratch%shape, columns, &
+            call simulation%scheme%method%basis%scatter_values(simulation%space%grid, &
+               scratch%shape, columns, &
                scratch%shape%values, 0, patch)
          end associate
       end do
@@ -83,33 +87,35 @@ contains
    !> Mean stress of the nodes of a tile, times the least fill of all nodes around: twice their
    !! volume of particles over their own, at most 1. Nodes beyond the box do not count. Equation
    !! (Q.2).
-   subroutine divide_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: total(columns, simulation%grid%tile_nodes)
-      real(wp) :: around(simulation%grid%tile_nodes), fill(simulation%grid%tile_nodes)
+   subroutine divide_tile(simulation, field, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
+      real(wp) :: total(columns, simulation%space%grid%tile_nodes)
+      real(wp) :: around(simulation%space%grid%tile_nodes), fill(simulation%space%grid%tile_nodes)
       integer :: node, direction
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%mean, tile, total)
-      call simulation%grid%node_volume(simulation%tiles%coordinate(:, tile), around)
+      call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%mean, tile, total)
+      call simulation%space%grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
       do node = 1, size(fill)
          fill(node) = 1.0_wp
          if (around(node) > 0.0_wp) fill(node) = min(1.0_wp, 2.0_wp*total(1, node)/around(node))
       end do
       do direction = 1, 3
-         if (simulation%grid%active(direction)) call take_least(simulation%grid, direction, fill)
+         if (simulation%space%grid%active(direction)) call take_least(simulation%space%grid, &
+            direction, fill)
       end do
       do node = 1, size(fill)
-         simulation%nodes%star(:, node, tile) = 0.0_wp
+         field%nodes%star(:, node, tile) = 0.0_wp
          if (total(1, node) > empty_mass) &
-            simulation%nodes%star(:, node, tile) = fill(node)*total(2:, node)/total(1, node)
+            field%nodes%star(:, node, tile) = fill(node)*total(2:, node)/total(1, node)
       end do
    end subroutine divide_tile
 
    !> Least of each node and its neighbours along a direction. Nodes at the end of the margin keep
    !! their value; no particle of the tile sees them.
    pure subroutine take_least(grid, direction, values)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: direction               !! 1 to 3
       real(wp), intent(inout) :: values(:)           !! (node of the tile)
       real(wp) :: old(size(values))

@@ -12,7 +12,8 @@ module step_move_nodes
    use step_node_displacement, only: look_at_tile, worse
    use step_node_sums, only: divide, ensure_sums, find_sums, slots
    use step_particles_to_nodes, only: vector_rows
-   use step_simulation, only: empty_mass, reach_t, scratch_t, simulation_t
+   use step_simulation, only: clock_t, effects_t, empty_mass, machine_t, reach_t, scheme_t, &
+      scratch_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use step_walls, only: impose_walls, keep_at_walls, stand_walls, stop_at_walls, walls_touch
    use transfer_scatter, only: motion_columns
@@ -27,242 +28,262 @@ contains
    !> Velocity and acceleration of the nodes, the velocity that strains the particles, and its node
    !! gradient. Without a time step the nodes stay as they were: the velocity before the step
    !! strains.
-   subroutine move_nodes(simulation, dt, whole)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine move_nodes(simulation, field, dt, whole)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       !> Time step, if it is to be told how far the nodes go and their fields are not kept [s]
       real(wp), intent(in), optional :: whole
       integer :: tile
       real(wp) :: began
 
-      call simulation%timer%start(simulation%phase%grid)
-      call ensure_moved(simulation)
+      call simulation%machine%timer%start(simulation%machine%phase%grid)
+      call ensure_moved(simulation, field)
       call stand_walls(simulation, dt)
       simulation%scratch%reach = reach_t()
-      simulation%nodes%acting = dt
-      if (books_later(simulation)) call ensure_later(simulation)
-      !$omp parallel do default(none) shared(simulation, dt, whole) private(tile, began) &
+      field%nodes%acting = dt
+      if (books_later(simulation%space, simulation%scheme, simulation%effects)) call &
+         ensure_later(simulation%space, field)
+      !$omp parallel do default(none) shared(simulation, field, dt, whole) private(tile, began) &
       !$omp schedule(static)
-      do tile = 1, simulation%tiles%all
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
          associate (scratch => simulation%scratch(omp_get_thread_num()))
-            call start_tile(simulation, scratch, tile, dt)
-            call finish_tile(simulation, tile, dt)
-            if (simulation%nodes%lean .and. tile <= simulation%tiles%own) &
-               call keep_seen(simulation, scratch, tile, whole)
+            call start_tile(simulation, field, scratch, tile, dt)
+            call finish_tile(simulation, field, tile, dt)
+            if (field%nodes%lean .and. tile <= simulation%space%tiles%own) &
+               call keep_seen(simulation, field, scratch, tile, whole)
          end associate
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%grid)
+      call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine move_nodes
 
-   !> Is the work of faces and gravity booked with the velocity that strains, which `musl` knows
-   !! after the particles have got theirs? Where matter carries its energy, that is made with the
+   !> Is the work of walls and gravity recorded with the velocity that strains, which `musl` knows
+   !! after the particles have got theirs? Where material carries its energy, that is made with the
    !! velocities of the forces, and so is the work.
-   pure logical function books_later(simulation) result(later)
-      type(simulation_t), intent(in) :: simulation   !! The run, without contact
+   pure logical function books_later(space, scheme, effects) result(later)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(effects_t), intent(in) :: effects
       integer :: face
 
-      later = simulation%method%remaps() .and. .not. simulation%carries_energy
-      if (later) later = allocated(simulation%gravity) .or. allocated(simulation%rigid) &
-         .or. any([(simulation%boundary%acts_on(face), face=1, 6)])
+      later = scheme%method%remaps() .and. .not. scheme%carries_energy
+      if (later) later = allocated(effects%gravity) .or. allocated(space%rigid) &
+         .or. any([(space%boundary%acts_on(face), face=1, 6)])
    end function books_later
 
-   !> Make room for what is booked later.
-   subroutine ensure_later(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   !> Allocate what is recorded later.
+   subroutine ensure_later(space, field)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(inout) :: field
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
-         own => simulation%tiles%own)
+      associate (nodes => field%nodes, number => space%grid%tile_nodes, &
+         own => space%tiles%own)
          call ensure_patch(nodes%push, 3, number, own)
          call ensure_patch(nodes%taken, 3, number, own)
       end associate
    end subroutine ensure_later
 
    !> Keep what the particles of a tile will see, and tell how far its nodes go.
-   subroutine keep_seen(simulation, scratch, tile, whole)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine keep_seen(simulation, field, scratch, tile, whole)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in), optional :: whole        !! Time step [s]
       type(reach_t) :: reach
       integer :: slot
 
-      associate (nodes => simulation%nodes, grid => simulation%grid)
+      associate (nodes => field%nodes, grid => simulation%space%grid)
          slot = nodes%slot(tile)
          call nodes%seen(1)%put(grid, nodes%touched, tile, 1, nodes%velocity(:, :, slot))
          call nodes%seen(2)%put(grid, nodes%touched, tile, 1, nodes%acceleration(:, :, slot))
          if (.not. present(whole)) return
-         call look_at_tile(simulation, tile, slot, whole, reach)
+         call look_at_tile(simulation, field, tile, slot, whole, reach)
          if (worse(reach, scratch%reach)) scratch%reach = reach
       end associate
    end subroutine keep_seen
 
-   !> Put back what the particles of a tile see, if it is kept as pieces.
-   subroutine recall_seen(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   !> Put back what the particles of a tile see, if it is kept as packed patches.
+   subroutine recall_seen(simulation, field, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
       integer :: slot
 
-      associate (nodes => simulation%nodes, grid => simulation%grid)
+      associate (nodes => field%nodes, grid => simulation%space%grid)
          if (.not. nodes%lean) return
          slot = nodes%slot(tile)
          call nodes%seen(1)%get(grid, nodes%touched, tile, nodes%velocity(:, :, slot))
          call nodes%seen(2)%get(grid, nodes%touched, tile, nodes%acceleration(:, :, slot))
-         if (simulation%method%dual) call find_volumes(simulation, tile, slot)
+         if (simulation%scheme%method%dual) call find_volumes(simulation, field, tile, slot)
          ! with the same numbers as before, so to the same bits where the particles see it
          nodes%strain(:, :, slot) = nodes%velocity(:, :, slot) &
             + nodes%acting*nodes%acceleration(:, :, slot)
-         call calm_tile(simulation, tile, slot, nodes%acting)
+         call calm_tile(simulation, field, tile, slot, nodes%acting)
       end associate
    end subroutine recall_seen
 
    !> The first part of the same, for a velocity field that other bodies may change.
-   subroutine start_nodes(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run, the velocity field at hand
+   subroutine start_nodes(simulation, field, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: tile
       real(wp) :: began
 
-      call simulation%timer%start(simulation%phase%grid)
-      call ensure_moved(simulation)
+      call simulation%machine%timer%start(simulation%machine%phase%grid)
+      call ensure_moved(simulation, field)
       call stand_walls(simulation, dt)
-      call ensure_patch(simulation%nodes%push, 3, simulation%grid%tile_nodes, simulation%tiles%own)
-      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
-      do tile = 1, simulation%tiles%all
+      call ensure_patch(field%nodes%push, 3, simulation%space%grid%tile_nodes, &
+         simulation%space%tiles%own)
+      !$omp parallel do default(none) shared(simulation, field, dt) private(tile, began) &
+      !$omp schedule(static)
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
-         if (tile <= simulation%tiles%own) call clear_patch(simulation%nodes%push(:, :, tile))
-         call start_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
+         if (tile <= simulation%space%tiles%own) call clear_patch(field%nodes%push(:, :, tile))
+         call start_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%grid)
+      call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine start_nodes
 
    !> The second part, after contact: books and gradients.
-   subroutine finish_nodes(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run, the velocity field at hand
+   subroutine finish_nodes(simulation, field, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       integer :: tile
       real(wp) :: began
 
-      call simulation%timer%start(simulation%phase%grid)
-      !$omp parallel do default(none) shared(simulation, dt) private(tile, began) schedule(static)
-      do tile = 1, simulation%tiles%all
+      call simulation%machine%timer%start(simulation%machine%phase%grid)
+      !$omp parallel do default(none) shared(simulation, field, dt) private(tile, began) &
+      !$omp schedule(static)
+      do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
-         if (dt > 0.0_wp .and. tile <= simulation%tiles%own) &
-            call book_tile(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call finish_tile(simulation, tile, dt)
+         if (dt > 0.0_wp .and. tile <= simulation%space%tiles%own) &
+            call book_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
+         call finish_tile(simulation, field, tile, dt)
          call record_cost(simulation, tile, began)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%grid)
+      call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine finish_nodes
 
-   !> Book what faces and gravity did to the nodes of a tile, at the velocity after contact.
-   subroutine book_tile(simulation, scratch, tile, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run, the velocity field at hand
+   !> Record what walls and gravity did to the nodes of a tile, at the velocity after contact.
+   subroutine book_tile(simulation, field, scratch, tile, dt)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp) :: centre(3, simulation%grid%tile_nodes)
+      real(wp) :: centre(3, simulation%space%grid%tile_nodes)
 
-      associate (nodes => simulation%nodes)
+      associate (nodes => field%nodes)
          centre = nodes%velocity(:, :, tile) + 0.5_wp*dt*nodes%acceleration(:, :, tile)
-         call record_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
+         call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, tile), &
+            centre)
       end associate
    end subroutine book_tile
 
-   !> Make room for what moves and strains the particles. The node stress is no longer needed, so
+   !> Allocate what moves and strains the particles. The node stress is no longer needed, so
    !! the gradient takes its memory.
-   subroutine ensure_moved(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine ensure_moved(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       integer :: n, held
 
-      associate (nodes => simulation%nodes, grid => simulation%grid)
-         if (.not. simulation%method%dual) call ensure_sums(simulation)
-         call ensure_patch(nodes%strain, 3, grid%tile_nodes, slots(simulation))
+      associate (nodes => field%nodes, grid => simulation%space%grid)
+         if (.not. simulation%scheme%method%dual) call ensure_sums(simulation, field)
+         call ensure_patch(nodes%strain, 3, grid%tile_nodes, slots(simulation, field))
          held = 0
-         if (nodes%lean) held = nodes%touched%before(simulation%tiles%own + 1)
+         if (nodes%lean) held = nodes%touched%before(simulation%space%tiles%own + 1)
          do n = 1, size(nodes%seen)
             if (.not. allocated(nodes%seen(n)%row)) call nodes%seen(n)%keep(3, vector_rows(grid))
             call nodes%seen(n)%ensure(held)
          end do
-         if (.not. simulation%method%dual) return
+         if (.not. simulation%scheme%method%dual) return
          call move_packed_patches(nodes%motion(2), nodes%gradient)
          call nodes%gradient%ensure(nodes%weighted%nodes())
-         if (simulation%carries_energy) call nodes%middle%ensure(nodes%weighted%nodes())
-         if (simulation%method%averages()) call nodes%earlier%ensure(nodes%weighted%nodes())
+         if (simulation%scheme%carries_energy) call nodes%middle%ensure(nodes%weighted%nodes())
+         if (simulation%scheme%method%averages()) call nodes%earlier%ensure(nodes%weighted%nodes())
       end associate
    end subroutine ensure_moved
 
    !> Velocity and acceleration of the nodes of a tile, and the velocity that strains. Equation
    !! (M.16) of doc/theory/method.md.
-   subroutine start_tile(simulation, scratch, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine start_tile(simulation, field, scratch, tile, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp) :: force(3, simulation%grid%tile_nodes)
+      real(wp) :: force(3, simulation%space%grid%tile_nodes)
       integer :: component, slot
 
-      slot = simulation%nodes%slot(tile)
-      if (simulation%nodes%lean .or. .not. simulation%method%dual) &
-         call find_sums(simulation, tile, slot)
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
-         velocity => simulation%nodes%velocity(:, :, slot), &
-         acceleration => simulation%nodes%acceleration(:, :, slot), &
-         mass => simulation%nodes%mass(1, :, slot))
-         if (simulation%method%dual) then
-            call nodes%force%assemble(grid, simulation%tiles, nodes%weighted, tile, force)
+      slot = field%nodes%slot(tile)
+      if (field%nodes%lean .or. .not. simulation%scheme%method%dual) &
+         call find_sums(simulation%space, field, tile, slot)
+      associate (grid => simulation%space%grid, nodes => field%nodes, &
+         velocity => field%nodes%velocity(:, :, slot), &
+         acceleration => field%nodes%acceleration(:, :, slot), &
+         mass => field%nodes%mass(1, :, slot))
+         if (simulation%scheme%method%dual) then
+            call nodes%force%assemble(grid, simulation%space%tiles, nodes%weighted, tile, force)
             call add_field(force, acceleration)
          end if
-         if (simulation%method%differing()) &
+         if (simulation%scheme%method%differing()) &
             acceleration = acceleration + nodes%difference(:, :, tile)
          call divide(nodes%mass(:, :, slot), 1, velocity)
          call divide(nodes%mass(:, :, slot), 1, acceleration)
-         if (allocated(simulation%gravity)) then
+         if (allocated(simulation%effects%gravity)) then
             do component = 1, 3
                where (mass > empty_mass) acceleration(component, :) = &
-                  acceleration(component, :) + simulation%gravity(component)
+                  acceleration(component, :) + simulation%effects%gravity(component)
             end do
          end if
-         call constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
+         call constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
          call combine(1.0_wp, velocity, dt, acceleration, nodes%strain(:, :, slot))
       end associate
    end subroutine start_tile
 
    !> Gradients of the velocities that strain the particles of a tile.
-   subroutine finish_tile(simulation, tile, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine finish_tile(simulation, field, tile, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp) :: centre(3, simulation%grid%tile_nodes)
+      real(wp) :: centre(3, simulation%space%grid%tile_nodes)
       integer :: slot
 
-      if (.not. simulation%method%dual) return
-      slot = simulation%nodes%slot(tile)
-      call calm_tile(simulation, tile, slot, dt)
-      associate (nodes => simulation%nodes)
-         if (simulation%method%averages()) then
+      if (.not. simulation%scheme%method%dual) return
+      slot = field%nodes%slot(tile)
+      call calm_tile(simulation, field, tile, slot, dt)
+      associate (nodes => field%nodes)
+         if (simulation%scheme%method%averages()) then
             ! the velocity that strains at the end of the step is mapped later
-            call put_gradient(simulation, tile, nodes%velocity(:, :, slot), nodes%earlier)
+            call put_gradient(simulation%space, simulation%scheme, field, tile, nodes%velocity(:, &
+               :, slot), nodes%earlier)
          else
-            call put_gradient(simulation, tile, nodes%strain(:, :, slot), nodes%gradient)
+            call put_gradient(simulation%space, simulation%scheme, field, tile, nodes%strain(:, &
+               :, slot), nodes%gradient)
          end if
-         if (.not. simulation%carries_energy) return
+         if (.not. simulation%scheme%carries_energy) return
          centre = nodes%velocity(:, :, slot) + 0.5_wp*dt*nodes%acceleration(:, :, slot)
-         call put_gradient(simulation, tile, centre, nodes%middle)
+         call put_gradient(simulation%space, simulation%scheme, field, tile, centre, nodes%middle)
       end associate
    end subroutine finish_tile
 
-   !> Impose the walls and book what they and gravity do. A tile books its own particles'
+   !> Impose the walls and record what they and gravity do. A tile records its own particles'
    !! share of each node, so that all shares add up to the node.
-   subroutine constrain_tile(simulation, scratch, tile, dt, mass, velocity, acceleration)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp), intent(in) :: mass(:)                !! (node) [kg]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
@@ -274,75 +295,80 @@ contains
       ruled = walls_touch(simulation, tile)
       push = 0.0_wp
       work = 0.0_wp
-      keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%tiles%own &
-         .and. allocated(simulation%nodes%taken)
-      if (keeps) simulation%nodes%taken(:, :, tile) = velocity
-      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%tiles%own .and. &
-         damps(simulation%method, simulation%carries_energy) .and. .not. keeps) brought = velocity
+      keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own &
+         .and. allocated(field%nodes%taken)
+      if (keeps) field%nodes%taken(:, :, tile) = velocity
+      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
+         damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
+            brought = velocity
       if (ruled) call impose_walls(simulation, tile, dt, velocity, acceleration, push, work)
-      if (allocated(brought)) call book_stopped(simulation, scratch%ledger, tile, &
+      if (allocated(brought)) call book_stopped(simulation%space, simulation%scheme, field, &
+         scratch%ledger, tile, &
          velocity - brought, velocity + dt*acceleration)
-      if (keeps) simulation%nodes%taken(:, :, tile) = simulation%nodes%taken(:, :, tile) - velocity
-      if (tile > simulation%tiles%own .or. .not. dt > 0.0_wp) return
-      if (allocated(simulation%gravity)) then
-         push(1, :) = push(1, :) + dt*simulation%gravity(1)
-         push(2, :) = push(2, :) + dt*simulation%gravity(2)
-         push(3, :) = push(3, :) + dt*simulation%gravity(3)
+      if (keeps) field%nodes%taken(:, :, tile) = field%nodes%taken(:, :, tile) - velocity
+      if (tile > simulation%space%tiles%own .or. .not. dt > 0.0_wp) return
+      if (allocated(simulation%effects%gravity)) then
+         push(1, :) = push(1, :) + dt*simulation%effects%gravity(1)
+         push(2, :) = push(2, :) + dt*simulation%effects%gravity(2)
+         push(3, :) = push(3, :) + dt*simulation%effects%gravity(3)
       else if (.not. ruled) then
          return
       end if
-      if (allocated(simulation%nodes%push)) then
+      if (allocated(field%nodes%push)) then
          ! contact and musl will change the velocities with which it works
-         simulation%nodes%push(:, :, tile) = push
+         field%nodes%push(:, :, tile) = push
          return
       end if
-      call record_push(simulation, scratch%ledger, tile, push, &
+      call record_push(simulation%space, field, scratch%ledger, tile, push, &
          velocity + 0.5_wp*dt*acceleration, work)
    end subroutine constrain_tile
 
    !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
-   !! of which all that this share takes is booked: so that much of it is no work. Equation (L.13)
+   !! of which all that this share takes is recorded: so that much of it is no work. Equation (L.13)
    !! of doc/theory/ledger.md.
-   subroutine book_stopped(simulation, ledger, tile, change, velocity)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine book_stopped(space, scheme, field, ledger, tile, change, velocity)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: change(:, :)           !! (3, node) What walls changed [m/s]
-      real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is booked [m/s]
-      real(wp) :: own(simulation%nodes%motion(1)%rows, size(change, 2)), stopped
+      real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is recorded [m/s]
+      real(wp) :: own(field%nodes%motion(1)%rows, size(change, 2)), stopped
       integer :: node
 
-      call simulation%nodes%motion(1)%get(simulation%grid, simulation%nodes%touched, tile, own)
+      call field%nodes%motion(1)%get(space%grid, field%nodes%touched, tile, own)
       stopped = 0.0_wp
       do node = 1, size(change, 2)
          stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
       end do
-      call record_damped(ledger, (1.0_wp - simulation%method%transfer%flip_fraction())*stopped)
+      call record_damped(ledger, (1.0_wp - scheme%method%transfer%flip_fraction())*stopped)
    end subroutine book_stopped
 
-   !> Book impulse, its moment, and work of a push on the nodes of a tile.
-   subroutine record_push(simulation, ledger, tile, push, velocity, more)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   !> Record impulse, its moment, and work of a push on the nodes of a tile.
+   subroutine record_push(space, field, ledger, tile, push, velocity, more)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: field
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
       real(wp), intent(in), optional :: more(:)      !! (node) Work besides that of the push [J/kg]
-      real(wp) :: own(simulation%nodes%motion(1)%rows, size(push, 2))
+      real(wp) :: own(field%nodes%motion(1)%rows, size(push, 2))
       real(wp) :: total(3), turn(3), work, part(3), corner(3), place(3)
       integer :: node, k
 
       total = 0.0_wp
       turn = 0.0_wp
       work = 0.0_wp
-      corner = simulation%grid%tile_corner(simulation%tiles%coordinate(:, tile))
-      call simulation%nodes%motion(1)%get(simulation%grid, simulation%nodes%touched, tile, own)
+      corner = space%grid%tile_corner(space%tiles%coordinate(:, tile))
+      call field%nodes%motion(1)%get(space%grid, field%nodes%touched, tile, own)
       do node = 1, size(push, 2)
          ! faces push few of the nodes
          if (.not. abs(push(1, node)) + abs(push(2, node)) + abs(push(3, node)) > 0.0_wp) cycle
          if (.not. own(1, node) > 0.0_wp) cycle
          part = own(1, node)*push(:, node)
-         place = corner + simulation%grid%spacing*real(simulation%grid%node_position(node), wp)
+         place = corner + space%grid%spacing*real(space%grid%node_position(node), wp)
          total = total + part
          turn = turn + cross(place, part)
          work = work + dot_product(part, velocity(:, node))
@@ -359,30 +385,36 @@ contains
    !! step and the one that strains: with the strain of `musl` the stress works with that, and the
    !! kinetic energy of particles grows by the product of the forces with it. Equation (L.7) of
    !! doc/theory/ledger.md.
-   subroutine book_strained(simulation, scratch, tile, mapped)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine book_strained(simulation, field, scratch, tile, mapped)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: mapped(:, :) !! (3, node) Velocity that strains, without faces [m/s]
       real(wp) :: gain(3, size(mapped, 2)), work(size(mapped, 2))
       real(wp) :: centre(3, size(mapped, 2))
       logical :: ruled
 
       ruled = walls_touch(simulation, tile)
-      if (.not. (ruled .or. allocated(simulation%gravity))) return
-      associate (nodes => simulation%nodes, share => 1.0_wp &
-         - simulation%method%transfer%flip_fraction())
+      if (.not. (ruled .or. allocated(simulation%effects%gravity))) return
+      associate (nodes => field%nodes, share => 1.0_wp &
+         - simulation%scheme%method%transfer%flip_fraction())
          centre = 0.5_wp*(nodes%velocity(:, :, tile) + nodes%strain(:, :, tile))
          if (.not. ruled) then
-            call record_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre)
+            call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, &
+               tile), &
+               centre)
             return
          end if
          ! particles get the gain of a node with the velocities that it had without the faces
-         gain = simulation%kick*nodes%acceleration(:, :, tile) - share*nodes%taken(:, :, tile)
+         gain = simulation%clock%kick*nodes%acceleration(:, :, tile) - share*nodes%taken(:, :, tile)
          work = 0.5_wp*sum(gain*(nodes%taken(:, :, tile) + mapped - nodes%strain(:, :, tile)), &
             dim=1)
-         call record_push(simulation, scratch%ledger, tile, nodes%push(:, :, tile), centre, work)
-         if (damps(simulation%method, simulation%carries_energy)) call book_stopped(simulation, &
+         call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, tile), &
+            centre, work)
+         if (damps(simulation%scheme%method, simulation%scheme%carries_energy)) call &
+            book_stopped(simulation%space, simulation%scheme, &
+            field, &
             scratch%ledger, tile, -nodes%taken(:, :, tile), 0.5_wp*(nodes%velocity(:, :, tile) &
             + nodes%taken(:, :, tile) + mapped))
       end associate
@@ -390,64 +422,76 @@ contains
 
    !> Node velocities from the momentum that was mapped a second time, or from that before and what
    !! was gained, as the velocity that strains the particles, where no other body may change it.
-   subroutine remap_nodes(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      real(wp) :: none(3, simulation%grid%tile_nodes), mapped(3, simulation%grid%tile_nodes)
-      real(wp) :: momentum(size(simulation%nodes%extra, 1), simulation%grid%tile_nodes)
+   subroutine remap_nodes(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      real(wp) :: none(3, simulation%space%grid%tile_nodes), mapped(3, &
+         simulation%space%grid%tile_nodes)
+      real(wp) :: momentum(size(field%nodes%extra, 1), simulation%space%grid%tile_nodes)
       integer :: tile
 
-      call simulation%timer%start(simulation%phase%grid)
-      !$omp parallel do default(none) shared(simulation) private(tile, none, mapped, momentum) &
+      call simulation%machine%timer%start(simulation%machine%phase%grid)
+      !$omp parallel do default(none) shared(simulation, field) private(tile, none, mapped, &
+      !$omp momentum) &
       !$omp schedule(static)
-      do tile = 1, simulation%tiles%all
-         associate (strain => simulation%nodes%strain(:, :, tile))
-            call assemble(simulation%grid, simulation%tiles, simulation%nodes%extra, tile, momentum)
+      do tile = 1, simulation%space%tiles%all
+         associate (strain => field%nodes%strain(:, :, tile))
+            call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%extra, tile, &
+               momentum)
             ! linear velocity fields bring the mass along, in front
             strain = momentum(size(momentum, 1) - 2:, :)
-            call divide(simulation%nodes%mass(:, :, tile), 1, strain)
-            if (simulation%method%averages()) call add_gained(simulation, tile, strain)
+            call divide(field%nodes%mass(:, :, tile), 1, strain)
+            if (simulation%scheme%method%averages()) call add_gained(simulation%scheme, &
+               simulation%clock, field, tile, strain)
             mapped = strain
             none = 0.0_wp
             call stop_at_walls(simulation, tile, strain, none)
-            call keep_at_walls(simulation, tile, strain)
-            if (.not. allocated(simulation%nodes%taken) .or. tile > simulation%tiles%own) cycle
+            call keep_at_walls(simulation, field, tile, strain)
+            if (.not. allocated(field%nodes%taken) .or. tile > simulation%space%tiles%own) cycle
             ! what was gained is added to a velocity that walls have changed already
-            if (simulation%method%averages()) &
-               mapped = mapped + simulation%nodes%taken(:, :, tile)
-            call book_strained(simulation, simulation%scratch(omp_get_thread_num()), tile, mapped)
+            if (simulation%scheme%method%averages()) &
+               mapped = mapped + field%nodes%taken(:, :, tile)
+            call book_strained(simulation, field, simulation%scratch(omp_get_thread_num()), tile, &
+               mapped)
          end associate
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%grid)
-      call strain_nodes(simulation)
+      call simulation%machine%timer%stop(simulation%machine%phase%grid)
+      call strain_nodes(simulation%space, simulation%scheme, simulation%machine, field)
    end subroutine remap_nodes
 
    !> The velocity of the nodes of a tile at the end of a step, from what particles gained and a
    !! share of what they did not take. Equation (T.14) of doc/theory/transfers.md.
-   pure subroutine add_gained(simulation, tile, velocity)
-      type(simulation_t), intent(in) :: simulation   !! The run, or a velocity field of it
-      integer, intent(in) :: tile                    !! Which tile
+   pure subroutine add_gained(scheme, clock, field, tile, velocity)
+      type(scheme_t), intent(in) :: scheme
+      type(clock_t), intent(in) :: clock
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) What they gained, in [m/s]
 
-      associate (nodes => simulation%nodes, share => simulation%method%unseen)
+      associate (nodes => field%nodes, share => scheme%method%unseen)
          velocity = nodes%velocity(:, :, tile) + (1.0_wp - share)*velocity &
-            + share*simulation%kick*nodes%acceleration(:, :, tile)
+            + share*clock%kick*nodes%acceleration(:, :, tile)
       end associate
    end subroutine add_gained
 
    !> Node gradient of the velocity that strains the particles, which was mapped anew.
-   subroutine strain_nodes(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine strain_nodes(space, scheme, machine, field)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(machine_t), intent(inout) :: machine
+      type(velocity_field_t), intent(inout) :: field
       integer :: tile
 
-      if (.not. simulation%method%dual) return
-      call simulation%timer%start(simulation%phase%grid)
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-      do tile = 1, simulation%tiles%all
-         call put_gradient(simulation, tile, simulation%nodes%strain(:, :, tile), &
-            simulation%nodes%gradient)
+      if (.not. scheme%method%dual) return
+      call machine%timer%start(machine%phase%grid)
+      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
+      !$omp schedule(static)
+      do tile = 1, space%tiles%all
+         call put_gradient(space, scheme, field, tile, field%nodes%strain(:, :, tile), &
+            field%nodes%gradient)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%grid)
+      call machine%timer%stop(machine%phase%grid)
    end subroutine strain_nodes
 end module step_move_nodes

@@ -5,7 +5,7 @@ module step_node_displacement
    use mesh_grid, only: lane_bit
    use step_bounds, only: slow_nodes
    use step_method, only: stress_after
-   use step_simulation, only: empty_mass, reach_t, simulation_t
+   use step_simulation, only: empty_mass, reach_t, simulation_t, velocity_field_t
    implicit none
    private
 
@@ -27,32 +27,34 @@ contains
    end function worse
 
    !> Is the step that comes to be looked at? Where particles have been strained before the force,
-   !! or see the gain of nodes however light, a shorter step does not help; and a step that the deck
-   !! fixes stays.
+   !! or see the gain of nodes however light, a shorter step does not help; a step that the deck
+   !! fixes stays; and with contact bonds may have broken, so the step cannot be repeated.
    pure logical function asks(simulation) result(asked)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
 
-      associate (method => simulation%method)
+      associate (method => simulation%scheme%method)
          asked = method%remaps() .or. (method%dual .and. &
             method%stress == stress_after)
       end associate
-      asked = asked .and. simulation%guard%bounds%dt_free
+      asked = asked .and. simulation%clock%guard%bounds%dt_free .and. &
+         .not. allocated(simulation%effects%contact)
    end function asks
 
    !> How far the nodes of a tile would go that its particles see. Most tiles are so slow that their
    !! greatest velocity tells, others fly as a whole. Equation (S.7) of doc/theory/time_step.md.
-   pure subroutine look_at_tile(simulation, tile, slot, dt, reach)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   pure subroutine look_at_tile(simulation, field, tile, slot, dt, reach)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: reach            !! The worst of the tile
       real(wp) :: far, apart
 
-      far = max(part_moved, simulation%method%cfl)
-      apart = strain_share*simulation%guard%bounds%strain_max
-      associate (velocity => simulation%nodes%strain(:, :, slot), grid => simulation%grid, &
-         mass => simulation%nodes%mass(1, :, slot))
+      far = max(part_moved, simulation%scheme%method%cfl)
+      apart = strain_share*simulation%clock%guard%bounds%strain_max
+      associate (velocity => field%nodes%strain(:, :, slot), grid => simulation%space%grid, &
+         mass => field%nodes%mass(1, :, slot))
          ! bounds for each component that hold whatever the other components are
          if (slow_nodes(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
             *grid%spacing/dt)) return
@@ -60,10 +62,11 @@ contains
          if (.not. flies(velocity, mass, apart/sqrt(12.0_wp)*grid%spacing/dt)) &
             call look_at_cells(simulation, tile, velocity, apart*grid%spacing/dt, reach)
       end associate
-      reach%moved = reach%moved*dt/simulation%grid%spacing
-      reach%strain = reach%strain*dt/simulation%grid%spacing
+      reach%moved = reach%moved*dt/simulation%space%grid%spacing
+      reach%strain = reach%strain*dt/simulation%space%grid%spacing
       if (reach%node == 0) return
-      associate (grid => simulation%grid, coordinate => simulation%tiles%coordinate(:, tile))
+      associate (grid => simulation%space%grid, coordinate => &
+         simulation%space%tiles%coordinate(:, tile))
          reach%place = coordinate*grid%width + grid%node_position(reach%node)
          reach%number = reach%place(1) + (grid%cells(1) + 1_int64)*(reach%place(2) &
             + (grid%cells(2) + 1_int64)*reach%place(3))
@@ -105,15 +108,15 @@ contains
 
    !> The greatest difference of two neighbouring nodes of a cell with particles.
    pure subroutine look_at_cells(simulation, tile, velocity, bound, reach)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), intent(in) :: bound                  !! Difference that is too much [m/s]
       type(reach_t), intent(inout) :: reach          !! Gets differences as strains [m/s]
       real(wp) :: difference
       integer :: cell, lane, direction, low, high
 
-      associate (grid => simulation%grid)
+      associate (grid => simulation%space%grid)
          do cell = 0, grid%tile_cells - 1
             if (.not. filled(simulation, tile, cell)) cycle
             do direction = 1, 3
@@ -133,8 +136,8 @@ contains
 
    !> Are there particles in a cell of a tile?
    pure logical function filled(simulation, tile, cell) result(some)
-      type(simulation_t), intent(in) :: simulation   !! The run, sorted
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation   !! Sorted
+      integer, intent(in) :: tile
       integer, intent(in) :: cell                    !! Which cell, from 0
       integer :: index
 

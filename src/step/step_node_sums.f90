@@ -3,7 +3,7 @@
 module step_node_sums
    use base_kinds, only: wp
    use mesh_patch, only: ensure_patch
-   use step_simulation, only: empty_mass, nodes_t, simulation_t
+   use step_simulation, only: empty_mass, nodes_t, simulation_t, space_t, velocity_field_t
    implicit none
    private
 
@@ -12,35 +12,38 @@ module step_node_sums
 contains
 
    !> Places for the fields of tiles that are worked on.
-   pure integer function slots(simulation) result(number)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure integer function slots(simulation, field) result(number)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
 
-      number = simulation%tiles%all
-      if (simulation%nodes%lean) number = size(simulation%scratch)
+      number = simulation%space%tiles%all
+      if (field%nodes%lean) number = size(simulation%scratch)
    end function slots
 
-   !> Make room for the sums over the particles around the nodes.
-   pure subroutine ensure_sums(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   !> Allocate the sums over the particles around the nodes.
+   pure subroutine ensure_sums(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
-         call ensure_patch(nodes%mass, 1, number, slots(simulation))
-         call ensure_patch(nodes%velocity, 3, number, slots(simulation))
-         call ensure_patch(nodes%acceleration, 3, number, slots(simulation))
+      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
+         call ensure_patch(nodes%mass, 1, number, slots(simulation, field))
+         call ensure_patch(nodes%velocity, 3, number, slots(simulation, field))
+         call ensure_patch(nodes%acceleration, 3, number, slots(simulation, field))
       end associate
    end subroutine ensure_sums
 
    !> Find the sums of the nodes of a tile: mass, momentum where the velocity will be, force where
    !! the acceleration will be.
-   pure subroutine find_sums(simulation, tile, slot)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   pure subroutine find_sums(space, field, tile, slot)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
-      real(wp) :: sums(simulation%nodes%motion(1)%rows, simulation%grid%tile_nodes)
+      real(wp) :: sums(field%nodes%motion(1)%rows, space%grid%tile_nodes)
 
-      call simulation%nodes%motion(1)%assemble(simulation%grid, simulation%tiles, &
-         simulation%nodes%touched, tile, sums)
-      call keep_sums(simulation%nodes, slot, sums)
+      call field%nodes%motion(1)%assemble(space%grid, space%tiles, &
+         field%nodes%touched, tile, sums)
+      call keep_sums(field%nodes, slot, sums)
    end subroutine find_sums
 
    !> Keep the sums of the nodes of a tile.
@@ -55,14 +58,15 @@ contains
    end subroutine keep_sums
 
    !> Sums over the particles around the nodes as before the nodes were moved, if they are kept.
-   subroutine renew_sums(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine renew_sums(space, field)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(inout) :: field
       integer :: tile
 
-      if (simulation%nodes%lean) return
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-      do tile = 1, simulation%tiles%all
-         call find_sums(simulation, tile, tile)
+      if (field%nodes%lean) return
+      !$omp parallel do default(none) shared(space, field) private(tile) schedule(static)
+      do tile = 1, space%tiles%all
+         call find_sums(space, field, tile, tile)
       end do
       !$omp end parallel do
    end subroutine renew_sums

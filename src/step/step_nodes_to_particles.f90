@@ -11,17 +11,17 @@ module step_nodes_to_particles
    use particle_store, only: moved_off, store_t
    use particle_stretch, only: stretch_tile
    use step_bounds, only: count_bad, find_steepest, slow_nodes, steep_enough
+   use step_contact, only: add_contact_heat
    use step_dissipation, only: damps, record_damping, record_losses
    use step_dual_gradient, only: node_gradient
    use step_grid_volumes, only: excess_fill, repack
-   use step_ledger, only: dissipated
    use step_method, only: method_t, stress_before
    use step_move_nodes, only: recall_seen
    use step_offending_particle, only: tile_bounds
    use step_particles_to_nodes, only: find_places, nodes_seen
    use step_pressure_relaxation, only: normalised, relax_pressures
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_strain_average, only: average_strain, keep_earlier
    use step_tile_cost, only: cost_clock, record_cost
    use step_velocity_remap, only: find_filtered, find_slopes
@@ -59,30 +59,33 @@ module step_nodes_to_particles
       real(wp), allocatable :: excess(:, :)          !! (1, node) Fill less 1, for loose matter [1]
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
       logical :: slow = .false.                      !! Is no gradient that steep?
+      logical :: moved = .false.                     !! Have the particles moved already?
       integer :: slot = 0                            !! Where the fields of the tile are
    end type view_t
 
 contains
 
    !> Give the particles what the nodes hold.
-   subroutine nodes_to_particles(simulation, parts, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine nodes_to_particles(simulation, field, parts, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      call simulation%timer%start(simulation%phase%gather)
-      if (allocated(simulation%method%splitting) .and. parts%strain) &
-         call ensure_opening(simulation%stores(simulation%first_store:simulation%end_store()))
-      !$omp parallel default(none) shared(simulation, parts, dt)
-      call gather_some(simulation, parts, dt)
+      call simulation%machine%timer%start(simulation%machine%phase%gather)
+      if (allocated(simulation%scheme%method%splitting) .and. parts%strain) &
+         call ensure_opening(simulation%stores(field%first_store:field%last_store))
+      !$omp parallel default(none) shared(simulation, field, parts, dt)
+      call gather_some(simulation, field, parts, dt)
       !$omp end parallel
-      call simulation%timer%stop(simulation%phase%gather)
+      call simulation%machine%timer%stop(simulation%machine%phase%gather)
    end subroutine nodes_to_particles
 
    !> The tiles of one thread. Its view keeps its memory from tile to tile: getting it anew costs as
    !! much as all else where a tile has a particle or two.
-   subroutine gather_some(simulation, parts, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine gather_some(simulation, field, parts, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t) :: view
@@ -90,12 +93,12 @@ contains
       real(wp) :: began, lap
 
       associate (scratch => simulation%scratch(omp_get_thread_num()))
-         call scratch%laps%start_step(simulation%step)
+         call scratch%laps%start_step(simulation%clock%step)
          !$omp do schedule(dynamic, 1)
-         do tile = 1, simulation%tiles%own
+         do tile = 1, simulation%space%tiles%own
             began = cost_clock(simulation)
             lap = scratch%laps%read_clock()
-            call gather_tile(simulation, scratch, tile, parts, dt, view)
+            call gather_tile(simulation, field, scratch, tile, parts, dt, view)
             call scratch%laps%record(lap)
             call record_cost(simulation, tile, began)
          end do
@@ -103,9 +106,9 @@ contains
       end associate
    end subroutine gather_some
 
-   !> Make room for the rates at which particles grow. Other velocity fields keep theirs.
+   !> Allocate the rates at which particles grow. Other velocity fields keep theirs.
    pure subroutine ensure_opening(stores)
-      type(store_t), intent(inout) :: stores(:)      !! The particles of the velocity field at hand
+      type(store_t), intent(inout) :: stores(:)      !! The particles of the velocity field
       integer :: index
 
       do index = 1, size(stores)
@@ -115,44 +118,46 @@ contains
    end subroutine ensure_opening
 
    !> One tile.
-   subroutine gather_tile(simulation, scratch, tile, parts, dt, view)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine gather_tile(simulation, field, scratch, tile, parts, dt, view)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t), intent(inout) :: view            !! What its particles see
       real(wp) :: fastest, steepest
       integer :: index
 
-      if (allocated(simulation%contact)) then
+      if (allocated(simulation%effects%contact)) then
          if (all([(simulation%stores(index)%count(tile) == 0, &
-            index=simulation%first_store, simulation%last_store)])) return
+            index=field%first_store, field%last_store)])) return
       end if
-      call recall_seen(simulation, tile)
-      call look(simulation, tile, parts, view)
-      do index = simulation%first_store, simulation%end_store()
+      call recall_seen(simulation, field, tile)
+      call look(simulation, field, tile, parts, view)
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_places(simulation, scratch, store, tile)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile) + spare)
             if (parts%work .and. allocated(store%state%energy)) &
                call add_work(simulation, scratch, store, tile, view)
             ! before the strain, which may renew the linear velocity fields
             if (parts%motion .and. allocated(store%state%energy)) &
-               call add_heat(simulation, scratch, store, tile, view)
+               call add_heat(simulation%space, simulation%scheme, scratch, store, tile, view)
             if (parts%motion .and. simulation%materials(index)%repacks) &
                call repack_particles(simulation, scratch, index, tile, view)
-            if (parts%motion .and. allocated(simulation%contact)) &
-               call add_rubbed(simulation, scratch, store, tile)
+            if (parts%motion .and. allocated(simulation%effects%contact)) &
+               call add_contact_heat(simulation%space, simulation%scheme, field, scratch, store, &
+                  tile)
             fastest = 0.0_wp
             steepest = scratch%steepest
-            if (parts%strain) call strain_particles(simulation, scratch, index, tile, view, &
-               dt, .not. parts%motion, fastest)
+            if (parts%strain) call strain_particles(simulation, field, scratch, index, tile, view, &
+               dt, fastest)
             if (parts%motion) then
                call move_particles(simulation, scratch, index, tile, view, dt)
-               call place_tile(simulation%grid, simulation%boundary, &
-                  simulation%tiles%coordinate(:, tile), store, tile)
+               call place_tile(simulation%space%grid, simulation%space%boundary, &
+                  simulation%space%tiles%coordinate(:, tile), store, tile)
                call judge_particles(simulation, scratch, index, tile, fastest, steepest)
             end if
             scratch%fastest = max(scratch%fastest, fastest)
@@ -160,53 +165,29 @@ contains
       end do
    end subroutine gather_tile
 
-   !> Heat of contact to the particles of a tile; matter that carries no internal energy books it.
-   subroutine add_rubbed(simulation, scratch, store, tile)
-      type(simulation_t), intent(in) :: simulation   !! The run with contact
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: lost
-      integer :: p, q
-
-      associate (rubbed => simulation%nodes%rubbed(:, :, tile), shape => scratch%shape)
-         if (.not. any(abs(rubbed) > 0.0_wp)) return
-         call simulation%method%basis%gather_values(simulation%grid, shape, rubbed, shape%values)
-      end associate
-      lost = 0.0_wp
-      do p = 1, store%count(tile)
-         q = store%first(tile) + p - 1
-         if (allocated(store%state%energy)) then
-            store%state%energy(q) = store%state%energy(q) + scratch%shape%values(p, 1)
-         else
-            lost = lost + store%state%mass(q)*scratch%shape%values(p, 1)
-         end if
-      end do
-      call scratch%ledger%sums(dissipated)%add(lost)
-   end subroutine add_rubbed
-
    !> Look for particles that have left their bounds or are to go since they failed, and take them
    !! out if the deck says so. What is left limits the next step.
    subroutine judge_particles(simulation, scratch, index, tile, fastest, steepest)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(inout) :: fastest             !! Fastest signal and motion in it [m/s]
       real(wp), intent(in) :: steepest               !! Square of |grad v| without it [1/s2]
       logical :: sound
 
       associate (store => simulation%stores(index))
          sound = count_bad(store, tile, simulation%materials(index)%density, &
-            tile_bounds(simulation, index)) < 0.5_wp
-         if (.not. sound .and. simulation%guard%bounds%retire) then
-            call retire_tile(simulation, scratch, index, tile, sound)
+            tile_bounds(simulation%materials, simulation%clock, index)) < 0.5_wp
+         if (.not. sound .and. simulation%clock%guard%bounds%retire) then
+            call retire_tile(simulation%materials, simulation%stores, simulation%clock, scratch, &
+               index, tile, sound)
             scratch%retired = .true.
          end if
          scratch%sound = scratch%sound .and. sound
-         if (simulation%erosion .and. allocated(store%state%failed)) &
-            call erode_tile(simulation, scratch, index, tile)
-         if (.not. (simulation%erosion .or. simulation%guard%bounds%retire)) return
+         if (simulation%scheme%erosion .and. allocated(store%state%failed)) &
+            call erode_tile(simulation%materials, simulation%stores, scratch, index, tile)
+         if (.not. (simulation%scheme%erosion .or. simulation%clock%guard%bounds%retire)) return
          if (.not. any(store%home(store%first(tile):store%first(tile) + store%count(tile) - 1) &
             == moved_off)) return
          if (fastest > 0.0_wp) fastest = fastest_left(store, tile, scratch%deformation%wave_speed)
@@ -215,75 +196,81 @@ contains
    end subroutine judge_particles
 
    !> The node fields of a tile as the particles see them.
-   subroutine look(simulation, tile, parts, view)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine look(simulation, field, tile, parts, view)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       type(view_t), intent(inout) :: view            !! What the particles see
       integer :: low, high
 
       view%slow = .false.
-      view%slot = simulation%nodes%slot(tile)
+      view%moved = .not. parts%motion
+      view%slot = field%nodes%slot(tile)
       if (parts%work) then
-         call nodes_seen(simulation, tile, low, high)
+         call nodes_seen(simulation%space, field, tile, low, high)
          if (.not. allocated(view%centre)) &
-            allocate (view%centre(3, simulation%grid%tile_nodes), source=0.0_wp)
-         view%centre(:, low:high) = simulation%nodes%velocity(:, low:high, view%slot) &
-            + 0.5_wp*simulation%kick*simulation%nodes%acceleration(:, low:high, view%slot)
+            allocate (view%centre(3, simulation%space%grid%tile_nodes), source=0.0_wp)
+         view%centre(:, low:high) = field%nodes%velocity(:, low:high, view%slot) &
+            + 0.5_wp*simulation%clock%kick*field%nodes%acceleration(:, low:high, view%slot)
       end if
-      if (parts%motion) call look_motion(simulation, tile, simulation%kick, view)
-      if (parts%strain) call look_steep(simulation, view)
-      if (.not. simulation%method%dual) return
-      if (parts%motion .and. simulation%repacks) call excess_fill(simulation%grid, &
-         simulation%boundary, simulation%tiles%coordinate(:, tile), &
-         simulation%nodes%filled(:, :, tile), simulation%nodes%volume(:, :, tile), view%excess)
-      if (parts%strain .or. (parts%motion .and. simulation%method%transfer%affine())) &
-         call node_gradient(simulation, tile, simulation%nodes%gradient, view%gradient)
-      if (parts%work .and. simulation%carries_energy) &
-         call node_gradient(simulation, tile, simulation%nodes%middle, view%middle)
-      if (parts%strain .and. simulation%method%averages()) &
-         call node_gradient(simulation, tile, simulation%nodes%earlier, view%earlier)
+      if (parts%motion) call look_motion(simulation%space, simulation%scheme, field, tile, &
+         simulation%clock%kick, view)
+      if (parts%strain) call look_steep(simulation, field, view)
+      if (.not. simulation%scheme%method%dual) return
+      if (parts%motion .and. simulation%scheme%repacks) call excess_fill(simulation%space%grid, &
+         simulation%space%boundary, simulation%space%tiles%coordinate(:, tile), &
+         field%nodes%filled(:, :, tile), field%nodes%volume(:, :, tile), view%excess)
+      if (parts%strain .or. (parts%motion .and. simulation%scheme%method%transfer%affine())) &
+         call node_gradient(simulation%space, field, tile, field%nodes%gradient, view%gradient)
+      if (parts%work .and. simulation%scheme%carries_energy) &
+         call node_gradient(simulation%space, field, tile, field%nodes%middle, view%middle)
+      if (parts%strain .and. simulation%scheme%method%averages()) &
+         call node_gradient(simulation%space, field, tile, field%nodes%earlier, view%earlier)
    end subroutine look
 
    !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
    !! where gradients are those of functions between nodes their velocities alone tell.
-   subroutine look_steep(simulation, view)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine look_steep(simulation, field, view)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(view_t), intent(inout) :: view            !! What the particles see
 
-      associate (method => simulation%method, grid => simulation%grid)
-         view%matters = steep_enough(simulation%guard%bounds, method%step_growth, &
-            simulation%dt_next)
+      associate (method => simulation%scheme%method, grid => simulation%space%grid)
+         view%matters = steep_enough(simulation%clock%guard%bounds, method%step_growth, &
+            simulation%clock%dt_next)
          if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
          ! nine components, each at most twice the greatest velocity over the edge of a cell
-         view%slow = slow_nodes(3*grid%tile_nodes, simulation%nodes%strain(:, :, view%slot), &
+         view%slow = slow_nodes(3*grid%tile_nodes, field%nodes%strain(:, :, view%slot), &
             0.9_wp/6.0_wp*grid%spacing*view%matters)
       end associate
    end subroutine look_steep
 
    !> The node fields that move the particles of a tile, and those of the kinetic energy that the
    !! way to the nodes and back loses. Without leapfrog (M.21) of doc/theory/method.md moves them.
-   subroutine look_motion(simulation, tile, dt, view)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine look_motion(space, scheme, field, tile, dt, view)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       type(view_t), intent(inout) :: view            !! What the particles see
       real(wp) :: none(1, 0)
 
-      if (.not. allocated(view%push)) allocate (view%push(3, simulation%grid%tile_nodes), &
-         view%carry(3, simulation%grid%tile_nodes))
-      call find_filtered(simulation, tile, dt, view%filtered)
-      associate (transfer => simulation%method%transfer, nodes => simulation%nodes, &
-         velocity => simulation%nodes%velocity(:, :, view%slot), filtered => view%filtered, &
-         acceleration => simulation%nodes%acceleration(:, :, view%slot))
+      if (.not. allocated(view%push)) allocate (view%push(3, space%grid%tile_nodes), &
+         view%carry(3, space%grid%tile_nodes))
+      call find_filtered(space, scheme, field, tile, dt, view%filtered)
+      associate (transfer => scheme%method%transfer, nodes => field%nodes, &
+         velocity => field%nodes%velocity(:, :, view%slot), filtered => view%filtered, &
+         acceleration => field%nodes%acceleration(:, :, view%slot))
          call transfer%velocity_increment(dt, acceleration, filtered, view%push)
-         if (simulation%method%leapfrog) then
+         if (scheme%method%leapfrog) then
             call transfer%advection_velocity(dt, velocity, acceleration, filtered, view%carry)
          else
             call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, view%carry)
          end if
          if (transfer%affine()) view%after = velocity + dt*acceleration
-         if (.not. simulation%carries_energy) return
+         if (.not. scheme%carries_energy) return
          if (transfer%sweeps() > 0) then
             call transfer%heat_fields(dt, velocity, acceleration, filtered, &
                nodes%term(:, :, tile), nodes%loss(:, :, tile), view%heat, view%scalar)
@@ -295,21 +282,22 @@ contains
          view%turn = (1.0_wp - transfer%flip_fraction())*velocity &
             - transfer%flip_fraction()*dt*acceleration
          if (.not. allocated(view%moments)) &
-            allocate (view%moments(9, simulation%grid%tile_nodes))
-         call moment_fields(simulation%grid, view%turn, view%moments)
+            allocate (view%moments(9, space%grid%tile_nodes))
+         call moment_fields(space%grid, view%turn, view%moments)
       end associate
    end subroutine look_motion
 
    !> Heat from the kinetic energy that the way to the nodes and back loses.
-   subroutine add_heat(simulation, scratch, store, tile, view)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine add_heat(space, scheme, scratch, store, tile, view)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       integer :: p, k
 
-      associate (grid => simulation%grid, method => simulation%method, shape => scratch%shape, &
+      associate (grid => space%grid, method => scheme%method, shape => scratch%shape, &
          start => store%cell_start(:, tile), first => store%first(tile))
          call method%transfer%heat(grid, method%basis, shape, first, view%heat, view%scalar, &
             store%velocity, store%state%energy)
@@ -331,14 +319,15 @@ contains
 
    !> Volumes of the loose particles of a tile from the fill of the nodes.
    subroutine repack_particles(simulation, scratch, index, tile, view)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
 
       associate (store => simulation%stores(index))
-         call simulation%method%basis%gather_values(simulation%grid, scratch%shape, view%excess, &
+         call simulation%scheme%method%basis%gather_values(simulation%space%grid, scratch%shape, &
+            view%excess, &
             scratch%shape%values)
          call repack(store, tile, simulation%materials(index), scratch%shape%values, &
             scratch%ledger)
@@ -347,19 +336,20 @@ contains
 
    !> New velocities and positions of the particles of a tile.
    subroutine move_particles(simulation, scratch, index, tile, view, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      associate (grid => simulation%grid, method => simulation%method, shape => scratch%shape, &
+      associate (grid => simulation%space%grid, method => simulation%scheme%method, shape => &
+         scratch%shape, &
          store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile))
          call method%basis%gather_motion(grid, shape, first, view%push, view%carry, &
             method%transfer%flip_fraction(), dt, store%velocity, store%position)
-         if (damps(method, simulation%carries_energy)) then
+         if (damps(method, simulation%scheme%carries_energy)) then
             call method%basis%gather_values(grid, shape, view%carry, shape%vector)
             call record_damping(scratch%ledger, store, tile, shape%vector, &
                method%transfer%flip_fraction())
@@ -375,26 +365,26 @@ contains
    !! noisy than that of the cell, and after the step it is that of the new velocities. With
    !! normalised sums it is not: there a linear field has no uniform gradient.
    pure logical function strained(simulation, index) result(renewed)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Which material
 
-      renewed = simulation%method%dual .and. simulation%method%stress /= stress_before
-      if (renewed .and. allocated(simulation%normalises)) &
-         renewed = .not. simulation%normalises(index)
+      renewed = simulation%scheme%method%dual .and. simulation%scheme%method%stress /= stress_before
+      if (renewed .and. allocated(simulation%scheme%normalises)) &
+         renewed = .not. simulation%scheme%normalises(index)
    end function strained
 
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
    !! what nodes lose in kinetic energy particles gain: (T.8) of doc/theory/transfers.md.
    subroutine add_work(simulation, scratch, store, tile, view)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       integer :: p, q, first
 
       call find_gradient(simulation, scratch, store, tile, view%centre, view%middle, &
-         simulation%kick)
+         simulation%clock%kick)
       first = store%first(tile)
       associate (stress => store%state%stress, gradient => scratch%deformation%gradient)
          do p = 1, store%count(tile)
@@ -410,15 +400,16 @@ contains
 
    !> Velocity gradient times the time step at the particles of a tile.
    subroutine find_gradient(simulation, scratch, store, tile, velocity, gradient, dt)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Gets the gradient
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Of the nodes, if dual [1/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
 
-      associate (grid => simulation%grid, method => simulation%method, shape => scratch%shape, &
+      associate (grid => simulation%space%grid, method => simulation%scheme%method, shape => &
+         scratch%shape, &
          start => store%cell_start(:, tile))
          if (method%dual) then
             call method%quadrature%gather_gradient(grid, shape, velocity, gradient, dt, &
@@ -435,54 +426,54 @@ contains
    end subroutine find_gradient
 
    !> Strain the particles of a tile and let their material answer.
-   subroutine strain_particles(simulation, scratch, index, tile, view, dt, over, fastest)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine strain_particles(simulation, field, scratch, index, tile, view, dt, fastest)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time of the strain [s]
-      logical, intent(in) :: over                    !! Have the particles moved already?
       real(wp), intent(out) :: fastest               !! Fastest signal and motion [m/s]
       integer :: p, first, n
 
       first = simulation%stores(index)%first(tile)
       n = simulation%stores(index)%count(tile)
       associate (store => simulation%stores(index), deformation => scratch%deformation, &
-         method => simulation%method)
-         deformation%plane = simulation%grid%dimensions < 3
+         method => simulation%scheme%method)
+         deformation%plane = simulation%space%grid%dimensions < 3
          if (method%averages()) then
             call find_gradient(simulation, scratch, store, tile, &
-               simulation%nodes%velocity(:, :, view%slot), view%earlier, simulation%dt)
+               field%nodes%velocity(:, :, view%slot), view%earlier, simulation%clock%dt)
             call centre_backward(n, deformation%plane, deformation%gradient)
             call keep_earlier(n, deformation%gradient, scratch%earlier)
          end if
          call find_gradient(simulation, scratch, store, tile, &
-            simulation%nodes%strain(:, :, view%slot), view%gradient, dt)
+            field%nodes%strain(:, :, view%slot), view%gradient, dt)
          if (.not. view%slow) call find_steepest(deformation%gradient, &
             store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
             scratch%steepest_identity)
-         if (method%transfer%affine() .and. strained(simulation, index) .and. .not. over) &
+         if (method%transfer%affine() .and. strained(simulation, index) .and. .not. view%moved) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          call stretch_tile(store, tile, deformation%gradient)
          if (allocated(method%splitting)) call find_opening(method%splitting, &
-            simulation%grid%spacing, store, tile, deformation%gradient, dt)
-         if (over .and. method%leapfrog) then
+            simulation%space%grid%spacing, store, tile, deformation%gradient, dt)
+         if (view%moved .and. method%leapfrog) then
             call centre_backward(n, deformation%plane, deformation%gradient)
          else
             call centre_gradient(n, deformation%plane, deformation%gradient)
          end if
          if (method%averages()) call average_strain(store, tile, scratch%earlier, &
             deformation%gradient)
-         if (method%limited) call find_jump(simulation%grid, store%cell_start(:, tile), &
-            simulation%nodes%strain(:, :, view%slot), view%gradient, deformation%gradient, &
+         if (method%limited) call find_jump(simulation%space%grid, store%cell_start(:, tile), &
+            field%nodes%strain(:, :, view%slot), view%gradient, deformation%gradient, &
             deformation%jump)
-         if (normalised(simulation, index)) call bound_jump(simulation%grid, &
-            store%cell_start(:, tile), simulation%nodes%strain(:, :, view%slot), dt, &
+         if (normalised(simulation, index)) call bound_jump(simulation%space%grid, &
+            store%cell_start(:, tile), field%nodes%strain(:, :, view%slot), dt, &
             deformation%gradient, deformation%jump)
          call scratch%laps%update(simulation%materials(index), store%state, deformation, &
-            first, first + n - 1, dt, simulation%grid%spacing)
-         call relax_pressures(simulation, index, tile, scratch%shape%local, &
+            first, first + n - 1, dt, simulation%space%grid%spacing)
+         call relax_pressures(simulation, field, index, tile, scratch%shape%local, &
             deformation%wave_speed, dt)
          fastest = 0.0_wp
          do p = 1, n

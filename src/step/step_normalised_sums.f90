@@ -20,7 +20,8 @@ module step_normalised_sums
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_particles_to_nodes, only: find_plain_places
    use step_pressure_relaxation, only: evens_pressure
-   use step_simulation, only: empty_mass, scratch_t, simulation_t
+   use step_simulation, only: empty_mass, scheme_t, scratch_t, simulation_t, space_t, &
+      velocity_field_t
    use step_walls, only: stand_walls
    use transfer_cut_cells, only: cut_cells, ramp
    use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals, edges
@@ -33,7 +34,7 @@ module step_normalised_sums
    public :: choose_normalised, find_factors, find_full
 
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
-   !! matter beyond the scope
+   !! material beyond the scope
    integer, parameter :: mass = 1, volume = 2, unblended = 2, foreign = 6
    integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
@@ -44,110 +45,119 @@ module step_normalised_sums
    !> What the fill of nodes on closed faces counts. Half as many particles are around such a node,
    !! so that it falls below a bound by chance more often [1]
    real(wp), parameter :: beside = 1.5_wp
-   real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign matter borne [1]
+   real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign material borne [1]
 
 contains
 
    !> Materials whose sums are normalised; nothing is kept where there are none.
    subroutine choose_normalised(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run with materials and method
+      type(simulation_t), intent(inout) :: simulation !! With materials and method
       integer :: n
 
-      associate (method => simulation%method)
+      associate (method => simulation%scheme%method)
          if (.not. method%dual) return
          if (method%normalise == "none") return
-         simulation%flows = [(is_fluid(simulation%materials(n)), n=1, size(simulation%materials))]
-         simulation%normalises = simulation%flows .or. method%normalise == "all"
-         if (method%normalise == "gases") simulation%normalises = simulation%flows .and. &
+         simulation%scheme%flows = [(is_fluid(simulation%materials(n)), n=1, &
+            size(simulation%materials))]
+         simulation%scheme%normalises = simulation%scheme%flows .or. method%normalise == "all"
+         if (method%normalise == "gases") simulation%scheme%normalises = simulation%scheme%flows &
+            .and. &
             [(simulation%materials(n)%carries_energy(), n=1, size(simulation%materials))]
-         if (.not. any(simulation%normalises)) then
-            deallocate (simulation%normalises, simulation%flows)
+         if (.not. any(simulation%scheme%normalises)) then
+            deallocate (simulation%scheme%normalises, simulation%scheme%flows)
             return
          end if
          do n = 1, size(simulation%materials)
-            if (simulation%normalises(n) .and. allocated(simulation%materials(n)%viscosity)) &
+            if (simulation%scheme%normalises(n) .and. &
+               allocated(simulation%materials(n)%viscosity)) &
                simulation%materials(n)%viscosity%limited = .true.
          end do
-         simulation%mean_alpha = mean_alpha(method%quadrature%alpha, &
-            method%quadrature%alpha_centre, simulation%grid%dimensions)
+         simulation%scheme%mean_alpha = mean_alpha(method%quadrature%alpha, &
+            method%quadrature%alpha_centre, simulation%space%grid%dimensions)
       end associate
    end subroutine choose_normalised
 
    !> Columns of the sums before the moments of pressure.
-   pure integer function plain_columns(simulation) result(columns)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure integer function plain_columns(scheme) result(columns)
+      type(scheme_t), intent(in) :: scheme
 
-      columns = merge(foreign - 1, foreign, all(simulation%normalises))
+      columns = merge(foreign - 1, foreign, all(scheme%normalises))
    end function plain_columns
 
    !> Factors of all edges and nodes for the particles as they are.
-   subroutine find_factors(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine find_factors(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
       logical :: evens
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
-         call simulation%timer%start(simulation%phase%scatter)
-         evens = any([(evens_pressure(simulation, n), n=1, size(simulation%stores))])
-         call ensure_patch(nodes%counted, plain_columns(simulation) + merge(moments, 0, evens), &
-            number, simulation%tiles%own)
-         call ensure_patch(nodes%factor, cell_edges, simulation%grid%tile_cells, &
-            simulation%tiles%own)
+      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
+         call simulation%machine%timer%start(simulation%machine%phase%scatter)
+         evens = any([(evens_pressure(simulation%scheme, simulation%stores, n), n=1, &
+            size(simulation%stores))])
+         call ensure_patch(nodes%counted, plain_columns(simulation%scheme) + merge(moments, 0, &
+            evens), &
+            number, simulation%space%tiles%own)
+         call ensure_patch(nodes%factor, cell_edges, simulation%space%grid%tile_cells, &
+            simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
-               call count_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
-                  simulation%nodes%counted(:, :, tiles(n)), &
-                  simulation%nodes%factor(:, :, tiles(n)))
+               call count_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
+                  tiles(n), field%nodes%counted(:, :, tiles(n)), &
+                  field%nodes%factor(:, :, tiles(n)))
             end do
             !$omp end parallel do
             call pass_patches(simulation, part, nodes%counted)
          end do
-         call simulation%timer%stop(simulation%phase%scatter)
-         call simulation%timer%start(simulation%phase%grid)
+         call simulation%machine%timer%stop(simulation%machine%phase%scatter)
+         call simulation%machine%timer%start(simulation%machine%phase%grid)
          ! their places do not depend on how long the forces will act; all tiles are known by now
-         if (allocated(simulation%rigid)) call stand_walls(simulation, 0.0_wp)
-         call ensure_weights(nodes%weight, simulation%grid%tile_cells, simulation%tiles%all)
-         call ensure_patch(nodes%covered, 1, number, simulation%tiles%all)
-         if (allocated(simulation%rigid)) call ensure_patch(nodes%present, 1, number, &
-            simulation%tiles%all)
+         if (allocated(simulation%space%rigid)) call stand_walls(simulation, 0.0_wp)
+         call ensure_weights(nodes%weight, simulation%space%grid%tile_cells, &
+            simulation%space%tiles%all)
+         call ensure_patch(nodes%covered, 1, number, simulation%space%tiles%all)
+         if (allocated(simulation%space%rigid)) call ensure_patch(nodes%present, 1, number, &
+            simulation%space%tiles%all)
          call ensure_patch(nodes%normal, rows + merge(moments - 1, 0, evens), number, &
-            simulation%tiles%all)
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%all
-            call judge_cells(simulation, tile)
+            simulation%space%tiles%all)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         do tile = 1, simulation%space%tiles%all
+            call judge_cells(simulation, field, tile)
          end do
          !$omp end parallel do
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%all
-            call judge_nodes(simulation, tile)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         do tile = 1, simulation%space%tiles%all
+            call judge_nodes(simulation, field, tile)
          end do
          !$omp end parallel do
-         call simulation%timer%stop(simulation%phase%grid)
+         call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end associate
    end subroutine find_factors
 
    !> Cells whose nodes count as full, of a material without strength; others are not halved by the
    !! place there is.
-   subroutine find_full(simulation, index, full)
-      type(simulation_t), intent(in) :: simulation   !! The run after its forces
+   subroutine find_full(space, scheme, field, index, full)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: index                   !! Which material
       logical, allocatable, intent(out) :: full(:, :) !! (0:cells - 1, tile)
       integer :: tile, cell, lane
 
-      if (.not. allocated(simulation%flows)) return
-      if (.not. simulation%flows(index)) return
-      allocate (full(0:simulation%grid%tile_cells - 1, simulation%tiles%own), source=.true.)
-      !$omp parallel do default(none) shared(simulation, full) private(tile, cell, lane) &
+      if (.not. allocated(scheme%flows)) return
+      if (.not. scheme%flows(index)) return
+      allocate (full(0:space%grid%tile_cells - 1, space%tiles%own), source=.true.)
+      !$omp parallel do default(none) shared(space, scheme, field, full) private(tile, cell, lane) &
       !$omp schedule(static)
-      do tile = 1, simulation%tiles%own
-         do cell = 0, simulation%grid%tile_cells - 1
-            do lane = 1, 2**simulation%grid%dimensions
-               full(cell, tile) = full(cell, tile) .and. simulation%nodes%normal(4, &
-                  simulation%grid%first_node(cell) + simulation%grid%lane_offset(lane), &
+      do tile = 1, space%tiles%own
+         do cell = 0, space%grid%tile_cells - 1
+            do lane = 1, 2**space%grid%dimensions
+               full(cell, tile) = full(cell, tile) .and. field%nodes%normal(4, &
+                  space%grid%first_node(cell) + space%grid%lane_offset(lane), &
                   tile) > 0.0_wp
             end do
          end do
@@ -155,24 +165,25 @@ contains
       !$omp end parallel do
    end subroutine find_full
 
-   !> Sums of the particles of a tile round its nodes and the edges of its cells.
-   subroutine count_tile(simulation, scratch, tile, patch, sums)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   !> Sums of the particles of a tile around its nodes and the edges of its cells.
+   subroutine count_tile(simulation, field, scratch, tile, patch, sums)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp), contiguous, intent(inout) :: sums(:, :)  !! (edge, cell) [m3]
       integer :: index, p, l, first, count
 
       call clear_patch(patch)
       sums = 0.0_wp
-      do index = simulation%first_store, simulation%end_store()
+      do index = field%first_store, field%last_store
          count = simulation%stores(index)%count(tile)
          if (count == 0) cycle
          first = simulation%stores(index)%first(tile)
-         associate (store => simulation%stores(index), grid => simulation%grid, &
+         associate (store => simulation%stores(index), grid => simulation%space%grid, &
             shape => scratch%shape, start => simulation%stores(index)%cell_start(:, tile))
-            call find_plain_places(simulation, scratch, store, tile)
+            call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
             shape%values(:count, 1) = store%state%mass(first:first + count - 1)
             call scatter_values(grid, start, shape%local, 1, shape%values, mass - 1, patch)
             shape%values(:count, 1) = store%state%volume(first:first + count - 1)
@@ -182,14 +193,16 @@ contains
                end do
             end do
             call scatter_values(grid, start, shape%blend, 4, shape%values, volume - 1, patch)
-            if (.not. simulation%normalises(index)) call scatter_values(grid, start, &
+            if (.not. simulation%scheme%normalises(index)) call scatter_values(grid, start, &
                shape%blend, 1, shape%values, foreign - 1, patch)
             call add_edge_sums(grid, start, first, shape%blend, shape%alpha, &
                store%state%volume, sums)
             if (grid%axisymmetric) call add_hoop_sums(grid, start, first, shape%local, &
                store%position, store%state%volume, sums)
-            if (evens_pressure(simulation, index)) call add_moments(grid, start, first, &
-               shape%local, store%state%volume, store%state%stress, plain_columns(simulation), &
+            if (evens_pressure(simulation%scheme, simulation%stores, index)) call &
+               add_moments(grid, start, first, &
+               shape%local, store%state%volume, store%state%stress, &
+                  plain_columns(simulation%scheme), &
                patch)
          end associate
       end do
@@ -197,76 +210,82 @@ contains
 
    !> How far the cells of a tile are full, and the factors of their edges. What the node part
    !! leaves to the cell, where its cell counts less than in full, the edges take.
-   subroutine judge_cells(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: sums(size(simulation%nodes%counted, 1), simulation%grid%tile_nodes)
-      real(wp) :: filled(volume, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
-      real(wp) :: shares(cell_edges, simulation%grid%tile_cells)
-      real(wp) :: weight(simulation%grid%tile_cells), full(simulation%grid%tile_cells)
-      real(wp) :: own(simulation%grid%tile_cells)
-      real(wp) :: ring(size(hoop_edges), simulation%grid%tile_cells)
+   subroutine judge_cells(simulation, field, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
+      real(wp) :: sums(size(field%nodes%counted, 1), simulation%space%grid%tile_nodes)
+      real(wp) :: filled(volume, simulation%space%grid%tile_nodes), &
+         around(simulation%space%grid%tile_nodes)
+      real(wp) :: shares(cell_edges, simulation%space%grid%tile_cells)
+      real(wp) :: weight(simulation%space%grid%tile_cells), full(simulation%space%grid%tile_cells)
+      real(wp) :: own(simulation%space%grid%tile_cells)
+      real(wp) :: ring(size(hoop_edges), simulation%space%grid%tile_cells)
       integer :: cell
 
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
-         coordinate => simulation%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%tiles, nodes%counted, tile, sums)
+      associate (grid => simulation%space%grid, nodes => field%nodes, &
+         coordinate => simulation%space%tiles%coordinate(:, tile))
+         call assemble(grid, simulation%space%tiles, nodes%counted, tile, sums)
          nodes%normal(:3, :, tile) = sums(unblended + 1:unblended + 3, :)
          call grid%node_volume(coordinate, around)
-         call simulation%dual%cell_weights(grid, sums, volume, around, weight)
+         call simulation%scheme%dual%cell_weights(grid, sums, volume, around, weight)
          ! by the fill alone, with the same density everywhere
          filled(mass, :) = around
          nodes%normal(5, :, tile) = 1.0_wp
          own = 1.0_wp
-         if (size(nodes%normal, 1) > rows) call divide_moments(sums(plain_columns(simulation) &
+         if (size(nodes%normal, 1) > rows) call &
+            divide_moments(sums(plain_columns(simulation%scheme) &
             + 1:, :), nodes%normal(rows + 1:, :, tile))
-         if (.not. all(simulation%normalises)) then
+         if (.not. all(simulation%scheme%normalises)) then
             nodes%normal(5, :, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, :) &
                /max(sums(volume, :), empty_mass))
-            filled(volume, :) = simulation%dual%enough*nodes%normal(5, :, tile)*around
-            call simulation%dual%cell_weights(grid, filled, volume, around, own)
+            filled(volume, :) = simulation%scheme%dual%enough*nodes%normal(5, :, tile)*around
+            call simulation%scheme%dual%cell_weights(grid, filled, volume, around, own)
          end if
          filled(volume, :) = nodes%normal(5, :, tile)*sums(volume, :)
-         call find_fill(simulation, tile, around, filled(volume, :), full)
+         call find_fill(simulation%space, simulation%scheme, tile, around, filled(volume, :), full)
          call clear_patch(nodes%covered(:, :, tile))
-         call simulation%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
+         call simulation%scheme%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
          shares = 1.0_wp
          ring = 1.0_wp
-         if (allocated(simulation%rigid)) then
+         if (allocated(simulation%space%rigid)) then
             ! of nodes in rigid regions the cells count that there are: others hold no particles
-            call add_present(simulation, tile, around)
-            if (allocated(simulation%rigid%held(tile)%node)) call cut_cells(grid, coordinate, &
-               simulation%rigid, tile, simulation%method%quadrature%smooth, shares, ring)
+            call add_present(simulation%space, simulation%scheme, field, tile, around)
+            if (allocated(simulation%space%rigid%held(tile)%node)) call cut_cells(grid, &
+               coordinate, &
+               simulation%space%rigid, tile, simulation%scheme%method%quadrature%smooth, shares, &
+                  ring)
             ! nodes must not carry more than there is room for
             do cell = 1, size(full)
                weight(cell) = min(weight(cell), minval(shares(:, cell)))
             end do
          end if
          nodes%weight(:size(weight), tile) = weight
-         if (tile > simulation%tiles%own) return
-         call find_cell_factors(simulation, tile, full, own, weight, shares, ring)
+         if (tile > simulation%space%tiles%own) return
+         call find_cell_factors(simulation, field, tile, full, own, weight, shares, ring)
       end associate
    end subroutine judge_cells
 
    !> How far cells are full: from half of the room around their nodes on, as the weights of cells
    !! of doc/theory/method.md in a plane are.
-   subroutine find_fill(simulation, tile, around, volumes, full)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine find_fill(space, scheme, tile, around, volumes, full)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      integer, intent(in) :: tile
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
       real(wp), intent(in) :: volumes(:)             !! (node) That of particles in the scope [m3]
       real(wp), intent(out) :: full(:)               !! (cell) 0 to 1
       real(wp) :: filled(volume, size(around))
       integer :: cell
 
-      associate (grid => simulation%grid, coordinate => simulation%tiles%coordinate(:, tile))
+      associate (grid => space%grid, coordinate => space%tiles%coordinate(:, tile))
          filled(mass, :) = around
-         filled(volume, :) = 2.0_wp*simulation%dual%enough*volumes
+         filled(volume, :) = 2.0_wp*scheme%dual%enough*volumes
          if (grid%axisymmetric) call count_inner(grid, coordinate, filled(volume, :))
-         call simulation%boundary%raise(grid, coordinate, beside, filled(volume, :))
-         if (allocated(simulation%rigid)) call fill_held(simulation%rigid%held(tile), around, &
+         call space%boundary%raise(grid, coordinate, beside, filled(volume, :))
+         if (allocated(space%rigid)) call fill_held(space%rigid%held(tile), around, &
             filled(volume, :))
-         call simulation%dual%cell_weights(grid, filled, volume, around, full)
+         call scheme%dual%cell_weights(grid, filled, volume, around, full)
          do cell = 1, size(full)
             full(cell) = ramp(2.0_wp*full(cell) - 1.0_wp)
          end do
@@ -274,9 +293,10 @@ contains
    end subroutine find_fill
 
    !> Factors of the edges of the cells of a tile.
-   subroutine find_cell_factors(simulation, tile, full, own, weight, shares, ring)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine find_cell_factors(simulation, field, tile, full, own, weight, shares, ring)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
       real(wp), intent(in) :: full(:)                !! (cell) How far it is full, 0 to 1
       real(wp), intent(in) :: own(:)                 !! (cell) How far it is in the scope, 0 to 1
       real(wp), intent(in) :: weight(:)              !! (cell) Of its part on the nodes
@@ -285,12 +305,13 @@ contains
       real(wp) :: whole(cell_edges), rest(cell_edges)
       integer :: cell
 
-      associate (grid => simulation%grid, factor => simulation%nodes%factor(:, :, tile))
+      associate (grid => simulation%space%grid, factor => field%nodes%factor(:, :, tile))
          whole = edge_integrals(grid, 0)
          do cell = 1, size(full)
-            rest = (1.0_wp - simulation%mean_alpha)*weight(cell)
+            rest = (1.0_wp - simulation%scheme%mean_alpha)*weight(cell)
             if (grid%axisymmetric) then
-               whole = edge_integrals(grid, simulation%tiles%coordinate(1, tile)*grid%width(1) &
+               whole = edge_integrals(grid, simulation%space%tiles%coordinate(1, &
+                  tile)*grid%width(1) &
                   + mod(cell - 1, grid%width(1)))
                ! no part of the hoop terms is on nodes
                rest(hoop_edges) = 0.0_wp
@@ -318,20 +339,22 @@ contains
       end do
    end subroutine count_inner
 
-   !> Volume of the cells of a tile round its nodes in rigid regions.
-   subroutine add_present(simulation, tile, around)
-      type(simulation_t), intent(inout) :: simulation !! The run with rigid regions
-      integer, intent(in) :: tile                    !! Which tile
+   !> Volume of the cells of a tile around its nodes in rigid regions.
+   subroutine add_present(space, scheme, field, tile, around)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
-      real(wp) :: one(simulation%grid%tile_cells), whole(volume, size(around))
+      real(wp) :: one(space%grid%tile_cells), whole(volume, size(around))
 
-      call clear_patch(simulation%nodes%present(:, :, tile))
-      if (.not. simulation%rigid%holds(tile)) return
+      call clear_patch(field%nodes%present(:, :, tile))
+      if (.not. space%rigid%holds(tile)) return
       ! all cells of the tile that are in the box
       whole = spread(around, 1, volume)
-      call simulation%dual%cell_weights(simulation%grid, whole, volume, around, one)
-      call simulation%dual%add_volume(simulation%grid, simulation%tiles%coordinate(:, tile), one, &
-         simulation%nodes%present(:, :, tile))
+      call scheme%dual%cell_weights(space%grid, whole, volume, around, one)
+      call scheme%dual%add_volume(space%grid, space%tiles%coordinate(:, tile), one, &
+         field%nodes%present(:, :, tile))
    end subroutine add_present
 
    !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
@@ -345,12 +368,12 @@ contains
       if (allocated(held%node)) filled(held%node) = around(held%node)
    end subroutine fill_held
 
-   !> Factors of the edges of a cell from their sums. Less matter than room may be a free surface;
-   !! more matter than room is wrong in any case. Equation (Q.7).
+   !> Factors of the edges of a cell from their sums. Less material than room may be a free surface;
+   !! more material than room is wrong in any case. Equation (Q.7).
    ! gate: long kernel because an edge is told by all that takes part in its integral
    pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
-      real(wp), intent(in) :: own                    !! How far its matter is in the scope, 0 to 1
+      real(wp), intent(in) :: own                    !! How far its material is in the scope, 0 to 1
       real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
       real(wp), intent(in) :: rest(:)                !! (edge) Share of it that nodes carry [1]
       real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
@@ -380,20 +403,22 @@ contains
 
    !> What the node stress and the node gradient are multiplied by along each direction where the
    !! cells around are full, and how far they are. Equation (Q.8).
-   subroutine judge_nodes(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: covered(1, simulation%grid%tile_nodes), around(simulation%grid%tile_nodes)
-      real(wp) :: due(simulation%grid%tile_nodes)
+   subroutine judge_nodes(simulation, field, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
+      real(wp) :: covered(1, simulation%space%grid%tile_nodes), &
+         around(simulation%space%grid%tile_nodes)
+      real(wp) :: due(simulation%space%grid%tile_nodes)
       real(wp) :: whole, cells, own, ratio
       integer :: node, l
 
-      associate (grid => simulation%grid, nodes => simulation%nodes)
-         call assemble(grid, simulation%tiles, nodes%covered, tile, covered)
-         call grid%node_volume(simulation%tiles%coordinate(:, tile), around)
-         ! a cell without matter, that with the smaller share beside the axis too, ends the scope
+      associate (grid => simulation%space%grid, nodes => field%nodes)
+         call assemble(grid, simulation%space%tiles, nodes%covered, tile, covered)
+         call grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
+         ! a cell without material, that with the smaller share beside the axis too, ends the scope
          cells = merge(6.0_wp, real(2**grid%dimensions, wp), grid%axisymmetric)
-         call find_due(simulation, tile, around, due)
+         call find_due(simulation%space, field, tile, around, due)
          do node = 1, size(around)
             associate (normal => nodes%normal(:, node, tile))
                own = normal(5)
@@ -401,7 +426,7 @@ contains
                normal(5:7) = 0.0_wp
                if (.not. around(node) > empty_mass) cycle
                normal(4) = max(0.0_wp, 1.0_wp - cells*(due(node) - covered(1, node))/around(node))
-               whole = (1.0_wp - simulation%mean_alpha)*around(node)
+               whole = (1.0_wp - simulation%scheme%mean_alpha)*around(node)
                do l = 1, 3
                   ratio = whole/min(max(normal(l), whole/greatest), whole/least)
                   normal(4 + l) = (1.0_wp - normal(4))*(1.0_wp + own*(min(1.0_wp, ratio) - 1.0_wp))
@@ -414,18 +439,19 @@ contains
 
    !> Volume that must be full for nodes to count as such: that around them, of nodes in rigid
    !! regions that of the cells that there are.
-   pure subroutine find_due(simulation, tile, around, due)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   pure subroutine find_due(space, field, tile, around, due)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
       real(wp), intent(out) :: due(:)                !! (node) [m3]
       real(wp) :: present(1, size(due))
 
       due = around
-      if (.not. allocated(simulation%rigid)) return
-      if (.not. simulation%rigid%holds(tile)) return
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%present, tile, present)
-      associate (node => simulation%rigid%held(tile)%node)
+      if (.not. allocated(space%rigid)) return
+      if (.not. space%rigid%holds(tile)) return
+      call assemble(space%grid, space%tiles, field%nodes%present, tile, present)
+      associate (node => space%rigid%held(tile)%node)
          due(node) = present(1, node)
       end associate
    end subroutine find_due

@@ -2,11 +2,12 @@
 !> Names the particle for which a run has to stop: the same words for any ranks and threads.
 module step_offending_particle
    use base_kinds, only: int64, wp
+   use material_type, only: material_t
    use particle_split, only: generation_of, root_of
-   use particle_store, only: moved_off
+   use particle_store, only: moved_off, store_t
    use step_bounds, only: bounds_t, fault_fast, fault_inverted, fault_large, fault_none, &
       fault_of, fault_small, fault_stress, fault_velocity, rule_conduction, rule_strain
-   use step_simulation, only: simulation_t
+   use step_simulation, only: clock_t, machine_t, simulation_t
    implicit none
    private
 
@@ -22,50 +23,51 @@ module step_offending_particle
 
 contains
 
-   !> Bounds for the particles of a material. Failed matter without stress may have any volume.
-   pure function tile_bounds(simulation, index) result(bounds)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   !> Bounds for the particles of a material. Failed material without stress may have any volume.
+   pure function tile_bounds(materials, clock, index) result(bounds)
+      type(material_t), intent(in) :: materials(:)
+      type(clock_t), intent(in) :: clock
       integer, intent(in) :: index                   !! Which material
       type(bounds_t) :: bounds
 
-      bounds = simulation%guard%bounds
-      if (.not. allocated(simulation%materials(index)%failure%fracture)) return
-      if (.not. simulation%materials(index)%failure%fracture%leaves_nothing) return
+      bounds = clock%guard%bounds
+      if (.not. allocated(materials(index)%failure%fracture)) return
+      if (.not. materials(index)%failure%fracture%leaves_nothing) return
       bounds%ratio_min = 0.0_wp
       bounds%ratio_max = huge(1.0_wp)
    end function tile_bounds
 
    !> Text on the particle of lowest identity that is out of its bounds. Collective.
    subroutine name_bad(simulation, text)
-      type(simulation_t), intent(in) :: simulation   !! The run, just after the step
+      type(simulation_t), intent(in) :: simulation   !! Just after the step
       character(len=:), allocatable, intent(out) :: text !! Step, time, particle, what is wrong
       type(found_t) :: found
       integer :: fault
       real(wp) :: value
 
-      call find_bad(simulation, found)
+      call find_bad(simulation%materials, simulation%stores, simulation%clock, found)
       call claim(simulation, found)
       text = ""
       if (found%store > 0) then
          associate (store => simulation%stores(found%store))
             call fault_of(store, found%particle, simulation%materials(found%store)%density, &
-               tile_bounds(simulation, found%store), fault, value)
+               tile_bounds(simulation%materials, simulation%clock, found%store), fault, value)
          end associate
-         text = particle_text(simulation, found)//": "//fault_text(simulation, fault, value)
+         text = particle_text(simulation, found)//": "//fault_text(simulation%clock, fault, value)
       end if
       call spread(simulation, text)
       if (len(text) == 0) text = "a wave speed is not a finite number"
-      text = step_text(simulation)//": "//text//new_line("a")//replay_text(simulation)
+      text = step_text(simulation%clock)//": "//text//new_line("a")//replay_text(simulation)
    end subroutine name_bad
 
    !> How to get the state before the last step, which is not kept: it would double the memory, and
    !! the same bits come again.
    function replay_text(simulation) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable :: text
       character(len=24) :: before
 
-      write (before, "(i0)") simulation%step - 1
+      write (before, "(i0)") simulation%clock%step - 1
       text = "this state goes into snapshots but into no checkpoint; to get that before the "// &
          "step run again with -s time.max_steps="//trim(before)// &
          ", and with --restart if there is a checkpoint"
@@ -73,47 +75,48 @@ contains
 
    !> Text on the particle that makes the time step as short as it is. Collective.
    subroutine name_limiting(simulation, text)
-      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      type(simulation_t), intent(in) :: simulation   !! Between two steps
       character(len=:), allocatable, intent(out) :: text !! Step, time, particle, and its speeds
       type(found_t) :: found
       real(wp) :: signal, speed
       character(len=100) :: line
 
-      if (simulation%guard%rule == rule_conduction) then
-         text = step_text(simulation)//": heat conduction limits it"
+      if (simulation%clock%guard%rule == rule_conduction) then
+         text = step_text(simulation%clock)//": heat conduction limits it"
          return
       end if
-      if (simulation%guard%rule == rule_strain) then
-         found%identity = simulation%guard%steepest
-         call find_identity(simulation, found)
+      if (simulation%clock%guard%rule == rule_strain) then
+         found%identity = simulation%clock%guard%steepest
+         call find_identity(simulation%stores, found)
       else
-         call find_fastest(simulation, found)
+         call find_fastest(simulation%materials, simulation%stores, simulation%machine, found)
       end if
       call claim(simulation, found)
       text = ""
       if (found%store > 0) then
-         call find_speeds(simulation, found%store, found%particle, signal, speed)
+         call find_speeds(simulation%materials, simulation%stores, found%store, found%particle, &
+            signal, speed)
          write (line, "(a,es10.3,a,es10.3,a)") ": wave speed", signal, " m/s, speed", speed, " m/s"
          text = particle_text(simulation, found)//trim(line)
       end if
       call spread(simulation, text)
       if (len(text) == 0) text = "no particle is left"
-      if (simulation%guard%rule == rule_strain) then
-         write (line, "(a,es10.3,a)") ", velocity gradient", simulation%guard%rate, " 1/s"
+      if (simulation%clock%guard%rule == rule_strain) then
+         write (line, "(a,es10.3,a)") ", velocity gradient", simulation%clock%guard%rate, " 1/s"
          text = text//trim(line)
       end if
-      text = step_text(simulation)//": "//text
+      text = step_text(simulation%clock)//": "//text
    end subroutine name_limiting
 
    !> Text on a particle whose identity is known. Collective.
    subroutine name_particle(simulation, identity, text)
-      type(simulation_t), intent(in) :: simulation   !! The run between two steps
+      type(simulation_t), intent(in) :: simulation   !! Between two steps
       integer(int64), intent(in) :: identity         !! Who it is
       character(len=:), allocatable, intent(out) :: text !! Body, material and place
       type(found_t) :: found
 
       found%identity = identity
-      call find_identity(simulation, found)
+      call find_identity(simulation%stores, found)
       call claim(simulation, found)
       text = ""
       if (found%store > 0) text = particle_text(simulation, found)
@@ -121,17 +124,19 @@ contains
    end subroutine name_particle
 
    !> Particle of lowest identity on this rank that is out of its bounds.
-   pure subroutine find_bad(simulation, found)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine find_bad(materials, stores, clock, found)
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(in) :: stores(:)
+      type(clock_t), intent(in) :: clock
       type(found_t), intent(out) :: found            !! The particle
       type(bounds_t) :: bounds
       integer :: index, tile, p, fault
       real(wp) :: value
 
-      do index = 1, size(simulation%stores)
-         bounds = tile_bounds(simulation, index)
-         associate (store => simulation%stores(index), &
-            density => simulation%materials(index)%density)
+      do index = 1, size(stores)
+         bounds = tile_bounds(materials, clock, index)
+         associate (store => stores(index), &
+            density => materials(index)%density)
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (store%identity(p) > found%identity .or. store%home(p) == moved_off) cycle
@@ -144,13 +149,13 @@ contains
    end subroutine find_bad
 
    !> Where a particle is whose identity is known.
-   pure subroutine find_identity(simulation, found)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine find_identity(stores, found)
+      type(store_t), intent(in) :: stores(:)
       type(found_t), intent(inout) :: found          !! The particle
       integer :: index, tile, p
 
-      do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index))
+      do index = 1, size(stores)
+         associate (store => stores(index))
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (store%identity(p) == found%identity) &
@@ -162,18 +167,20 @@ contains
    end subroutine find_identity
 
    !> Particle of lowest identity among those with the greatest sum of wave speed and speed.
-   subroutine find_fastest(simulation, found)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine find_fastest(materials, stores, machine, found)
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(in) :: stores(:)
+      type(machine_t), intent(in) :: machine
       type(found_t), intent(out) :: found            !! The particle if this rank has it
       real(wp) :: fastest, signal, speed
       integer :: index, tile, p
 
       fastest = 0.0_wp
-      do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index))
+      do index = 1, size(stores)
+         associate (store => stores(index))
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  call find_speeds(simulation, index, p, signal, speed)
+                  call find_speeds(materials, stores, index, p, signal, speed)
                   if (.not. (signal + speed > fastest .or. signal + speed >= fastest .and. &
                      store%identity(p) < found%identity)) cycle
                   fastest = signal + speed
@@ -182,48 +189,49 @@ contains
             end do
          end associate
       end do
-      if (fastest < simulation%communicator%maximum(fastest)) found = found_t()
+      if (fastest < machine%communicator%maximum(fastest)) found = found_t()
    end subroutine find_fastest
 
    !> Speed of waves in a particle without artificial viscosity, and its own.
-   pure subroutine find_speeds(simulation, index, p, signal, speed)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine find_speeds(materials, stores, index, p, signal, speed)
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(in) :: stores(:)
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: p                       !! Which particle
       real(wp), intent(out) :: signal                !! [m/s]
       real(wp), intent(out) :: speed                 !! [m/s]
 
-      associate (store => simulation%stores(index))
-         signal = simulation%materials(index)%signal_speed(store%state, p, p)
+      associate (store => stores(index))
+         signal = materials(index)%signal_speed(store%state, p, p)
          speed = norm2([store%velocity(p, 1), store%velocity(p, 2), store%velocity(p, 3)])
       end associate
    end subroutine find_speeds
 
    !> Leave only the particle of lowest identity of all ranks.
    subroutine claim(simulation, found)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(found_t), intent(inout) :: found          !! That of this rank in, none out if not lowest
       integer(int64) :: least(1)
 
       least = found%identity
-      call simulation%communicator%least(least)
+      call simulation%machine%communicator%least(least)
       if (found%identity /= least(1)) found = found_t()
    end subroutine claim
 
    !> Step and time.
-   function step_text(simulation) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   function step_text(clock) result(text)
+      type(clock_t), intent(in) :: clock
       character(len=:), allocatable :: text
       character(len=80) :: line
 
-      write (line, "(a,i0,a,es11.4,a,es11.4,a)") "step ", simulation%step, ", time", &
-         simulation%time, " s, dt", simulation%dt, " s"
+      write (line, "(a,i0,a,es11.4,a,es11.4,a)") "step ", clock%step, ", time", &
+         clock%time, " s, dt", clock%dt, " s"
       text = trim(line)
    end function step_text
 
    !> Who a particle is and where.
    function particle_text(simulation, found) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(found_t), intent(in) :: found             !! The particle
       character(len=:), allocatable :: text
       character(len=100) :: line
@@ -248,14 +256,14 @@ contains
    end function particle_text
 
    !> What is wrong.
-   function fault_text(simulation, fault, value) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   function fault_text(clock, fault, value) result(text)
+      type(clock_t), intent(in) :: clock
       integer, intent(in) :: fault                   !! Kind of fault
       real(wp), intent(in) :: value                  !! What shows it
       character(len=:), allocatable :: text
       character(len=160) :: line
 
-      associate (bounds => simulation%guard%bounds)
+      associate (bounds => clock%guard%bounds)
          select case (fault)
          case (fault_velocity)
             line = "its velocity is not a finite number"
@@ -282,12 +290,13 @@ contains
 
    !> Give the text of the one rank that has one to all.
    subroutine spread(simulation, text)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable, intent(inout) :: text !! Own in, that of all out
       integer(int64), allocatable :: whole(:)
       integer :: n
 
-      call simulation%communicator%gather([(int(iachar(text(n:n)), int64), n=1, len(text))], whole)
+      call simulation%machine%communicator%gather([(int(iachar(text(n:n)), int64), n=1, &
+         len(text))], whole)
       text = repeat(" ", size(whole))
       do n = 1, size(whole)
          text(n:n) = achar(int(whole(n)))

@@ -8,7 +8,8 @@ module step_particles_to_nodes
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_motion
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: effects_t, scheme_t, scratch_t, simulation_t, space_t, &
+      velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_bbar, only: even_stress
    use transfer_scatter, only: dual_columns, motion_columns
@@ -25,91 +26,96 @@ contains
 
    !> Mass, momentum and force of all particles to the patches of their tiles, and the patches of
    !! other ranks.
-   subroutine particles_to_nodes(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine particles_to_nodes(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: part, n
       real(wp) :: began
 
-      call simulation%timer%start(simulation%phase%scatter)
-      call find_boxes(simulation)
-      call ensure_motion(simulation)
+      call simulation%machine%timer%start(simulation%machine%phase%scatter)
+      call find_boxes(simulation, field)
+      call ensure_motion(simulation%space, simulation%scheme, field)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
+         !$omp parallel do default(none) shared(simulation, field, tiles) private(n, began) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
             began = cost_clock(simulation)
-            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n))
+            call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tiles(n))
             call record_cost(simulation, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_motion(simulation, part)
+         call pass_motion(simulation, field, part)
       end do
-      call simulation%timer%stop(simulation%phase%scatter)
+      call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine particles_to_nodes
 
    !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
    !! these alone.
-   subroutine find_boxes(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      logical :: used(simulation%grid%tile_cells)
+   subroutine find_boxes(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      logical :: used(simulation%space%grid%tile_cells)
       integer :: tile, index
 
-      associate (touched => simulation%nodes%touched, grid => simulation%grid, &
-         own => simulation%tiles%own)
+      associate (touched => field%nodes%touched, grid => simulation%space%grid, &
+         own => simulation%space%tiles%own)
          call touched%ensure(own)
-         !$omp parallel do default(none) shared(simulation) private(tile, index, used) &
+         !$omp parallel do default(none) shared(simulation, field) private(tile, index, used) &
          !$omp schedule(static)
-         do tile = 1, simulation%tiles%own
-            call empty_box(simulation%nodes%touched%box(:, :, tile))
-            do index = simulation%first_store, simulation%end_store()
+         do tile = 1, simulation%space%tiles%own
+            call empty_box(field%nodes%touched%box(:, :, tile))
+            do index = field%first_store, field%last_store
                associate (store => simulation%stores(index))
                   if (store%count(tile) == 0) cycle
                   used = store%cell_start(1:, tile) &
-                     > store%cell_start(:simulation%grid%tile_cells - 1, tile)
+                     > store%cell_start(:simulation%space%grid%tile_cells - 1, tile)
                end associate
-               call widen_box(simulation%grid, used, simulation%nodes%touched%box(:, :, tile))
+               call widen_box(simulation%space%grid, used, field%nodes%touched%box(:, :, tile))
             end do
          end do
          !$omp end parallel do
-         call touched%line_up(grid, simulation%tiles)
-         simulation%nodes%lean = may_be_lean(simulation) .and. &
-            int(own, int64)*grid%tile_nodes > count_own(simulation)
+         call touched%line_up(grid, simulation%space%tiles)
+         field%nodes%lean = may_be_lean(simulation%scheme, simulation%effects) .and. &
+            int(own, int64)*grid%tile_nodes > count_own(simulation%stores)
       end associate
    end subroutine find_boxes
 
    !> Particles of this rank. Where its tiles have more nodes, their fields would be most of what is
    !! in memory.
-   pure integer(int64) function count_own(simulation) result(particles)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure integer(int64) function count_own(stores) result(particles)
+      type(store_t), intent(in) :: stores(:)
       integer :: index
 
       particles = 0
-      do index = 1, size(simulation%stores)
-         particles = particles + sum(simulation%stores(index)%count)
+      do index = 1, size(stores)
+         particles = particles + sum(stores(index)%count)
       end do
    end function count_own
 
-   !> Does nobody but the plain step ask for the fields of all nodes?
-   pure logical function may_be_lean(simulation) result(lean)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   !> Does nobody but the plain step request the fields of all nodes?
+   pure logical function may_be_lean(scheme, effects) result(lean)
+      type(scheme_t), intent(in) :: scheme
+      type(effects_t), intent(in) :: effects
 
-      associate (method => simulation%method)
-         lean = .not. (simulation%keeps_nodes .or. allocated(simulation%contact) .or. &
-            allocated(simulation%exact) .or. simulation%repacks .or. &
-            allocated(simulation%normalises) .or. &
+      associate (method => scheme%method)
+         lean = .not. (scheme%keeps_nodes .or. allocated(effects%contact) .or. &
+            allocated(effects%exact) .or. scheme%repacks .or. &
+            allocated(scheme%normalises) .or. &
             method%transfer%sweeps() > 0 .or. method%controlled() .or. method%differing() .or. &
             method%remaps())
       end associate
    end function may_be_lean
 
-   !> Make room for the pieces of the motion. The memory of the node stress served for the node
+   !> Allocate the packed patches of the motion. The memory of the node stress served for the node
    !! gradient in the step before.
-   pure subroutine ensure_motion(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   pure subroutine ensure_motion(space, scheme, field)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(inout) :: field
 
-      associate (nodes => simulation%nodes, grid => simulation%grid, dual => simulation%method%dual)
+      associate (nodes => field%nodes, grid => space%grid, dual => scheme%method%dual)
          if (.not. allocated(nodes%motion(1)%row)) then
             if (dual) then
                call nodes%motion(1)%keep(motion_columns + 1, [.true., vector_rows(grid), &
@@ -129,7 +135,7 @@ contains
 
    !> Components of a vector that can be other than zero.
    pure function vector_rows(grid) result(kept)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       logical :: kept(3)
 
       kept = grid%active
@@ -137,7 +143,7 @@ contains
 
    !> The same of a tensor whose component (k, l) is in row k + 3 (l - 1).
    pure function tensor_rows(grid) result(kept)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       logical :: kept(9)
       integer :: l
 
@@ -147,39 +153,42 @@ contains
    end function tensor_rows
 
    !> One tile.
-   subroutine scatter_tile(simulation, scratch, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine scatter_tile(simulation, field, scratch, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: patch(merge(dual_columns, motion_columns, simulation%method%dual), &
-         simulation%grid%tile_nodes)
+      integer, intent(in) :: tile
+      real(wp) :: patch(merge(dual_columns, motion_columns, simulation%scheme%method%dual), &
+         simulation%space%grid%tile_nodes)
       integer :: index
 
       call clear_patch(patch)
-      do index = simulation%first_store, simulation%end_store()
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
-         call scatter_store(simulation, scratch, index, tile, patch)
+         call scatter_store(simulation, field, scratch, index, tile, patch)
       end do
-      associate (nodes => simulation%nodes)
-         call nodes%motion(1)%put(simulation%grid, nodes%touched, tile, 1, patch)
-         if (simulation%method%dual) call nodes%motion(2)%put(simulation%grid, nodes%touched, &
+      associate (nodes => field%nodes)
+         call nodes%motion(1)%put(simulation%space%grid, nodes%touched, tile, 1, patch)
+         if (simulation%scheme%method%dual) call nodes%motion(2)%put(simulation%space%grid, &
+            nodes%touched, &
             tile, motion_columns + 2, patch)
       end associate
    end subroutine scatter_tile
 
    !> The particles of one material in a tile.
-   subroutine scatter_store(simulation, scratch, index, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine scatter_store(simulation, field, scratch, index, tile, patch)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
 
-      associate (grid => simulation%grid, store => simulation%stores(index), &
-         method => simulation%method, shape => scratch%shape, &
+      associate (grid => simulation%space%grid, store => simulation%stores(index), &
+         method => simulation%scheme%method, shape => scratch%shape, &
          start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile), state => simulation%stores(index)%state)
-         call find_places(simulation, scratch, store, tile)
+         call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
          if (allocated(store%affine)) then
             call method%basis%scatter_affine(grid, shape, first, state%mass, store%velocity, &
                store%affine, patch)
@@ -190,33 +199,36 @@ contains
             call method%basis%scatter_motion(grid, shape, first, state%mass, store%velocity, patch)
          end if
          if (method%even .or. method%controlled()) then
-            call change_stress(simulation, scratch, store, tile)
+            call change_stress(simulation%space, simulation%scheme, field, scratch, store, tile)
             call push_nodes(simulation, shape, 1, scratch%pushed%position, scratch%pushed%volume, &
                scratch%pushed%stress, patch)
          else
             call push_nodes(simulation, shape, first, store%position, state%volume, state%stress, &
                patch)
          end if
-         if (allocated(simulation%exact)) call add_body_force(simulation, scratch, index, tile, &
+         if (allocated(simulation%effects%exact)) call add_body_force(simulation, scratch, index, &
+            tile, &
             patch)
       end associate
    end subroutine scatter_store
 
    !> The stress that particles of a tile push the nodes with, where it is not their own.
-   subroutine change_stress(simulation, scratch, store, tile)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine change_stress(space, scheme, field, scratch, store, tile)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
-      associate (grid => simulation%grid, start => store%cell_start(:, tile), &
+      associate (grid => space%grid, start => store%cell_start(:, tile), &
          pushed => scratch%pushed, shape => scratch%shape)
          call pushed%copy(store%first(tile), store%count(tile), store%position, &
             store%state%volume, store%state%stress)
-         if (simulation%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
-         if (simulation%method%controlled()) then
-            call simulation%method%basis%gather_values(grid, shape, &
-               simulation%nodes%star(:, :, tile), shape%values)
+         if (scheme%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
+         if (scheme%method%controlled()) then
+            call scheme%method%basis%gather_values(grid, shape, &
+               field%nodes%star(:, :, tile), shape%values)
             call pushed%subtract(store%count(tile), shape%values)
          end if
       end associate
@@ -224,7 +236,7 @@ contains
 
    !> Force of the stress of the particles of a tile.
    subroutine push_nodes(simulation, shape, first, position, volume, stress, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(shape_data_t), intent(inout) :: shape        !! Of the tile
       integer, intent(in) :: first                   !! First particle of the tile in the arrays
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
@@ -232,7 +244,7 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :) !! (particle, 6) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
 
-      associate (grid => simulation%grid, method => simulation%method)
+      associate (grid => simulation%space%grid, method => simulation%scheme%method)
          if (method%dual) then
             call method%quadrature%scatter_force(grid, shape, first, volume, stress, patch)
          else
@@ -245,82 +257,87 @@ contains
 
    !> Body force of an exact solution, to columns 5 to 7.
    subroutine add_body_force(simulation, scratch, index, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run with a solution
+      type(simulation_t), intent(in) :: simulation   !! With a solution
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp) :: point(3), force(3)
       integer :: p, q, k
 
-      if (.not. allocated(simulation%exact%material(index)%solution)) return
+      if (.not. allocated(simulation%effects%exact%material(index)%solution)) return
       associate (store => simulation%stores(index), &
-         solution => simulation%exact%material(index)%solution)
+         solution => simulation%effects%exact%material(index)%solution)
          if (.not. solution%forced()) return
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             do k = 1, 3
                point(k) = store%reference(q, k)
             end do
-            call solution%body_force(point, simulation%exact%force_time, force)
+            call solution%body_force(point, simulation%effects%exact%force_time, force)
             do k = 1, 3
                scratch%shape%vector(p, k) = force(k)
             end do
          end do
-         call simulation%method%basis%scatter_product(simulation%grid, scratch%shape, &
+         call simulation%scheme%method%basis%scatter_product(simulation%space%grid, scratch%shape, &
             store%first(tile), store%state%mass, scratch%shape%vector, force_before, patch)
       end associate
    end subroutine add_body_force
 
    !> Where the particles of a tile are, as basis and modified gradient see them, with the factors
-   !! of normalised sums of the velocity field at hand.
-   subroutine find_places(simulation, scratch, store, tile)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   !! of normalised sums of the velocity field.
+   subroutine find_places(space, scheme, field, scratch, store, tile)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
-      call locate_tile(simulation, scratch, store, tile)
-      if (allocated(simulation%normalises)) &
-         scratch%shape%factor = simulation%nodes%factor(:, :, tile)
+      call locate_tile(space, scheme, scratch, store, tile)
+      if (allocated(scheme%normalises)) &
+         scratch%shape%factor = field%nodes%factor(:, :, tile)
    end subroutine find_places
 
    !> The same without factors, for what has its own sums or concerns all velocity fields.
-   subroutine find_plain_places(simulation, scratch, store, tile)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine find_plain_places(space, scheme, scratch, store, tile)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
-      call locate_tile(simulation, scratch, store, tile)
+      call locate_tile(space, scheme, scratch, store, tile)
       if (allocated(scratch%shape%factor)) deallocate (scratch%shape%factor)
    end subroutine find_plain_places
 
    !> Where the particles of a tile are.
-   subroutine locate_tile(simulation, scratch, store, tile)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine locate_tile(space, scheme, scratch, store, tile)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
-      associate (coordinate => simulation%tiles%coordinate(:, tile))
+      associate (coordinate => space%tiles%coordinate(:, tile))
          call scratch%shape%reserve(store%count(tile))
-         call simulation%method%basis%locate(simulation%grid, coordinate, store, tile, &
+         call scheme%method%basis%locate(space%grid, coordinate, store, tile, &
             scratch%shape)
-         if (simulation%method%dual) call simulation%method%quadrature%locate(simulation%grid, &
+         if (scheme%method%dual) call scheme%method%quadrature%locate(space%grid, &
             coordinate, store, tile, scratch%shape)
       end associate
    end subroutine locate_tile
 
    !> First and last of the nodes that the particles of a tile see.
-   pure subroutine nodes_seen(simulation, tile, low, high)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure subroutine nodes_seen(space, field, tile, low, high)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile                    !! An own tile
       integer, intent(out) :: low, high              !! First and last; 1 and 0 without particles
 
       low = 1
       high = 0
-      associate (grid => simulation%grid, box => simulation%nodes%touched%box(:, :, tile))
+      associate (grid => space%grid, box => field%nodes%touched%box(:, :, tile))
          if (any(box(:, 2) < box(:, 1))) return
          low = 1 + dot_product(box(:, 1) + merge(grid%margin, 0, grid%active), grid%stride)
          high = 1 + dot_product(box(:, 2) + merge(grid%margin, 0, grid%active), grid%stride)

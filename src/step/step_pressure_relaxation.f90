@@ -10,7 +10,8 @@
 !! Equations (Q.11) and (Q.12) of doc/theory/quadratures.md.
 module step_pressure_relaxation
    use base_kinds, only: wp
-   use step_simulation, only: simulation_t
+   use particle_store, only: store_t
+   use step_simulation, only: scheme_t, simulation_t, velocity_field_t
    use transfer_moments, only: cell_slope, moments
    implicit none
    private
@@ -25,39 +26,41 @@ contains
 
    !> Are the pressures of the particles of a material in a cell brought nearer to each other? They
    !! are if it is without strength, carries energy and has normalised sums.
-   pure logical function evens_pressure(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure logical function evens_pressure(scheme, stores, index) result(yes)
+      type(scheme_t), intent(in) :: scheme
+      type(store_t), intent(in) :: stores(:)
       integer, intent(in) :: index                   !! Which material
 
       yes = .false.
-      if (.not. allocated(simulation%flows)) return
-      yes = simulation%flows(index) .and. allocated(simulation%stores(index)%state%energy)
+      if (.not. allocated(scheme%flows)) return
+      yes = scheme%flows(index) .and. allocated(stores(index)%state%energy)
    end function evens_pressure
 
    !> Are the sums of a material normalised?
    pure logical function normalised(simulation, index) result(yes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Which material
 
       yes = .false.
-      if (allocated(simulation%normalises)) yes = simulation%normalises(index)
+      if (allocated(simulation%scheme%normalises)) yes = simulation%scheme%normalises(index)
    end function normalised
 
    !> Bring the pressures of the particles of a material in a tile nearer to the mean of their cell
    !! and the slope that nodes see.
-   subroutine relax_pressures(simulation, index, tile, local, speed, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine relax_pressures(simulation, field, index, tile, local, speed, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: slope(3)
       integer :: cell, before, low, high, seen
 
-      if (.not. evens_pressure(simulation, index)) return
-      associate (store => simulation%stores(index), grid => simulation%grid, &
-         normal => simulation%nodes%normal)
+      if (.not. evens_pressure(simulation%scheme, simulation%stores, index)) return
+      associate (store => simulation%stores(index), grid => simulation%space%grid, &
+         normal => field%nodes%normal)
          before = store%first(tile) - 1
          seen = size(normal, 1) - moments + 2
          do cell = 0, grid%tile_cells - 1
@@ -72,7 +75,7 @@ contains
    end subroutine relax_pressures
 
    !> The particles of one cell.
-   ! gate: long kernel because matter is told by four of its fields
+   ! gate: long kernel because material is told by four of its fields
    pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, energy, &
       stress)
       integer, intent(in) :: before                  !! Particles before those of the tile
@@ -90,7 +93,7 @@ contains
       real(wp) :: steepest
       integer :: p, q
 
-      ! volume over the stiffness against its change; matter without waves has no pressure either
+      ! volume over the stiffness against its change; material without waves has no pressure either
       if (.not. minval(speed(low:high)) > 0.0_wp) return
       do p = low, high
          q = before + p

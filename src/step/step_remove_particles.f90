@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Takes particles out of a run whose going on would spoil it, or that have failed, and books what
+!> Takes particles out of a run whose going on would spoil it, or that have failed, and records what
 !! they had. They are forgotten when their tile is put in order.
 module step_remove_particles
    use base_error, only: error_t, exit_physics, fail
@@ -11,7 +11,7 @@ module step_remove_particles
    use step_ledger, only: ledger_t, mass, removed_angular, removed_energy, removed_mass, &
       removed_momentum, removed_particles, retired_mass
    use step_offending_particle, only: step_text, tile_bounds
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: clock_t, conservation_t, machine_t, scratch_t
    implicit none
    private
 
@@ -21,8 +21,10 @@ contains
 
    !> Take the particles out of a tile that have left their bounds. Those with a number that is none
    !! stay and stop the run: it has spoiled their neighbours.
-   subroutine retire_tile(simulation, scratch, index, tile, sound)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine retire_tile(materials, stores, clock, scratch, index, tile, sound)
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(inout) :: stores(:)
+      type(clock_t), intent(in) :: clock
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: index                   !! Which material
       integer, intent(in) :: tile                    !! Which tile, after its particles moved
@@ -32,8 +34,8 @@ contains
       real(wp) :: value
 
       sound = .true.
-      bounds = tile_bounds(simulation, index)
-      associate (store => simulation%stores(index), material => simulation%materials(index))
+      bounds = tile_bounds(materials, clock, index)
+      associate (store => stores(index), material => materials(index))
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
             call fault_of(store, p, material%density, bounds, fault, value)
             if (fault == fault_none) cycle
@@ -48,14 +50,15 @@ contains
    end subroutine retire_tile
 
    !> Take the particles out of a tile that have failed.
-   subroutine erode_tile(simulation, scratch, index, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine erode_tile(materials, stores, scratch, index, tile)
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(inout) :: stores(:)
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: index                   !! Which material, it can fail
       integer, intent(in) :: tile                    !! Which tile, after its particles moved
       integer :: p
 
-      associate (store => simulation%stores(index), material => simulation%materials(index))
+      associate (store => stores(index), material => materials(index))
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
             if (store%state%failed(p) == 0) cycle
             if (store%home(p) == moved_out .or. store%home(p) == moved_off) cycle
@@ -64,7 +67,7 @@ contains
       end associate
    end subroutine erode_tile
 
-   !> Book a particle and let it be forgotten.
+   !> Record a particle and let it be forgotten.
    subroutine take_out(ledger, material, store, tile, p)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(material_t), intent(in) :: material       !! Its material
@@ -83,7 +86,7 @@ contains
    !> Fastest signal and motion of the particles of a tile that are left [m/s].
    pure real(wp) function fastest_left(store, tile, wave_speed) result(fastest)
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: wave_speed(:) !! (particle of the tile) [m/s]
       integer :: p, q
 
@@ -97,19 +100,21 @@ contains
    end function fastest_left
 
    !> Has more been taken out than the deck allows? Collective.
-   subroutine check_retired(simulation, error)
-      type(simulation_t), intent(in) :: simulation   !! The run, its books closed for the step
+   subroutine check_retired(clock, balance, machine, error)
+      type(clock_t), intent(in) :: clock
+      type(conservation_t), intent(in) :: balance
+      type(machine_t), intent(in) :: machine
       type(error_t), allocatable, intent(out) :: error !! If so
       type(exact_sum_t) :: sum
       real(wp) :: share
       character(len=160) :: text
 
-      call sum%merge(simulation%ledger%sums(retired_mass))
-      call sum%over_ranks(simulation%communicator)
-      share = sum%value()/simulation%ledger%start%entry(mass)
-      if (share <= simulation%guard%bounds%retire_max) return
+      call sum%merge(balance%ledger%sums(retired_mass))
+      call sum%over_ranks(machine%communicator)
+      share = sum%value()/balance%ledger%start%entry(mass)
+      if (share <= clock%guard%bounds%retire_max) return
       write (text, "(a,es10.3,a,es10.3)") "particles out of their bounds had", share, &
-         " of the mass, more than retire_max =", simulation%guard%bounds%retire_max
-      call fail(error, exit_physics, step_text(simulation)//": "//trim(text))
+         " of the mass, more than retire_max =", clock%guard%bounds%retire_max
+      call fail(error, exit_physics, step_text(clock)//": "//trim(text))
    end subroutine check_retired
 end module step_remove_particles

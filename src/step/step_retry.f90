@@ -9,7 +9,7 @@ module step_retry
    use step_node_displacement, only: asks, look_at_tile, worse
    use step_node_sums, only: renew_sums
    use step_offending_particle, only: spread, step_text
-   use step_simulation, only: reach_t, simulation_t
+   use step_simulation, only: reach_t, simulation_t, velocity_field_t
    implicit none
    private
 
@@ -24,31 +24,35 @@ contains
    !! where the nodes are to be moved again, and the step is shorter. Collective. Equation (S.7) of
    !! doc/theory/time_step.md.
    subroutine judge_nodes(simulation, dt, again, error)
-      type(simulation_t), intent(inout) :: simulation !! The run, its nodes just moved
+      type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
       real(wp), intent(inout) :: dt                  !! Time step [s]
       logical, intent(out) :: again                  !! Is the step to be done again?
       type(error_t), allocatable, intent(out) :: error !! No step is short enough
-      type(reach_t) :: worst
+      type(reach_t) :: worst, reach
       real(wp) :: excess
+      integer :: n
 
       again = .false.
       if (.not. asks(simulation)) return
-      call find_worst(simulation, dt, worst)
+      do n = 1, size(simulation%fields)
+         call find_worst(simulation, simulation%fields(n), dt, reach)
+         if (worse(reach, worst)) worst = reach
+      end do
       excess = worst%excess
-      if (simulation%communicator%size > 1) then
-         call simulation%timer%start(simulation%phase%wait)
-         excess = simulation%communicator%maximum(excess)
-         call simulation%timer%stop(simulation%phase%wait)
+      if (simulation%machine%communicator%size > 1) then
+         call simulation%machine%timer%start(simulation%machine%phase%wait)
+         excess = simulation%machine%communicator%maximum(excess)
+         call simulation%machine%timer%stop(simulation%machine%phase%wait)
       end if
       if (.not. excess > 1.0_wp) return
       again = .true.
-      associate (guard => simulation%guard, cut => max(slack/excess, least_cut))
+      associate (guard => simulation%clock%guard, cut => max(slack/excess, least_cut))
          if (dt*cut < max(guard%bounds%dt_min, guard%bounds%collapse*guard%longest)) then
             call name_node(simulation, dt, excess, worst, error)
             return
          end if
          dt = dt*cut
-         simulation%dt_next = dt
+         simulation%clock%dt_next = dt
          guard%steps(guard%counted) = guard%steps(guard%counted) - 1
          guard%counted = rule_retry
          guard%steps(rule_retry) = guard%steps(rule_retry) + 1
@@ -56,10 +60,10 @@ contains
       call put_back(simulation)
    end subroutine judge_nodes
 
-   !> Sums of the nodes as before they moved, and books without what faces and gravity did then.
+   !> Sums of the nodes as before they moved, and ledger without what walls and gravity did then.
    subroutine put_back(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer :: thread, k
+      type(simulation_t), intent(inout) :: simulation
+      integer :: thread, k, n
 
       do thread = 0, ubound(simulation%scratch, 1)
          associate (sums => simulation%scratch(thread)%ledger%sums)
@@ -70,18 +74,22 @@ contains
             call sums(external_work)%clear()
          end associate
       end do
-      if (simulation%method%dual) call renew_sums(simulation)
+      if (.not. simulation%scheme%method%dual) return
+      do n = 1, size(simulation%fields)
+         call renew_sums(simulation%space, simulation%fields(n))
+      end do
    end subroutine put_back
 
    !> The node of this rank that goes farthest over the bounds.
-   subroutine find_worst(simulation, dt, worst)
-      type(simulation_t), intent(in) :: simulation   !! The run, its nodes just moved
+   subroutine find_worst(simulation, field, dt, worst)
+      type(simulation_t), intent(in) :: simulation   !! Its nodes just moved
+      type(velocity_field_t), intent(in) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: worst            !! It
       type(reach_t) :: mine, reach
       integer :: tile, thread
 
-      if (simulation%nodes%lean) then
+      if (field%nodes%lean) then
          ! the threads looked when they moved the nodes
          do thread = 0, ubound(simulation%scratch, 1)
             if (worse(simulation%scratch(thread)%reach, worst)) &
@@ -89,11 +97,11 @@ contains
          end do
          return
       end if
-      !$omp parallel default(none) shared(simulation, dt, worst) private(tile, mine, reach)
+      !$omp parallel default(none) shared(simulation, field, dt, worst) private(tile, mine, reach)
       mine = reach_t()
       !$omp do schedule(static)
-      do tile = 1, simulation%tiles%own
-         call look_at_tile(simulation, tile, tile, dt, reach)
+      do tile = 1, simulation%space%tiles%own
+         call look_at_tile(simulation, field, tile, tile, dt, reach)
          if (worse(reach, mine)) mine = reach
       end do
       !$omp end do
@@ -106,7 +114,7 @@ contains
    !> Say which node goes too far in any step that is long enough. Of equal ones the first of the
    !! grid is named. Collective.
    subroutine name_node(simulation, dt, excess, worst, error)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: dt                     !! Time step that was tried [s]
       real(wp), intent(in) :: excess                 !! Of the worst node of all ranks
       type(reach_t), intent(in) :: worst             !! That of this rank
@@ -119,10 +127,10 @@ contains
       if (worst%excess >= excess) number = worst%number
       least = number
       text = ""
-      call simulation%communicator%least(least)
+      call simulation%machine%communicator%least(least)
       if (number == least(1) .and. number < huge(number)) then
-         write (line, "(a,3es11.3,a)") "the node at", simulation%grid%lower &
-            + real(worst%place, wp)*simulation%grid%spacing, " m"
+         write (line, "(a,3es11.3,a)") "the node at", simulation%space%grid%lower &
+            + real(worst%place, wp)*simulation%space%grid%spacing, " m"
          text = trim(line)
          if (worst%strain > 0.0_wp) then
             write (line, "(a,es10.3,a)") " and the next one would come nearer or part by", &
@@ -135,6 +143,6 @@ contains
       call spread(simulation, text)
       write (line, "(a,es10.3,a)") " in a step of", dt, &
          " s, and a shorter one is below dt_min, or dt_collapse of the longest"
-      call fail(error, exit_physics, step_text(simulation)//": "//text//trim(line))
+      call fail(error, exit_physics, step_text(simulation%clock)//": "//text//trim(line))
    end subroutine name_node
 end module step_retry

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Everything that a run holds.
+!> The state of a simulation, in parts.
 module step_simulation
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -30,8 +30,9 @@ module step_simulation
    implicit none
    private
 
-   public :: conduction_t, contact_t, load_t, nodes_t, phases_t, reach_t, requests_t, scratch_t, &
-      simulation_t
+   public :: clock_t, conduction_t, conservation_t, contact_t, effects_t, load_t, machine_t, &
+      nodes_t, phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_t, space_t, &
+      velocity_field_t
 
    !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
    !> divides stays finite.
@@ -53,8 +54,6 @@ module step_simulation
       real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
       real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
-      !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
-      real(wp), allocatable :: turn(:, :, :)
       !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
       real(wp), allocatable :: extra(:, :, :)
       real(wp), allocatable :: filtered(:, :, :) !! (3) Sum of the series of velocities [m/s]
@@ -77,34 +76,30 @@ module step_simulation
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       type(packed_patch_t) :: share                        !! (1) Volume of the dual gradient [m3]
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
-      real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if asked for [m3]
+      real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if requested [m3]
       type(packed_patch_t) :: force                        !! (3) Force of the node stress [N]
       !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
       !! of two, of the velocity before the step [m3/s]
       type(packed_patch_t) :: gradient, middle, earlier
-      !> With an artificial heat flux, patches (2), (1): mass and energy, flux; (2): first sum
-      real(wp), allocatable :: heat(:, :, :), flux(:, :, :), warmth(:, :, :)
-      !> (3) What faces and gravity add to the velocities, where it is booked later: with contact,
+      !> (3) What walls and gravity add to the velocities, where it is recorded later: with contact,
       !! and with musl; there also what faces take of the velocities before the step [m/s]
       real(wp), allocatable :: push(:, :, :), taken(:, :, :)
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
    contains
-      procedure :: move_to => nodes_move_to          !! Hand all fields over to another
       procedure :: slot => nodes_slot                !! Where the fields of a tile are
    end type nodes_t
 
    integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
 
-   !> Bodies that move with one velocity where they meet.
+   !> Bodies that move with one velocity: all of them without contact.
    type :: velocity_field_t
-      integer :: first = 1                           !! First of its stores
-      integer :: last = 0                            !! Last of its stores
-      type(nodes_t) :: nodes                         !! While others are worked on
+      integer :: first_store = 1                     !! First of its stores
+      integer :: last_store = 0                      !! Last of its stores
+      type(nodes_t) :: nodes                         !! Its node fields
    end type velocity_field_t
 
-   !> Contact between bodies: each velocity field has node fields of its own.
+   !> Contact between bodies that have velocity fields of their own.
    type :: contact_t
-      type(velocity_field_t), allocatable :: field(:) !! The velocity fields
       type(pair_law_t), allocatable :: law(:, :)     !! (field, field) What holds between two
       logical :: bonded = .false.                    !! Can bonds break?
       integer, allocatable :: field_of_body(:)       !! (body) Its velocity field
@@ -132,6 +127,13 @@ module step_simulation
       real(wp), allocatable :: slope(:, :, :)        !! Patch (9): gradient in rows 1, 4, 7 [K m2]
       real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
    end type conduction_t
+
+   !> Artificial heat flux of one material at a time.
+   type :: heat_flux_t
+      real(wp), allocatable :: content(:, :, :)      !! Patch (2): mass [kg], internal energy [J]
+      real(wp), allocatable :: flux(:, :, :)         !! Patch (1): conductance, then energy [J]
+      real(wp), allocatable :: total(:, :, :)        !! (3) Sums of the content, limit of the flux
+   end type heat_flux_t
 
    !> How far nodes would go in a step: that which goes farthest over the bounds.
    type :: reach_t
@@ -184,139 +186,98 @@ module step_simulation
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
          ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
-      integer :: effect(effect_count) = 0           !! Of those of matter, 0 = off
+      integer :: effect(effect_count) = 0           !! Of those of material, 0 = off
    end type phases_t
 
-   !> A run.
-   type :: simulation_t
-      type(communicator_t) :: communicator           !! The ranks
-      type(grid_t) :: grid                           !! The grid
-      type(boundary_t) :: boundary                   !! The boundaries of the domain
-      type(rigid_t), allocatable :: rigid            !! If regions rule nodes
-      type(tiles_t) :: tiles                         !! The tiles of this rank
+   !> Where things are: the grid, what bounds it, and its tiles.
+   type :: space_t
+      type(grid_t) :: grid
+      type(boundary_t) :: boundary                   !! Six boundaries of the domain
+      type(rigid_t), allocatable :: rigid            !! Rigid regions that hold nodes
+      type(tiles_t) :: tiles                         !! Tiles of this rank
       type(halo_t) :: halo                           !! Which of them other ranks see
-      type(material_t), allocatable :: materials(:)  !! The materials
-      type(store_t), allocatable :: stores(:)        !! Their particles
-      type(method_t) :: method                       !! The numerical method
+   end type space_t
+
+   !> Numerical method, and what materials and output require of it.
+   type :: scheme_t
+      type(method_t) :: method                       !! Choices of &method
       type(dual_t) :: dual                           !! The dual gradient
-      type(nodes_t) :: nodes                         !! Node fields
-      type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
-      real(wp), allocatable :: gravity(:)            !! (3) If there is any [m/s2]
-      type(motion_t), allocatable :: shaking         !! Gravity by a table of time [m/s2]
-      type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
-      type(conduction_t), allocatable :: conduction  !! If some material conducts heat
-      !> (material) If sums are normalised, are its own, and is it without strength?
+      !> (material) With normalised sums: are its own normalised, and is it without strength?
       logical, allocatable :: normalises(:), flows(:)
       real(wp) :: mean_alpha = 0.0_wp                !! Mean of alpha over a cell, for that [1]
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
-      logical :: keeps_nodes = .false.               !! Are the fields of all nodes asked for?
-      type(contact_t), allocatable :: contact        !! If bodies have velocities of their own
-      integer :: first_store = 1                     !! First store of the velocity field at hand
-      integer :: last_store = huge(1)                !! Its last one, if there are so many
-      logical :: erosion = .false.                   !! Are failed particles taken out?
+      logical :: keeps_nodes = .false.               !! Are the fields of all nodes requested?
+      logical :: erosion = .false.                   !! Are failed particles removed?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
+   end type scheme_t
+
+   !> Physical effects besides stress. Those that a scene does not have are not allocated.
+   type :: effects_t
+      type(contact_t), allocatable :: contact        !! Between bodies with their own velocities
+      type(conduction_t), allocatable :: conduction  !! If some material conducts heat
+      type(heat_flux_t) :: heat_flux                 !! Artificial heat flux
+      real(wp), allocatable :: gravity(:)            !! (3) [m/s2]
+      type(motion_t), allocatable :: shaking         !! Gravity by a table of time [m/s2]
+      type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
+      !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
+      real(wp), allocatable :: turn(:, :, :)
+   end type effects_t
+
+   !> Time, and what limits its steps.
+   type :: clock_t
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: dt = 0.0_wp                        !! Last time step [s]
       real(wp) :: kick = 0.0_wp                      !! Time that the forces act in this step [s]
       real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
       type(guard_t) :: guard                         !! What limits steps and particles
-      type(text_t), allocatable :: body_names(:)     !! (body) For messages
       integer(int64) :: halved = 0                   !! Particles halved on this rank
       integer(int64) :: updates = 0                  !! Particle updates of this rank
-      real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
-      real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
-      integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
-      type(load_t) :: load                           !! How evenly the ranks work
-      type(requests_t) :: requests                   !! Of this rank, after a step of all
-      type(ledger_t) :: ledger                       !! The books
+   end type clock_t
+
+   !> Conservation and trust.
+   type :: conservation_t
+      type(ledger_t) :: ledger                       !! Mass, momentum and energy
       type(trust_t) :: trust                         !! How far results can be trusted
+   end type conservation_t
+
+   !> Ranks, their times, and how evenly they work.
+   type :: machine_t
+      type(communicator_t) :: communicator           !! The ranks
       type(timer_t) :: timer                         !! Wall time by phase
       type(phases_t) :: phase                        !! Indices of the phases
-   contains
-      procedure :: end_store => simulation_end_store !! Last store of the velocity field at hand
-      procedure :: take_field => simulation_take_field !! Work on a velocity field
-      procedure :: return_field => simulation_return_field !! Put it back
+      type(requests_t) :: requests                   !! Of this rank, after a step of all
+      type(load_t) :: load                           !! How evenly the ranks work
+      real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
+      integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
+      real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
+   end type machine_t
+
+   !> A simulation: all that a step changes.
+   type :: simulation_t
+      type(space_t) :: space
+      type(material_t), allocatable :: materials(:)
+      type(store_t), allocatable :: stores(:)        !! (material) Particles, with contact more
+      type(velocity_field_t), allocatable :: fields(:) !! One without contact
+      type(scheme_t) :: scheme
+      type(effects_t) :: effects
+      type(clock_t) :: clock
+      type(conservation_t) :: balance
+      type(machine_t) :: machine
+      type(scratch_t), allocatable :: scratch(:)     !! (thread, from 0)
+      type(text_t), allocatable :: body_names(:)     !! (body) For messages
    end type simulation_t
 
 contains
 
-   !> Last store of the velocity field at hand; without contact the last of all.
-   pure integer function simulation_end_store(self) result(last)
-      class(simulation_t), intent(in) :: self        !! The run
-
-      last = min(self%last_store, size(self%stores))
-   end function simulation_end_store
-
-   !> Work on a velocity field: its node fields become those of the run.
-   pure subroutine simulation_take_field(self, field)
-      class(simulation_t), intent(inout) :: self     !! The run with contact
-      integer, intent(in) :: field                   !! Which field
-
-      self%first_store = self%contact%field(field)%first
-      self%last_store = self%contact%field(field)%last
-      call self%contact%field(field)%nodes%move_to(self%nodes)
-   end subroutine simulation_take_field
-
-   !> Put the velocity field at hand back, and see all stores again.
-   pure subroutine simulation_return_field(self, field)
-      class(simulation_t), intent(inout) :: self     !! The run with contact
-      integer, intent(in) :: field                   !! Which field
-
-      self%first_store = 1
-      self%last_store = huge(1)
-      call self%nodes%move_to(self%contact%field(field)%nodes)
-   end subroutine simulation_return_field
-
    !> Where the fields of a tile are: its own place, or that of the thread which works on it.
    integer function nodes_slot(self, tile) result(slot)
       class(nodes_t), intent(in) :: self             !! The fields
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
 
       slot = tile
       if (self%lean) slot = 1 + omp_get_thread_num()
    end function nodes_slot
-
-   !> Hand all fields over to another holder, without a copy.
-   pure subroutine nodes_move_to(self, other)
-      class(nodes_t), intent(inout) :: self          !! Empty afterwards
-      type(nodes_t), intent(inout) :: other          !! Gets them
-      integer :: n
-
-      do n = 1, size(self%motion)
-         call self%motion(n)%move_to(other%motion(n))
-      end do
-      call self%touched%move_to(other%touched)
-      call self%weighted%move_to(other%weighted)
-      call move_alloc(self%mass, other%mass)
-      call move_alloc(self%velocity, other%velocity)
-      call move_alloc(self%acceleration, other%acceleration)
-      call move_alloc(self%extra, other%extra)
-      call move_alloc(self%filtered, other%filtered)
-      call move_alloc(self%term, other%term)
-      call move_alloc(self%loss, other%loss)
-      call move_alloc(self%strain, other%strain)
-      call move_alloc(self%mean, other%mean)
-      call move_alloc(self%star, other%star)
-      call move_alloc(self%unit, other%unit)
-      call move_alloc(self%difference, other%difference)
-      call move_alloc(self%counted, other%counted)
-      call move_alloc(self%covered, other%covered)
-      call move_alloc(self%present, other%present)
-      call move_alloc(self%normal, other%normal)
-      call move_alloc(self%factor, other%factor)
-      call move_alloc(self%weight, other%weight)
-      call self%share%move_to(other%share)
-      call move_alloc(self%volume, other%volume)
-      call move_alloc(self%filled, other%filled)
-      call self%force%move_to(other%force)
-      call self%gradient%move_to(other%gradient)
-      call self%middle%move_to(other%middle)
-      call self%earlier%move_to(other%earlier)
-      call move_alloc(self%push, other%push)
-      call move_alloc(self%taken, other%taken)
-      call move_alloc(self%rubbed, other%rubbed)
-   end subroutine nodes_move_to
 
    !> Note how evenly the ranks worked in a step.
    pure subroutine load_look(self, step, ratio)

@@ -14,7 +14,7 @@ contains
 
    !> Does any node gain so much that its volume matters? Most tiles have none and need no volumes.
    pure logical function light_may_gain(grid, dt, acceleration) result(may)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
 
@@ -28,7 +28,7 @@ contains
    !! Gains that move a node by less than a small share of a cell stay. Equation (M.17) of
    !! doc/theory/method.md.
    pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
       real(wp), intent(in) :: dt                     !! Time the forces act [s]

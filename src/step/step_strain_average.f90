@@ -45,7 +45,7 @@ contains
    !! ahead.
    pure subroutine average_strain(store, tile, earlier, gradient)
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: earlier(:, :) !! (particle of the tile, 9) Half strain [1]
       !> (particle of the tile, 9) Strain with the velocity that they take with them, then that of
       !! the step [1]

@@ -12,7 +12,7 @@ module step_stress_difference
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_places
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
    use transfer_scatter, only: dual_columns
    implicit none
    private
@@ -27,60 +27,63 @@ contains
 
    !> What the force of each node is to be changed by. Weights and volumes of the dual gradient are
    !! known.
-   subroutine find_difference(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine find_difference(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes)
-         call simulation%timer%start(simulation%phase%scatter)
-         call ensure_patch(nodes%mean, columns, number, simulation%tiles%own)
+      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
+         call simulation%machine%timer%start(simulation%machine%phase%scatter)
+         call ensure_patch(nodes%mean, columns, number, simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
-               call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
-                  simulation%nodes%mean(:, :, tiles(n)))
+               call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
+                  tiles(n), &
+                  field%nodes%mean(:, :, tiles(n)))
             end do
             !$omp end parallel do
             call pass_patches(simulation, part, nodes%mean)
          end do
-         call simulation%timer%stop(simulation%phase%scatter)
-         call simulation%timer%start(simulation%phase%grid)
-         call ensure_patch(nodes%star, 6, number, simulation%tiles%all)
-         call ensure_patch(nodes%unit, 3, number, simulation%tiles%all)
-         call ensure_patch(nodes%difference, 3, number, simulation%tiles%all)
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%all
-            call unit_tile(simulation, tile)
+         call simulation%machine%timer%stop(simulation%machine%phase%scatter)
+         call simulation%machine%timer%start(simulation%machine%phase%grid)
+         call ensure_patch(nodes%star, 6, number, simulation%space%tiles%all)
+         call ensure_patch(nodes%unit, 3, number, simulation%space%tiles%all)
+         call ensure_patch(nodes%difference, 3, number, simulation%space%tiles%all)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         do tile = 1, simulation%space%tiles%all
+            call unit_tile(simulation, field, tile)
          end do
          !$omp end parallel do
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
-         do tile = 1, simulation%tiles%all
-            call difference_tile(simulation, tile)
+         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         do tile = 1, simulation%space%tiles%all
+            call difference_tile(simulation, field, tile)
          end do
          !$omp end parallel do
-         call simulation%timer%stop(simulation%phase%grid)
+         call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end associate
    end subroutine find_difference
 
    !> Stress times volume of the particles of a tile, and what they push the nodes with under unit
    !! stress.
-   subroutine scatter_tile(simulation, scratch, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine scatter_tile(simulation, field, scratch, tile, patch)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index, p, k
 
       call clear_patch(patch)
-      do index = simulation%first_store, simulation%end_store()
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (store => simulation%stores(index), grid => simulation%grid, &
-            method => simulation%method, shape => scratch%shape, pushed => scratch%pushed, &
+         associate (store => simulation%stores(index), grid => simulation%space%grid, &
+            method => simulation%scheme%method, shape => scratch%shape, pushed => scratch%pushed, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, scratch, store, tile)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
             call pushed%copy(store%first(tile), store%count(tile), store%position, &
                store%state%volume, store%state%stress)
             ! the volume once more: that of the rule need not have the functions of the basis
@@ -107,15 +110,16 @@ contains
    end subroutine scatter_tile
 
    !> Mean stress of the nodes of a tile; force of the node stress of unit stress less unit stress.
-   subroutine unit_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: total(columns, simulation%grid%tile_nodes)
-      real(wp) :: stress(9, simulation%grid%tile_nodes)
+   subroutine unit_tile(simulation, field, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
+      real(wp) :: total(columns, simulation%space%grid%tile_nodes)
+      real(wp) :: stress(9, simulation%space%grid%tile_nodes)
       integer :: node, k
 
-      associate (nodes => simulation%nodes)
-         call assemble(simulation%grid, simulation%tiles, nodes%mean, tile, total)
+      associate (nodes => field%nodes)
+         call assemble(simulation%space%grid, simulation%space%tiles, nodes%mean, tile, total)
          nodes%star(:before, :, tile) = total(:before, :)
          nodes%star(before + 1:, :, tile) = total(dual_columns + 1:columns - 1, :)
          call divide(total, columns, nodes%star(:, :, tile))
@@ -128,30 +132,34 @@ contains
             end do
          end do
          nodes%unit(:, :, tile) = 0.0_wp
-         call simulation%dual%add_force(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         call simulation%scheme%dual%add_force(simulation%space%grid, &
+            simulation%space%tiles%coordinate(:, tile), &
             nodes%weight(:, tile), stress, nodes%unit(:, :, tile))
       end associate
    end subroutine unit_tile
 
    !> Change of the force of the nodes of a tile. Equation (Q.4).
-   subroutine difference_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine difference_tile(simulation, field, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      integer, intent(in) :: tile
       integer, parameter :: component(9) = [1, 4, 6, 4, 2, 5, 6, 5, 3]
-      real(wp) :: unit(3, simulation%grid%tile_nodes), stress(9, simulation%grid%tile_nodes)
-      real(wp) :: inside(simulation%grid%tile_nodes)
+      real(wp) :: unit(3, simulation%space%grid%tile_nodes), stress(9, &
+         simulation%space%grid%tile_nodes)
+      real(wp) :: inside(simulation%space%grid%tile_nodes)
       integer :: node, k
 
-      associate (nodes => simulation%nodes)
-         call assemble(simulation%grid, simulation%tiles, nodes%unit, tile, unit)
+      associate (nodes => field%nodes)
+         call assemble(simulation%space%grid, simulation%space%tiles, nodes%unit, tile, unit)
          do node = 1, size(stress, 2)
             do k = 1, 9
                stress(k, node) = nodes%star(component(k), node, tile)
             end do
          end do
-         call simulation%boundary%mirror(simulation%grid, simulation%tiles%coordinate(:, tile), &
+         call simulation%space%boundary%mirror(simulation%space%grid, &
+            simulation%space%tiles%coordinate(:, tile), &
             stress)
-         call find_inside(simulation, tile, inside)
+         call find_inside(simulation%space, field, tile, inside)
          do node = 1, size(stress, 2)
             do k = 1, 3
                unit(k, node) = inside(node)*(unit(k, node) + nodes%difference(k, node, tile))
@@ -167,19 +175,20 @@ contains
    !> How far the nodes of a tile are inside of bodies: 1 if all cells around count in full, and 0
    !! once one of them does not count. The weights do not tell where in its cells a surface is, so
    !! the exact force is wrong there. Equation (Q.6).
-   pure subroutine find_inside(simulation, tile, inside)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   pure subroutine find_inside(space, field, tile, inside)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
       real(wp), intent(out) :: inside(:)             !! (node) 0 to 1
       real(wp) :: around(size(inside)), cells
       integer :: node
 
-      call simulation%grid%node_volume(simulation%tiles%coordinate(:, tile), around)
-      cells = real(2**simulation%grid%dimensions, wp)
+      call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
+      cells = real(2**space%grid%dimensions, wp)
       inside = 0.0_wp
       do node = 1, size(inside)
          if (around(node) > 0.0_wp) inside(node) = max(0.0_wp, &
-            1.0_wp - cells*(1.0_wp - simulation%nodes%volume(1, node, tile)/around(node)))
+            1.0_wp - cells*(1.0_wp - field%nodes%volume(1, node, tile)/around(node)))
       end do
    end subroutine find_inside
 end module step_stress_difference

@@ -14,20 +14,20 @@ contains
 
    !> Clock at the start of the work on a tile; it stands still where nobody measures [s].
    real(wp) function cost_clock(simulation) result(seconds)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
 
       seconds = 0.0_wp
-      if (allocated(simulation%cost)) seconds = thread_seconds()
+      if (allocated(simulation%machine%cost)) seconds = thread_seconds()
    end function cost_clock
 
-   !> Book the work on a tile since a reading of the clock. Ghosts belong to other ranks.
+   !> Record the work on a tile since a reading of the clock. Ghosts belong to other ranks.
    subroutine record_cost(simulation, tile, began)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
       real(wp), intent(in) :: began                  !! Clock at the start [s]
 
-      if (.not. allocated(simulation%cost)) return
-      if (tile > size(simulation%cost)) return
-      simulation%cost(tile) = simulation%cost(tile) + thread_seconds() - began
+      if (.not. allocated(simulation%machine%cost)) return
+      if (tile > size(simulation%machine%cost)) return
+      simulation%machine%cost(tile) = simulation%machine%cost(tile) + thread_seconds() - began
    end subroutine record_cost
 end module step_tile_cost

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Rotation of matter as it varies from tile to tile (`turn_from = 'tiles'`).
+!> Rotation of material as it varies from tile to tile (`turn_from = 'tiles'`).
 !!
 !! With RFLIP the rotation that particles carry brings velocities to the nodes that straining sees
 !! and the particles do not keep: the work of the stress on them is lost. Where the rotation is that
@@ -13,7 +13,7 @@ module step_tile_rotation
    use mesh_patch, only: assemble, clear_patch, ensure_patch, extent_of
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, space_t
    implicit none
    private
 
@@ -25,42 +25,42 @@ module step_tile_rotation
 
 contains
 
-   !> Give all particles the rotation of the matter around them. The particles are sorted.
+   !> Give all particles the rotation of the material around them. The particles are sorted.
    subroutine smooth_rotation(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run, its particles carry a rotation
+      type(simulation_t), intent(inout) :: simulation !! Its particles carry a rotation
       integer, allocatable :: tiles(:)
       integer :: part, n, tile
 
-      call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(simulation%nodes%turn, columns, simulation%grid%tile_nodes, &
-         simulation%tiles%own)
+      call simulation%machine%timer%start(simulation%machine%phase%scatter)
+      call ensure_patch(simulation%effects%turn, columns, simulation%space%grid%tile_nodes, &
+         simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
          !$omp parallel do default(none) shared(simulation, tiles) private(n) schedule(dynamic, 1)
          do n = 1, size(tiles)
-            call add_tile(simulation, tiles(n), simulation%nodes%turn(:, :, tiles(n)))
+            call add_tile(simulation, tiles(n), simulation%effects%turn(:, :, tiles(n)))
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, simulation%nodes%turn)
+         call pass_patches(simulation, part, simulation%effects%turn)
       end do
       !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
-      do tile = 1, simulation%tiles%own
+      do tile = 1, simulation%space%tiles%own
          call turn_tile(simulation, tile)
       end do
       !$omp end parallel do
-      call simulation%timer%stop(simulation%phase%scatter)
+      call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine smooth_rotation
 
    !> Mass and its rotation at the corners of a tile, from its particles.
    subroutine add_tile(simulation, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Not zero at corners only
       real(wp) :: sums(columns, corners), lower(3), inverse(3)
       integer :: node(corners), index, corner
 
       call clear_patch(patch)
-      call measure_tile(simulation, tile, lower, inverse)
+      call measure_tile(simulation%space, tile, lower, inverse)
       sums = 0.0_wp
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
@@ -76,7 +76,7 @@ contains
    !> Those of one material, by chunks that stay in cache.
    pure subroutine add_store(store, tile, lower, inverse, sums)
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
       real(wp), intent(inout) :: sums(columns, corners) !! At the corners [kg/s], [kg]
@@ -109,15 +109,16 @@ contains
 
    !> Rotation of the particles of a tile, from its corners.
    subroutine turn_tile(simulation, tile)
-      type(simulation_t), intent(inout) :: simulation !! The run
-      integer, intent(in) :: tile                    !! Which tile
-      real(wp) :: total(columns, simulation%grid%tile_nodes), turn(3, corners)
+      type(simulation_t), intent(inout) :: simulation
+      integer, intent(in) :: tile
+      real(wp) :: total(columns, simulation%space%grid%tile_nodes), turn(3, corners)
       real(wp) :: lower(3), inverse(3)
       integer :: node(corners), corner, index
 
-      call assemble(simulation%grid, simulation%tiles, simulation%nodes%turn, tile, total)
+      call assemble(simulation%space%grid, simulation%space%tiles, simulation%effects%turn, tile, &
+         total)
       call find_corners(simulation, tile, node)
-      call measure_tile(simulation, tile, lower, inverse)
+      call measure_tile(simulation%space, tile, lower, inverse)
       turn = 0.0_wp
       do corner = 1, corners
          if (total(4, node(corner)) > 0.0_wp) &
@@ -132,7 +133,7 @@ contains
    !> That of the particles of one material.
    pure subroutine turn_store(store, tile, lower, inverse, turn)
       type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
       real(wp), intent(in) :: turn(3, corners)       !! Rotation at the corners [1/s]
@@ -156,13 +157,13 @@ contains
 
    !> Nodes at the corners of a tile; those of a missing direction fall together.
    pure subroutine find_corners(simulation, tile, node)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
       integer, intent(out) :: node(corners)          !! Their numbers
       integer :: corner, extent(3), margin(3), bit(3), k
 
-      associate (grid => simulation%grid)
-         extent = extent_of(grid, simulation%tiles, tile)
+      associate (grid => simulation%space%grid)
+         extent = extent_of(grid, simulation%space%tiles, tile)
          margin = merge(grid%margin, 0, grid%active)
          do corner = 1, corners
             bit = [(ibits(corner - 1, k - 1, 1), k=1, 3)]
@@ -172,16 +173,16 @@ contains
    end subroutine find_corners
 
    !> Where a tile lies: its lower corner, and one over its edges; 0 for missing directions.
-   pure subroutine measure_tile(simulation, tile, lower, inverse)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   pure subroutine measure_tile(space, tile, lower, inverse)
+      type(space_t), intent(in) :: space
+      integer, intent(in) :: tile
       real(wp), intent(out) :: lower(3)              !! [m]
       real(wp), intent(out) :: inverse(3)            !! [1/m]
       integer :: extent(3)
 
-      associate (grid => simulation%grid)
-         extent = max(1, extent_of(grid, simulation%tiles, tile))
-         lower = grid%lower + real(simulation%tiles%coordinate(:, tile)*grid%width, wp)*grid%spacing
+      associate (grid => space%grid)
+         extent = max(1, extent_of(grid, space%tiles, tile))
+         lower = grid%lower + real(space%tiles%coordinate(:, tile)*grid%width, wp)*grid%spacing
          inverse = merge(1.0_wp/(real(extent, wp)*grid%spacing), 0.0_wp, grid%active)
       end associate
    end subroutine measure_tile

@@ -9,15 +9,17 @@ module step_trust
    use base_kinds, only: int64, wp
    use base_log, only: log_t
    use ddmp_dual, only: surface_fill
+   use material_type, only: material_t
    use mesh_motion, only: motion_t
    use particle_body, only: body_t
    use particle_neighbours, only: lattice_t
+   use particle_store, only: store_t
    use step_diagnostics, only: bounds_look_t, find_greatest, look_at_bounds, look_at_shapes, &
       measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
    use step_ledger, only: balance_t, external_work, mass, retired_mass
    use step_method, only: method_t
    use step_offending_particle, only: name_particle, step_text
-   use step_simulation, only: simulation_t
+   use step_simulation, only: conservation_t, machine_t, scheme_t, simulation_t
    use step_trust_record, only: apart, trust_bad, trust_damped, trust_energy, trust_heat, &
       trust_momentum, trust_noise, trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, &
       trust_volume, verdict_of
@@ -36,28 +38,29 @@ contains
 
    !> Number the lattices of the bodies, by which neighbours are found.
    subroutine number_lattices(simulation, bodies)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(body_t), intent(in) :: bodies(:)          !! The bodies
       integer(int64) :: next
       integer :: n, other
 
-      if (allocated(simulation%trust%lattices)) deallocate (simulation%trust%lattices)
-      allocate (simulation%trust%lattices(size(bodies)))
+      if (allocated(simulation%balance%trust%lattices)) deallocate &
+         (simulation%balance%trust%lattices)
+      allocate (simulation%balance%trust%lattices(size(bodies)))
       next = 1
       do n = 1, size(bodies)
-         associate (lattice => simulation%trust%lattices(n))
+         associate (lattice => simulation%balance%trust%lattices(n))
             lattice%first = next
-            lattice%sites = bodies(n)%sites(simulation%grid)
+            lattice%sites = bodies(n)%sites(simulation%space%grid)
             lattice%regular = bodies(n)%on_lattice()
             next = next + product(lattice%sites)
             lattice%origin = lattice%first
-            if (allocated(simulation%contact) .or. .not. lattice%regular) cycle
+            if (allocated(simulation%effects%contact) .or. .not. lattice%regular) cycle
             ! without contact bodies of one lattice that touch at the start move as one
             do other = 1, n - 1
                if (bodies(other)%store /= bodies(n)%store .or. .not. &
                   bodies(other)%on_lattice()) cycle
                if (any(bodies(other)%per_cell /= bodies(n)%per_cell)) cycle
-               lattice%origin = simulation%trust%lattices(other)%origin
+               lattice%origin = simulation%balance%trust%lattices(other)%origin
                exit
             end do
          end associate
@@ -66,35 +69,38 @@ contains
 
    !> Note speeds and energies at the start of a run, by which later ones are judged. Collective.
    subroutine begin_trust(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run in its first state
+      type(simulation_t), intent(inout) :: simulation !! In its first state
       type(bounds_look_t) :: look
 
-      if (simulation%trust%begun) return
-      call look_at_bounds(simulation, 0.0_wp, look)
-      associate (trust => simulation%trust)
+      if (simulation%balance%trust%begun) return
+      call look_at_bounds(simulation%space, simulation%stores, simulation%machine, 0.0_wp, look)
+      associate (trust => simulation%balance%trust)
          trust%begun = .true.
          trust%start_speed = look%speed
-         trust%start_energy = simulation%communicator%maximum(greatest_stored(simulation))
+         trust%start_energy = &
+            simulation%machine%communicator%maximum(greatest_stored(simulation%materials, &
+            simulation%stores))
          if (look%cold < huge(look%cold)) trust%least_energy = look%cold
       end associate
    end subroutine begin_trust
 
    !> Greatest energy per mass that a particle of this rank carries or stores elastically [J/kg].
-   function greatest_stored(simulation) result(greatest)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   function greatest_stored(materials, stores) result(greatest)
+      type(material_t), intent(in) :: materials(:)
+      type(store_t), intent(in) :: stores(:)
       real(wp) :: greatest
       real(wp), allocatable :: energy(:)
       integer :: index, tile, first, last
 
       greatest = 0.0_wp
-      do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index))
+      do index = 1, size(stores)
+         associate (store => stores(index))
             do tile = 1, size(store%count)
                if (store%count(tile) == 0) cycle
                first = store%first(tile)
                last = first + store%count(tile) - 1
                allocate (energy(store%count(tile)))
-               call simulation%materials(index)%stored_energy(store%state, first, last, energy)
+               call materials(index)%stored_energy(store%state, first, last, energy)
                greatest = max(greatest, maxval(energy/store%state%mass(first:last)))
                deallocate (energy)
             end do
@@ -104,23 +110,25 @@ contains
 
    !> Look at the state after a step if it is time to. Collective.
    subroutine watch_trust(simulation, log, error)
-      type(simulation_t), intent(inout) :: simulation !! The run after a step
+      type(simulation_t), intent(inout) :: simulation !! After a step
       type(log_t), intent(inout) :: log              !! Told of what is wrong, once
       type(error_t), allocatable, intent(out) :: error !! A number is impossible
       type(bounds_look_t) :: bounds
       type(shapes_look_t) :: shapes
 
-      if (mod(simulation%step, work_every) == 0) call note_work(simulation, simulation%trust)
-      if (mod(simulation%step, bounds_every) == 0) then
-         call look_at_bounds(simulation, simulation%trust%least_energy, bounds)
-         call note_bounds(simulation, bounds, simulation%trust)
+      if (mod(simulation%clock%step, work_every) == 0) call note_work(simulation%balance, &
+         simulation%machine, simulation%balance%trust)
+      if (mod(simulation%clock%step, bounds_every) == 0) then
+         call look_at_bounds(simulation%space, simulation%stores, simulation%machine, &
+            simulation%balance%trust%least_energy, bounds)
+         call note_bounds(simulation, bounds, simulation%balance%trust)
          call warn_of_bounds(simulation, bounds, log)
          call refuse_impossible(simulation, bounds, error)
          if (allocated(error)) return
       end if
-      if (mod(simulation%step, shapes_every) == 0) then
+      if (mod(simulation%clock%step, shapes_every) == 0) then
          call look_at_shapes(simulation, shapes)
-         call note_shapes(shapes, simulation%trust)
+         call note_shapes(shapes, simulation%balance%trust)
          call warn_of_shapes(simulation, shapes, log)
       end if
    end subroutine watch_trust
@@ -129,31 +137,32 @@ contains
    !! a checkpoint holds does not change, so that a run that goes on sees what it would have seen
    !! without a break. Collective.
    subroutine final_trust(simulation, code, now, trust)
-      type(simulation_t), intent(inout) :: simulation !! The run at its end; stays as it is
+      type(simulation_t), intent(inout) :: simulation !! At its end; stays as it is
       integer, intent(in) :: code                    !! Exit code
       type(balance_t), intent(in) :: now             !! Its books
       type(trust_t), intent(out) :: trust            !! What is known
       type(bounds_look_t) :: bounds
       type(shapes_look_t) :: shapes
 
-      trust = simulation%trust
+      trust = simulation%balance%trust
       trust%failed = code == exit_physics
       if (trust%begun .and. code /= exit_physics) then
-         call note_work(simulation, trust)
-         call look_at_bounds(simulation, trust%least_energy, bounds)
+         call note_work(simulation%balance, simulation%machine, trust)
+         call look_at_bounds(simulation%space, simulation%stores, simulation%machine, &
+            trust%least_energy, bounds)
          call note_bounds(simulation, bounds, trust)
          call look_at_shapes(simulation, shapes)
          call note_shapes(shapes, trust)
       end if
       trust%worst(trust_energy) = abs(now%energy_error)
       trust%worst(trust_damped) = now%damped_share
-      associate (ledger => simulation%ledger)
+      associate (ledger => simulation%balance%ledger)
          if (ledger%momentum_scale > 0.0_wp) trust%worst(trust_momentum) = now%momentum_error &
             *ledger%momentum_scale/max(ledger%momentum_scale, slow*ledger%start%entry(mass) &
-            *sqrt(greatest_wave_square(simulation)))
+            *sqrt(greatest_wave_square(simulation%materials)))
       end associate
-      if (simulation%ledger%start%entry(mass) > 0.0_wp) trust%worst(trust_retired) = &
-         now%entry(retired_mass)/simulation%ledger%start%entry(mass)
+      if (simulation%balance%ledger%start%entry(mass) > 0.0_wp) trust%worst(trust_retired) = &
+         now%entry(retired_mass)/simulation%balance%ledger%start%entry(mass)
    end subroutine final_trust
 
    !> Take the worst of distances, volumes and pressures.
@@ -173,17 +182,17 @@ contains
    !> Take the worst of speeds and energies, over what can be explained. Equations (L.10) and (L.11)
    !! of doc/theory/ledger.md. A manufactured solution may do anything.
    pure subroutine note_bounds(simulation, look, trust)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(bounds_look_t), intent(in) :: look        !! What was found
       type(trust_t), intent(inout) :: trust          !! The worst so far
       real(wp) :: square, scale
 
-      if (allocated(simulation%exact)) return
+      if (allocated(simulation%effects%exact)) return
       square = explained_square(simulation, trust)
       if (square > 0.0_wp) trust%worst(trust_speed) = max(trust%worst(trust_speed), &
          look%speed/sqrt(square))
       if (look%heat < look%cold) return
-      scale = max(0.5_wp*square, 0.01_wp*greatest_wave_square(simulation))
+      scale = max(0.5_wp*square, 0.01_wp*greatest_wave_square(simulation%materials))
       if (.not. scale > 0.0_wp) return
       call take_worse(trust%worst(trust_heat), (look%heat - trust%least_energy)/scale)
       call take_worse(trust%worst(trust_heat), (look%cold - trust%least_energy)/scale)
@@ -199,25 +208,26 @@ contains
    end subroutine take_worse
 
    !> Take the greatest work of walls and gravity so far. Collective.
-   subroutine note_work(simulation, trust)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine note_work(balance, machine, trust)
+      type(conservation_t), intent(in) :: balance
+      type(machine_t), intent(in) :: machine
       type(trust_t), intent(inout) :: trust          !! The greatest so far
       type(exact_sum_t) :: sum
 
-      call sum%merge(simulation%ledger%sums(external_work))
-      call sum%over_ranks(simulation%communicator)
+      call sum%merge(balance%ledger%sums(external_work))
+      call sum%over_ranks(machine%communicator)
       trust%work = max(trust%work, abs(sum%value()))
    end subroutine note_work
 
    !> Square of the greatest speed that start, walls, gravity, energy at the start and work explain
    !! [m2/s2]. Equation (L.10).
    pure real(wp) function explained_square(simulation, trust) result(square)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(trust_t), intent(in) :: trust             !! Its start
       integer :: n
 
       square = max(trust%start_speed**2, 2.0_wp*trust%start_energy)
-      associate (boundary => simulation%boundary, grid => simulation%grid)
+      associate (boundary => simulation%space%boundary, grid => simulation%space%grid)
          if (allocated(boundary%wall)) then
             do n = 1, size(boundary%wall)
                square = max(square, greatest_motion(boundary%wall(n)%motion)**2)
@@ -225,19 +235,19 @@ contains
          end if
          do n = 1, 6
             if (boundary%warm(n)) square = max(square, 2.0_wp*boundary%temperature(n) &
-               *greatest_capacity(simulation))
+               *greatest_capacity(simulation%materials))
          end do
-         if (allocated(simulation%gravity)) square = max(square, 2.0_wp*sum( &
-            abs(simulation%gravity)*(grid%upper - grid%lower), mask=grid%active))
-         if (allocated(simulation%shaking)) square = max(square, 2.0_wp* &
-            greatest_motion(simulation%shaking)*norm2(grid%upper - grid%lower))
+         if (allocated(simulation%effects%gravity)) square = max(square, 2.0_wp*sum( &
+            abs(simulation%effects%gravity)*(grid%upper - grid%lower), mask=grid%active))
+         if (allocated(simulation%effects%shaking)) square = max(square, 2.0_wp* &
+            greatest_motion(simulation%effects%shaking)*norm2(grid%upper - grid%lower))
       end associate
-      if (allocated(simulation%rigid)) then
-         do n = 1, size(simulation%rigid%wall)
-            square = max(square, greatest_motion(simulation%rigid%wall(n)%motion)**2)
+      if (allocated(simulation%space%rigid)) then
+         do n = 1, size(simulation%space%rigid%wall)
+            square = max(square, greatest_motion(simulation%space%rigid%wall(n)%motion)**2)
          end do
       end if
-      associate (whole => simulation%ledger%start%entry(mass))
+      associate (whole => simulation%balance%ledger%start%entry(mass))
          if (whole > 0.0_wp) square = max(square, 2.0_wp*trust%work/whole)
       end associate
    end function explained_square
@@ -251,40 +261,41 @@ contains
    end function greatest_motion
 
    !> Greatest specific heat of the materials [J/(kg K)].
-   pure real(wp) function greatest_capacity(simulation) result(capacity)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure real(wp) function greatest_capacity(materials) result(capacity)
+      type(material_t), intent(in) :: materials(:)
       integer :: n
 
       capacity = 0.0_wp
-      do n = 1, size(simulation%materials)
-         if (allocated(simulation%materials(n)%heat)) &
-            capacity = max(capacity, simulation%materials(n)%heat%specific_heat)
+      do n = 1, size(materials)
+         if (allocated(materials(n)%heat)) &
+            capacity = max(capacity, materials(n)%heat%specific_heat)
       end do
    end function greatest_capacity
 
    !> Square of the greatest wave speed of the materials at rest [m2/s2].
-   pure real(wp) function greatest_wave_square(simulation) result(square)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure real(wp) function greatest_wave_square(materials) result(square)
+      type(material_t), intent(in) :: materials(:)
       integer :: n
 
       square = 0.0_wp
-      do n = 1, size(simulation%materials)
-         square = max(square, simulation%materials(n)%reference_speed()**2)
+      do n = 1, size(materials)
+         square = max(square, materials(n)%reference_speed()**2)
       end do
    end function greatest_wave_square
 
    !> Warn of a speed or an energy that nothing explains, and of whose it is. Collective.
    subroutine warn_of_bounds(simulation, look, log)
-      type(simulation_t), intent(inout) :: simulation !! The run, notes that it has warned
+      type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
       type(bounds_look_t), intent(in) :: look        !! What was found
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=160) :: text
 
-      associate (trust => simulation%trust)
+      associate (trust => simulation%balance%trust)
          if (warns(trust, trust_speed, trust_bad)) then
             write (text, "(a,es10.3,a,es9.2,a)") "its speed", look%speed, " m/s is", &
                trust%worst(trust_speed), " times what start, walls, gravity and work explain"
-            call tell_particle(simulation, log, find_greatest(simulation, measure_speed, &
+            call tell_particle(simulation, log, find_greatest(simulation%materials, &
+               simulation%stores, simulation%machine, measure_speed, &
                trust%least_energy), trim(text)//"; check units and constants of its material, "// &
                "try a smaller cfl or more particles a cell (ppc)")
          end if
@@ -292,14 +303,16 @@ contains
          if (trust%worst(trust_heat) > 0.0_wp) then
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%heat, " J/kg is", &
                trust%worst(trust_heat), " times what was put in"
-            call tell_particle(simulation, log, find_greatest(simulation, measure_heat, &
+            call tell_particle(simulation, log, find_greatest(simulation%materials, &
+               simulation%stores, simulation%machine, measure_heat, &
                trust%least_energy), trim(text)//"; check its equation of state, or take such "// &
                "particles out with &time on_bad = 'retire'")
          else
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%cold, &
                " J/kg is below the least at the start by", -trust%worst(trust_heat), &
                " times what was put in"
-            call tell_particle(simulation, log, find_greatest(simulation, measure_cold, &
+            call tell_particle(simulation, log, find_greatest(simulation%materials, &
+               simulation%stores, simulation%machine, measure_cold, &
                trust%least_energy), trim(text)//"; check its equation of state in expansion, "// &
                "or give the material a spall strength")
          end if
@@ -308,12 +321,12 @@ contains
 
    !> Warn of neighbours that are apart, of volumes that do not fit, and of noise. Collective.
    subroutine warn_of_shapes(simulation, look, log)
-      type(simulation_t), intent(inout) :: simulation !! The run, notes that it has warned
+      type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
       type(shapes_look_t), intent(in) :: look        !! What was found
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=200) :: text
 
-      associate (trust => simulation%trust)
+      associate (trust => simulation%balance%trust)
          if (warns(trust, trust_stretch, trust_ok + 1)) then
             write (text, "(a,f0.2,a,f0.1,a,f0.1,a)") "its neighbour is ", look%longest, &
                " cells away, and in ", 100.0_wp*look%share, &
@@ -324,7 +337,8 @@ contains
          if (warns(trust, trust_volume, trust_bad)) then
             write (text, "(a,f0.1,a)") "it has grown most, and particles claim ", &
                100.0_wp*look%overlap, " % more volume than there is"
-            call tell_particle(simulation, log, find_greatest(simulation, measure_volume, &
+            call tell_particle(simulation, log, find_greatest(simulation%materials, &
+               simulation%stores, simulation%machine, measure_volume, &
                trust%least_energy), trim(text)//"; use a lattice, more particles a cell (ppc) "// &
                "or &method transfer = 'xpic'")
          end if
@@ -415,20 +429,20 @@ contains
 
    !> Give a warning with step, time and a particle. Collective.
    subroutine tell_particle(simulation, log, identity, words)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(log_t), intent(inout) :: log              !! Gets it
       integer(int64), intent(in) :: identity         !! Of the particle
       character(len=*), intent(in) :: words          !! What is wrong
       character(len=:), allocatable :: who
 
       call name_particle(simulation, identity, who)
-      call log%warn("warning: "//step_text(simulation)//": "//who//": "//words)
+      call log%warn("warning: "//step_text(simulation%clock)//": "//who//": "//words)
    end subroutine tell_particle
 
    !> A particle cannot have more than all the energy there is; with twice of it the run ends.
    !! Collective.
    subroutine refuse_impossible(simulation, look, error)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(bounds_look_t), intent(in) :: look        !! What was found
       type(error_t), allocatable, intent(out) :: error !! If so
       real(wp), parameter :: margin = 2.0_wp
@@ -436,28 +450,31 @@ contains
       character(len=:), allocatable :: who
       character(len=160) :: text
 
-      if (allocated(simulation%exact) .or. holds_heat(simulation)) return
-      associate (trust => simulation%trust, start => simulation%ledger%start)
+      if (allocated(simulation%effects%exact) .or. holds_heat(simulation%scheme, &
+         simulation%materials)) return
+      associate (trust => simulation%balance%trust, start => simulation%balance%ledger%start)
          available = start%total - min(0.0_wp, trust%least_energy)*start%entry(mass) + trust%work
          if (.not. available > 0.0_wp .or. look%energy <= margin*available) return
-         call name_particle(simulation, find_greatest(simulation, measure_energy, &
+         call name_particle(simulation, find_greatest(simulation%materials, simulation%stores, &
+            simulation%machine, measure_energy, &
             trust%least_energy), who)
          write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", look%energy, &
             " J, more than there is in the whole run,", available, " J"
       end associate
-      call fail(error, exit_physics, step_text(simulation)//": "//who//": "//trim(text))
+      call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text))
    end subroutine refuse_impossible
    !> Does a material have a temperature and no internal energy, beside others that have? Heat that
    !! is conducted from one to the other is no part of the energy that the run knows of.
-   pure logical function holds_heat(simulation) result(yes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   pure logical function holds_heat(scheme, materials) result(yes)
+      type(scheme_t), intent(in) :: scheme
+      type(material_t), intent(in) :: materials(:)
       integer :: n
 
       yes = .false.
-      if (.not. simulation%carries_energy) return
-      do n = 1, size(simulation%materials)
-         yes = yes .or. (allocated(simulation%materials(n)%heat) .and. .not. &
-            simulation%materials(n)%carries_energy())
+      if (.not. scheme%carries_energy) return
+      do n = 1, size(materials)
+         yes = yes .or. (allocated(materials(n)%heat) .and. .not. &
+            materials(n)%carries_energy())
       end do
    end function holds_heat
 end module step_trust

@@ -45,7 +45,7 @@ module step_trust_record
       real(wp) :: difference = 0.0_wp                !! Greatest pressure that nodes do not see [Pa]
       real(wp) :: start_speed = 0.0_wp               !! Greatest speed at the start [m/s]
       real(wp) :: start_energy = 0.0_wp              !! Greatest energy per mass then [J/kg]
-      real(wp) :: least_energy = 0.0_wp              !! Least of matter that carries it [J/kg]
+      real(wp) :: least_energy = 0.0_wp              !! Least of material that carries it [J/kg]
       real(wp) :: work = 0.0_wp                      !! Greatest work of walls and gravity [J]
       logical :: begun = .false.                     !! Is the start known?
       logical :: failed = .false.                    !! Did the run have to end?

@@ -11,7 +11,7 @@ module step_velocity_remap
    use step_move_nodes, only: record_push
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: find_places
-   use step_simulation, only: scratch_t, simulation_t
+   use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_walls, only: take_held, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
@@ -23,77 +23,83 @@ module step_velocity_remap
 
 contains
 
-   !> The series of node velocities that the transfer asks for, on the own tiles.
-   subroutine filter_nodes(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   !> The series of node velocities that the transfer requests, on the own tiles.
+   subroutine filter_nodes(simulation, field, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer :: sweep, tile
 
-      associate (nodes => simulation%nodes, number => simulation%grid%tile_nodes, &
-         own => simulation%tiles%own)
+      associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes, &
+         own => simulation%space%tiles%own)
          call ensure_patch(nodes%filtered, 3, number, own)
          call ensure_patch(nodes%term, 3, number, own)
          call ensure_patch(nodes%loss, 1, number, own)
       end associate
-      !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
-      do tile = 1, simulation%tiles%own
-         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, tile), &
-            simulation%nodes%acceleration(:, :, tile), simulation%nodes%term(:, :, tile))
-         simulation%nodes%filtered(:, :, tile) = simulation%nodes%term(:, :, tile)
-         simulation%nodes%loss(:, :, tile) = 0.0_wp
+      !$omp parallel do default(none) shared(simulation, field, dt) private(tile) schedule(static)
+      do tile = 1, simulation%space%tiles%own
+         call simulation%scheme%method%transfer%first_term(dt, field%nodes%velocity(:, :, tile), &
+            field%nodes%acceleration(:, :, tile), field%nodes%term(:, :, tile))
+         field%nodes%filtered(:, :, tile) = field%nodes%term(:, :, tile)
+         field%nodes%loss(:, :, tile) = 0.0_wp
       end do
       !$omp end parallel do
-      do sweep = 1, simulation%method%transfer%sweeps()
-         call spread_terms(simulation)
-         call simulation%timer%start(simulation%phase%grid)
-         !$omp parallel do default(none) shared(simulation, dt, sweep) private(tile) &
+      do sweep = 1, simulation%scheme%method%transfer%sweeps()
+         call spread_terms(simulation, field)
+         call simulation%machine%timer%start(simulation%machine%phase%grid)
+         !$omp parallel do default(none) shared(simulation, field, dt, sweep) private(tile) &
          !$omp schedule(static)
-         do tile = 1, simulation%tiles%own
-            call add_term(simulation, simulation%scratch(omp_get_thread_num()), tile, sweep, dt)
+         do tile = 1, simulation%space%tiles%own
+            call add_term(simulation, field, simulation%scratch(omp_get_thread_num()), tile, &
+               sweep, dt)
          end do
          !$omp end parallel do
-         call simulation%timer%stop(simulation%phase%grid)
+         call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end do
    end subroutine filter_nodes
 
    !> Momentum of the present term, seen by the particles, to a second patch.
-   subroutine spread_terms(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine spread_terms(simulation, field)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       integer, allocatable :: tiles(:)
       integer :: part, n
 
-      call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(simulation%nodes%extra, 3, simulation%grid%tile_nodes, &
-         simulation%tiles%own)
+      call simulation%machine%timer%start(simulation%machine%phase%scatter)
+      call ensure_patch(field%nodes%extra, 3, simulation%space%grid%tile_nodes, &
+         simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, tiles) private(n) schedule(dynamic, 1)
+         !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
+         !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            call spread_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
-               simulation%nodes%term(:, :, tiles(n)), simulation%nodes%extra(:, :, tiles(n)))
+            call spread_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
+               tiles(n), &
+               field%nodes%term(:, :, tiles(n)), field%nodes%extra(:, :, tiles(n)))
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, simulation%nodes%extra)
+         call pass_patches(simulation, part, field%nodes%extra)
       end do
-      call simulation%timer%stop(simulation%phase%scatter)
+      call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine spread_terms
 
    !> One tile.
-   subroutine spread_tile(simulation, scratch, tile, term, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine spread_tile(simulation, field, scratch, tile, term, patch)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: term(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [kg m/s]
       integer :: index
 
       call clear_patch(patch)
-      do index = simulation%first_store, simulation%end_store()
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (grid => simulation%grid, store => simulation%stores(index), &
-            basis => simulation%method%basis, shape => scratch%shape, &
+         associate (grid => simulation%space%grid, store => simulation%stores(index), &
+            basis => simulation%scheme%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, scratch, store, tile)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
             call basis%gather_values(grid, shape, term, shape%vector)
             call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
                shape%vector, 0, patch)
@@ -105,18 +111,20 @@ contains
    !! walls take away the particles do not get, so it is booked, with the velocity at the end of the
    !! step. Equation (L.12) of doc/theory/ledger.md: that needs the same orthogonal projection for
    !! all terms, so what walls hold does not depend on them.
-   subroutine add_term(simulation, scratch, tile, sweep, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine add_term(simulation, field, scratch, tile, sweep, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       integer, intent(in) :: sweep                   !! Number of the term, 1 for the second one
       real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp) :: again(3, simulation%grid%tile_nodes), free(3, simulation%grid%tile_nodes)
-      real(wp) :: ended(3, simulation%grid%tile_nodes)
+      real(wp) :: again(3, simulation%space%grid%tile_nodes), free(3, &
+         simulation%space%grid%tile_nodes)
+      real(wp) :: ended(3, simulation%space%grid%tile_nodes)
 
-      associate (grid => simulation%grid, nodes => simulation%nodes, &
-         term => simulation%nodes%term(:, :, tile), transfer => simulation%method%transfer)
-         call assemble(grid, simulation%tiles, nodes%extra, tile, again)
+      associate (grid => simulation%space%grid, nodes => field%nodes, &
+         term => field%nodes%term(:, :, tile), transfer => simulation%scheme%method%transfer)
+         call assemble(grid, simulation%space%tiles, nodes%extra, tile, again)
          call divide(nodes%mass(:, :, tile), 1, again)
          again = term - again
          if (walls_touch(simulation, tile)) then
@@ -124,9 +132,9 @@ contains
             free = again
             call take_held(simulation, tile, nodes%velocity(:, :, tile), again)
             free = again - free
-            call record_push(simulation, scratch%ledger, tile, free, ended)
+            call record_push(simulation%space, field, scratch%ledger, tile, free, ended)
          end if
-         if (simulation%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
+         if (simulation%scheme%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
             + transfer%loss_weight(2*sweep - 1)*sum(term*again, dim=1) &
             + transfer%loss_weight(2*sweep)*sum(again**2, dim=1)
          term = again
@@ -135,99 +143,106 @@ contains
    end subroutine add_term
 
    !> Sum of the series of node velocities, or its only term.
-   subroutine find_filtered(simulation, tile, dt, filtered)
-      type(simulation_t), intent(in) :: simulation   !! The run
-      integer, intent(in) :: tile                    !! Which tile
+   subroutine find_filtered(space, scheme, field, tile, dt, filtered)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), allocatable, intent(inout) :: filtered(:, :) !! (3, node) [m/s]
       integer :: slot
 
-      slot = simulation%nodes%slot(tile)
-      if (.not. allocated(filtered)) allocate (filtered(3, simulation%grid%tile_nodes))
-      if (simulation%method%transfer%sweeps() > 0) then
-         filtered = simulation%nodes%filtered(:, :, tile)
+      slot = field%nodes%slot(tile)
+      if (.not. allocated(filtered)) allocate (filtered(3, space%grid%tile_nodes))
+      if (scheme%method%transfer%sweeps() > 0) then
+         filtered = field%nodes%filtered(:, :, tile)
       else
-         call simulation%method%transfer%first_term(dt, simulation%nodes%velocity(:, :, slot), &
-            simulation%nodes%acceleration(:, :, slot), filtered)
+         call scheme%method%transfer%first_term(dt, field%nodes%velocity(:, :, slot), &
+            field%nodes%acceleration(:, :, slot), filtered)
       end if
    end subroutine find_filtered
 
    !> Momentum of the new particle velocities, or of what they gain, to a second patch, at the old
    !! places. The particles themselves get these velocities later.
-   subroutine scatter_again(simulation, dt)
-      type(simulation_t), intent(inout) :: simulation !! The run
+   subroutine scatter_again(simulation, field, dt)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       integer, allocatable :: tiles(:)
       integer :: part, n
 
-      call simulation%timer%start(simulation%phase%scatter)
-      call ensure_patch(simulation%nodes%extra, merge(4, 3, simulation%method%transfer%affine() &
-         .and. .not. simulation%method%averages()), &
-         simulation%grid%tile_nodes, simulation%tiles%own)
+      call simulation%machine%timer%start(simulation%machine%phase%scatter)
+      call ensure_patch(field%nodes%extra, merge(4, 3, simulation%scheme%method%transfer%affine() &
+         .and. .not. simulation%scheme%method%averages()), &
+         simulation%space%grid%tile_nodes, simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, dt, tiles) private(n) &
+         !$omp parallel do default(none) shared(simulation, field, dt, tiles) private(n) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            call scatter_tile(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), dt, &
-               simulation%nodes%extra(:, :, tiles(n)))
+            call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
+               tiles(n), dt, &
+               field%nodes%extra(:, :, tiles(n)))
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, simulation%nodes%extra)
+         call pass_patches(simulation, part, field%nodes%extra)
       end do
-      call simulation%timer%stop(simulation%phase%scatter)
+      call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine scatter_again
 
    !> One tile: momentum, or mass and momentum of linear velocity fields.
-   subroutine scatter_tile(simulation, scratch, tile, dt, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine scatter_tile(simulation, field, scratch, tile, dt, patch)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
-      real(wp) :: push(3, simulation%grid%tile_nodes), after(3, simulation%grid%tile_nodes)
+      real(wp) :: push(3, simulation%space%grid%tile_nodes), after(3, &
+         simulation%space%grid%tile_nodes)
       real(wp), allocatable :: filtered(:, :), gradient(:, :)
       real(wp) :: keep
       integer :: index
 
       call clear_patch(patch)
-      if (simulation%method%dual .and. simulation%method%transfer%affine() .and. .not. &
-         simulation%method%averages()) call node_gradient(simulation, tile, &
-         simulation%nodes%gradient, gradient)
-      call find_filtered(simulation, tile, dt, filtered)
-      call simulation%method%transfer%velocity_increment(dt, &
-         simulation%nodes%acceleration(:, :, tile), filtered, push)
-      keep = simulation%method%transfer%flip_fraction()
-      if (simulation%method%averages()) then
+      if (simulation%scheme%method%dual .and. simulation%scheme%method%transfer%affine() .and. &
+         .not. &
+         simulation%scheme%method%averages()) call node_gradient(simulation%space, field, tile, &
+         field%nodes%gradient, gradient)
+      call find_filtered(simulation%space, simulation%scheme, field, tile, dt, filtered)
+      call simulation%scheme%method%transfer%velocity_increment(dt, &
+         field%nodes%acceleration(:, :, tile), filtered, push)
+      keep = simulation%scheme%method%transfer%flip_fraction()
+      if (simulation%scheme%method%averages()) then
          ! what particles gain; the share of PIC acts after the strain of the step, which does not
          ! see it, and rotations stay as they are
-         if (keep > 0.0_wp) push = dt*simulation%nodes%acceleration(:, :, tile)
+         if (keep > 0.0_wp) push = dt*field%nodes%acceleration(:, :, tile)
          keep = merge(0.0_wp, -1.0_wp, keep > 0.0_wp)
       end if
-      after = simulation%nodes%velocity(:, :, tile) &
-         + dt*simulation%nodes%acceleration(:, :, tile)
-      do index = simulation%first_store, simulation%end_store()
+      after = field%nodes%velocity(:, :, tile) &
+         + dt*field%nodes%acceleration(:, :, tile)
+      do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
-         associate (grid => simulation%grid, store => simulation%stores(index), &
-            basis => simulation%method%basis, shape => scratch%shape, &
+         associate (grid => simulation%space%grid, store => simulation%stores(index), &
+            basis => simulation%scheme%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation, scratch, store, tile)
+            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
             call basis%gather_values(grid, shape, push, shape%vector)
             if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, shape%vector)
-            if (simulation%method%averages()) then
+            if (simulation%scheme%method%averages()) then
                call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
                   shape%vector, 0, patch)
-            else if (simulation%method%transfer%affine()) then
+            else if (simulation%scheme%method%transfer%affine()) then
                call scratch%deformation%reserve(store%count(tile) + spare)
-               if (simulation%method%smooth_turn) then
+               if (simulation%scheme%method%smooth_turn) then
                   call expand_spin(store%first(tile), store%count(tile), store%spin, &
                      scratch%deformation%gradient)
                else
                   call find_slopes(simulation, shape, after, gradient, scratch%deformation%gradient)
-                  if (simulation%method%transfer%turning()) &
+                  if (simulation%scheme%method%transfer%turning()) &
                      call turn_only(store%count(tile), scratch%deformation%gradient)
                end if
-               call spread_fields(simulation, scratch, store, tile, patch)
+               call spread_fields(simulation%space, simulation%scheme, scratch, store, tile, patch)
             else
                call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
                   shape%vector, 0, patch)
@@ -236,16 +251,16 @@ contains
       end do
    end subroutine scatter_tile
 
-   !> Slopes of a node velocity round the particles of a tile: with the dual domain method its
+   !> Slopes of a node velocity around the particles of a tile: with the dual domain method its
    !! modified gradient, which does not see nodes that have no mass and so no velocity.
    subroutine find_slopes(simulation, shape, velocity, gradient, slopes)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(shape_data_t), intent(inout) :: shape        !! Of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) On the nodes, if dual [1/s]
       real(wp), contiguous, intent(inout) :: slopes(:, :) !! (particle of the tile, 9) [1/s]
 
-      associate (grid => simulation%grid, method => simulation%method)
+      associate (grid => simulation%space%grid, method => simulation%scheme%method)
          ! with normalised sums the modified gradient of a linear field is not uniform
          if (method%dual .and. .not. allocated(shape%factor)) then
             call method%quadrature%gather_gradient(grid, shape, velocity, gradient, 1.0_wp, slopes)
@@ -258,7 +273,7 @@ contains
    !> Add a share of their own velocity to what particles get.
    pure subroutine keep_velocity(store, tile, keep, vector)
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), intent(in) :: keep                   !! The share [1]
       real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
       integer :: p, k
@@ -274,16 +289,17 @@ contains
    end subroutine keep_velocity
 
    !> Mass and momentum of linear velocity fields that are in the scratch space.
-   subroutine spread_fields(simulation, scratch, store, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! The run
+   subroutine spread_fields(space, scheme, scratch, store, tile, patch)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, velocity and slopes set
       type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (4, node)
       real(wp) :: mass(store%count(tile))
 
       mass = store%state%mass(store%first(tile):store%first(tile) + store%count(tile) - 1)
-      call simulation%method%basis%scatter_affine(simulation%grid, scratch%shape, 1, mass, &
+      call scheme%method%basis%scatter_affine(space%grid, scratch%shape, 1, mass, &
          scratch%shape%vector, scratch%deformation%gradient, patch)
    end subroutine spread_fields
 end module step_velocity_remap

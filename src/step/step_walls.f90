@@ -3,7 +3,7 @@
 module step_walls
    use base_kinds, only: wp
    use mesh_rigid, only: held_t
-   use step_simulation, only: simulation_t
+   use step_simulation, only: simulation_t, velocity_field_t
    implicit none
    private
 
@@ -20,14 +20,14 @@ contains
       logical :: switched
 
       switched = .false.
-      lag = simulation%method%lag(simulation%dt)
-      if (allocated(simulation%boundary%wall)) &
-         call simulation%boundary%advance(simulation%time, lag, kick, switched)
-      if (.not. allocated(simulation%rigid)) return
-      simulation%rigid%switched = simulation%rigid%switched .or. switched
-      call simulation%rigid%advance(simulation%time, lag, kick)
-      if (simulation%rigid%looked == simulation%step) return
-      simulation%rigid%looked = simulation%step
+      lag = simulation%scheme%method%lag(simulation%clock%dt)
+      if (allocated(simulation%space%boundary%wall)) &
+         call simulation%space%boundary%advance(simulation%clock%time, lag, kick, switched)
+      if (.not. allocated(simulation%space%rigid)) return
+      simulation%space%rigid%switched = simulation%space%rigid%switched .or. switched
+      call simulation%space%rigid%advance(simulation%clock%time, lag, kick)
+      if (simulation%space%rigid%looked == simulation%clock%step) return
+      simulation%space%rigid%looked = simulation%clock%step
       call find_held(simulation)
    end subroutine stand_walls
 
@@ -37,7 +37,7 @@ contains
       type(held_t), allocatable :: longer(:)
       integer :: tile
 
-      associate (rigid => simulation%rigid, all => simulation%tiles%all)
+      associate (rigid => simulation%space%rigid, all => simulation%space%tiles%all)
          if (.not. allocated(rigid%held)) allocate (rigid%held(0))
          if (size(rigid%held) < all) then
             allocate (longer(all + all/4))
@@ -46,12 +46,12 @@ contains
          end if
       end associate
       !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic)
-      do tile = 1, simulation%tiles%all
-         call simulation%rigid%hold(simulation%grid, simulation%boundary, &
-            simulation%tiles%coordinate(:, tile), simulation%rigid%held(tile))
+      do tile = 1, simulation%space%tiles%all
+         call simulation%space%rigid%hold(simulation%space%grid, simulation%space%boundary, &
+            simulation%space%tiles%coordinate(:, tile), simulation%space%rigid%held(tile))
       end do
       !$omp end parallel do
-      simulation%rigid%switched = .false.
+      simulation%space%rigid%switched = .false.
    end subroutine find_held
 
    !> True if a wall acts on some node of a tile.
@@ -59,9 +59,10 @@ contains
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
 
-      touch = simulation%boundary%touches(simulation%grid, simulation%tiles%coordinate(:, tile))
-      if (touch .or. .not. allocated(simulation%rigid)) return
-      touch = simulation%rigid%holds(tile)
+      touch = simulation%space%boundary%touches(simulation%space%grid, &
+         simulation%space%tiles%coordinate(:, tile))
+      if (touch .or. .not. allocated(simulation%space%rigid)) return
+      touch = simulation%space%rigid%holds(tile)
    end function walls_touch
 
    !> Impose the walls on the velocities of a tile, and give what the particles will gain in
@@ -79,22 +80,27 @@ contains
       real(wp) :: free_velocity(3, size(push, 2)), free_acceleration(3, size(push, 2)), share, &
          period
 
-      share = 1.0_wp - simulation%method%transfer%flip_fraction()
+      share = 1.0_wp - simulation%scheme%method%transfer%flip_fraction()
       free_velocity = velocity
       free_acceleration = acceleration
-      associate (coordinate => simulation%tiles%coordinate(:, tile))
-         if (dt > 0.0_wp .and. simulation%boundary%absorbs_waves()) &
-            call simulation%boundary%add_forces(simulation%grid, coordinate, dt, velocity, &
+      associate (coordinate => simulation%space%tiles%coordinate(:, tile))
+         if (dt > 0.0_wp .and. simulation%space%boundary%absorbs_waves()) &
+            call simulation%space%boundary%add_forces(simulation%space%grid, coordinate, dt, &
+               velocity, &
             acceleration)
-         call simulation%boundary%constrain(simulation%grid, coordinate, velocity, acceleration)
-         if (allocated(simulation%rigid)) &
-            call simulation%rigid%constrain(tile, velocity, acceleration, at_end=.false.)
+         call simulation%space%boundary%constrain(simulation%space%grid, coordinate, velocity, &
+            acceleration)
+         if (allocated(simulation%space%rigid)) &
+            call simulation%space%rigid%constrain(tile, velocity, acceleration, at_end=.false.)
          ! before the forces act, nodes that they press on a wall must not strain away from it
-         period = merge(dt, simulation%dt, dt > 0.0_wp)
+         period = merge(dt, simulation%clock%dt, dt > 0.0_wp)
          if (period > 0.0_wp) then
-            if (simulation%boundary%has_friction()) call simulation%boundary%apply_friction( &
-               simulation%grid, coordinate, period, share, free_velocity, velocity, acceleration)
-            if (allocated(simulation%rigid)) call simulation%rigid%rub(tile, period, share, &
+            if (simulation%space%boundary%has_friction()) call &
+               simulation%space%boundary%apply_friction( &
+               simulation%space%grid, coordinate, period, share, free_velocity, velocity, &
+                  acceleration)
+            if (allocated(simulation%space%rigid)) call simulation%space%rigid%rub(tile, period, &
+               share, &
                free_velocity, velocity, acceleration)
          end if
       end associate
@@ -107,20 +113,22 @@ contains
    !> Where a wall with friction, or a rigid region, held a node in the step, let it hold the
    !! velocity after the step that strains: one that may leave the wall but not enter it would
    !! lift pressed material by the noise of particles, step by step.
-   pure subroutine keep_at_walls(simulation, tile, velocity)
+   pure subroutine keep_at_walls(simulation, field, tile, velocity)
       type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
       real(wp) :: ended(3, size(velocity, 2))
 
-      if (.not. (simulation%boundary%has_friction() .or. allocated(simulation%rigid))) return
+      if (.not. (simulation%space%boundary%has_friction() .or. &
+         allocated(simulation%space%rigid))) return
       if (.not. walls_touch(simulation, tile)) return
-      ended = simulation%nodes%velocity(:, :, tile) &
-         + simulation%kick*simulation%nodes%acceleration(:, :, tile)
-      if (simulation%boundary%has_friction()) call &
-         simulation%boundary%hold_pressed(simulation%grid, &
-         simulation%tiles%coordinate(:, tile), ended, velocity)
-      if (allocated(simulation%rigid)) call simulation%rigid%keep(tile, ended, velocity)
+      ended = field%nodes%velocity(:, :, tile) &
+         + simulation%clock%kick*field%nodes%acceleration(:, :, tile)
+      if (simulation%space%boundary%has_friction()) call &
+         simulation%space%boundary%hold_pressed(simulation%space%grid, &
+         simulation%space%tiles%coordinate(:, tile), ended, velocity)
+      if (allocated(simulation%space%rigid)) call simulation%space%rigid%keep(tile, ended, velocity)
    end subroutine keep_at_walls
 
    !> Impose the walls on velocities as they are after the step, and take away what changes them.
@@ -130,10 +138,11 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :)   !! (3, node) [m/s2] or [m/s]
 
-      call simulation%boundary%constrain(simulation%grid, simulation%tiles%coordinate(:, tile), &
+      call simulation%space%boundary%constrain(simulation%space%grid, &
+         simulation%space%tiles%coordinate(:, tile), &
          velocity, change, at_end=.true.)
-      if (allocated(simulation%rigid)) &
-         call simulation%rigid%constrain(tile, velocity, change, at_end=.true.)
+      if (allocated(simulation%space%rigid)) &
+         call simulation%space%rigid%constrain(tile, velocity, change, at_end=.true.)
    end subroutine stop_at_walls
 
    !> Take from a change of node velocities the components that walls held before the forces act,
@@ -147,12 +156,15 @@ contains
 
       moved = velocity
       open = 1.0_wp
-      associate (coordinate => simulation%tiles%coordinate(:, tile))
-         call simulation%boundary%constrain(simulation%grid, coordinate, moved, open, at_end=.true.)
-         if (simulation%boundary%has_friction()) &
-            call simulation%boundary%hold_pressed(simulation%grid, coordinate, velocity, open)
+      associate (coordinate => simulation%space%tiles%coordinate(:, tile))
+         call simulation%space%boundary%constrain(simulation%space%grid, coordinate, moved, open, &
+            at_end=.true.)
+         if (simulation%space%boundary%has_friction()) &
+            call simulation%space%boundary%hold_pressed(simulation%space%grid, coordinate, &
+               velocity, open)
       end associate
       change = change*open
-      if (allocated(simulation%rigid)) call simulation%rigid%take(tile, velocity, open, change)
+      if (allocated(simulation%space%rigid)) call simulation%space%rigid%take(tile, velocity, &
+         open, change)
    end subroutine take_held
 end module step_walls

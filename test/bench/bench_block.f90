@@ -40,16 +40,16 @@ program bench_block
    call get_command_argument(4, word)
    if (len_trim(word) > 0) transfer = word
    call get_command_argument(2, word)
-   call simulation%communicator%start()
+   call simulation%machine%communicator%start()
    if (len_trim(word) == 0) word = "ddmp"
-   call simulation%method%choose(word == "ddmp", trim(word), "point")
-   call choose_velocity(trim(transfer), simulation%method%transfer)
-   simulation%grid%margin = simulation%method%margin()
-   simulation%grid%spacing = 1.0_wp
-   simulation%grid%upper = real(cells + max(cells/4, 4), wp)
-   simulation%grid%periodic = .true.
-   call simulation%boundary%impose("periodic", [1, 2, 3, 4, 5, 6])
-   call simulation%grid%start(0)
+   call simulation%scheme%method%choose(word == "ddmp", trim(word), "point")
+   call choose_velocity(trim(transfer), simulation%scheme%method%transfer)
+   simulation%space%grid%margin = simulation%scheme%method%margin()
+   simulation%space%grid%spacing = 1.0_wp
+   simulation%space%grid%upper = real(cells + max(cells/4, 4), wp)
+   simulation%space%grid%periodic = .true.
+   call simulation%space%boundary%impose("periodic", [1, 2, 3, 4, 5, 6])
+   call simulation%space%grid%start(0)
    allocate (simulation%materials(1))
    associate (material => simulation%materials(1))
       material%name = "block"
@@ -63,7 +63,7 @@ program bench_block
       material%eos%bulk = material%bulk
    end associate
    call prepare_simulation(simulation)
-   call simulation%method%request(traits)
+   call simulation%scheme%method%request(traits)
    call make_stores(simulation, traits)
    call bodies(1)%shape%set(box([2.0_wp, 2.0_wp, 2.0_wp], spread(2.0_wp + real(cells, wp), 1, 3)))
    bodies(1)%density = 1.0_wp
@@ -72,23 +72,23 @@ program bench_block
    call fill_simulation(simulation, bodies, survey)
    call first_step(simulation)
    do step = 1, 10
-      call advance(simulation, simulation%dt_next, error)
+      call advance(simulation, simulation%clock%dt_next, error)
    end do
-   updates = simulation%updates
+   updates = simulation%clock%updates
    call system_clock(before, rate)
    do step = 1, steps
-      call advance(simulation, simulation%dt_next, error)
+      call advance(simulation, simulation%clock%dt_next, error)
       if (allocated(error)) exit
    end do
    call system_clock(after)
    seconds = real(after - before, wp)/real(rate, wp)
-   updates = simulation%updates - updates
+   updates = simulation%clock%updates - updates
    if (allocated(error)) print "(a)", error%message
    print "(a,i0,a,i0,a,f8.3,a,f8.2,a)", "particles ", survey%particles, "  steps ", steps, &
       "  seconds ", &
-      seconds, "  million updates/s ", real(updates, wp)*real(simulation%communicator%size, wp) &
+      seconds, "  million updates/s ", real(updates, wp)*real(simulation%machine%communicator%size, wp) &
       /seconds*1.0e-6_wp, "  "//trim(word)
-   print "(a)", simulation%timer%table(simulation%communicator, seconds)
+   print "(a)", simulation%machine%timer%table(simulation%machine%communicator, seconds)
    print "(a,i0)", "8-byte numbers a particle: ", simulation%stores(1)%words()
-   call simulation%communicator%finish()
+   call simulation%machine%communicator%finish()
 end program bench_block

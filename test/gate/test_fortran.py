@@ -13,6 +13,9 @@ import unittest
 from sources import ROOT, Module, code_of, lines_of, place, project_files
 
 FILE_LINES, PROCEDURE_LINES, ARGUMENTS = 500, 60, 8
+# Arguments whose type and name say all.
+EVIDENT = {"self", "simulation", "space", "materials", "stores", "fields", "field", "scheme",
+           "effects", "clock", "balance", "machine", "grid", "tile", "error", "deck", "schema"}
 LONG_KERNEL = "! gate: long kernel because "
 ARROWS = {
     "base": set(),
@@ -173,7 +176,8 @@ class FortranGate(unittest.TestCase):
                     while code_of(lines[end - 1]).endswith("&"):
                         end += 1
                     beside = any("!!" in lines[number] for number in range(line - 1, end))
-                    if not beside and not documented(lines, line):
+                    evident = re.search(r":: *(\w+)", text).group(1) in EVIDENT
+                    if not (beside or evident or documented(lines, line)):
                         offences.append(f"{place(module.path, line)} {name}: no !! on {text}")
         self.none(offences)
 

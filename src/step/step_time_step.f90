@@ -1,0 +1,187 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The end of a step: the sums of the threads, and the length of the next step.
+module step_time_step
+   use base_error, only: error_t, exit_physics, fail
+   use base_kinds, only: int64, wp
+   use step_bounds, only: rule_conduction, rule_growth, rule_signal, rule_strain
+   use step_conduction, only: conducts, matter_volume
+   use step_offending_particle, only: name_bad
+   use step_remove_particles, only: check_retired
+   use step_simulation, only: clock_t, scheme_t, simulation_t, space_t
+   implicit none
+   private
+
+   public :: close_step, conduction_step, greatest_diffusivity, limit_step
+
+contains
+
+   !> Collect what the threads saw: the ledger, the next time step, NaN.
+   subroutine close_step(simulation, error)
+      type(simulation_t), intent(inout) :: simulation
+      type(error_t), allocatable, intent(out) :: error !! If a value is NaN
+      real(wp) :: fastest, diffusivity, rate
+      character(len=:), allocatable :: text
+      logical :: sound, retired
+      integer :: thread, n
+
+      fastest = 0.0_wp
+      sound = .true.
+      retired = .false.
+      call find_rate(simulation, rate)
+      do thread = 0, ubound(simulation%scratch, 1)
+         associate (scratch => simulation%scratch(thread))
+            fastest = max(fastest, scratch%fastest)
+            sound = sound .and. scratch%sound
+            retired = retired .or. scratch%retired
+            call simulation%balance%ledger%merge(scratch%ledger)
+            do n = 1, size(scratch%ledger%sums)
+               call scratch%ledger%sums(n)%clear()
+            end do
+            scratch%fastest = 0.0_wp
+            scratch%sound = .true.
+            scratch%retired = .false.
+         end associate
+      end do
+      ! a NaN on one rank must stop all: it travels as an infinite speed
+      if (.not. sound .or. .not. fastest <= huge(fastest)) fastest = huge(fastest)
+      diffusivity = 0.0_wp
+      if (allocated(simulation%effects%conduction)) diffusivity = greatest_diffusivity(simulation)
+      call agree(simulation, fastest, diffusivity, rate, retired)
+      if (fastest >= huge(fastest)) then
+         call name_bad(simulation, text)
+         call fail(error, exit_physics, text)
+         return
+      end if
+      if (retired) call check_retired(simulation%clock, simulation%balance, simulation%machine, &
+         error)
+      if (allocated(error)) return
+      call set_next_step(simulation%space, simulation%scheme, simulation%clock, fastest, rate)
+      if (allocated(simulation%effects%conduction)) call limit_step(simulation, diffusivity)
+   end subroutine close_step
+
+   !> Steepest velocity gradient that the threads saw, and whose it is.
+   subroutine find_rate(simulation, rate)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(out) :: rate                  !! On this rank [1/s]
+      integer :: thread
+      real(wp) :: most
+
+      most = 0.0_wp
+      associate (who => simulation%clock%guard%steepest)
+         who = huge(who)
+         do thread = 0, ubound(simulation%scratch, 1)
+            associate (scratch => simulation%scratch(thread))
+               if (scratch%steepest > most) who = huge(who)
+               if (scratch%steepest >= most) who = min(who, scratch%steepest_identity)
+               most = max(most, scratch%steepest)
+               scratch%steepest = 0.0_wp
+               scratch%steepest_identity = huge(who)
+            end associate
+         end do
+      end associate
+      rate = sqrt(most)
+   end subroutine find_rate
+
+   !> Let conduction of heat limit the next time step.
+   subroutine limit_step(simulation, diffusivity)
+      type(simulation_t), intent(inout) :: simulation !! Some material conducts
+      real(wp), intent(in) :: diffusivity            !! Greatest of all ranks [m2/s]
+      real(wp) :: dt
+
+      dt = conduction_step(simulation%space%grid%spacing, simulation%space%grid%dimensions, &
+         diffusivity)
+      if (.not. dt < simulation%clock%dt_next) return
+      simulation%clock%guard%rule = rule_conduction
+      simulation%clock%dt_next = dt
+   end subroutine limit_step
+
+   !> Agree with the other ranks on the fastest signal and on what they request: the only time in a
+   !! step that all ranks wait for all.
+   subroutine agree(simulation, fastest, diffusivity, rate, retired)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
+      real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
+      real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
+      logical, intent(inout) :: retired              !! The same: have particles been taken out?
+      real(wp) :: asked(8)
+
+      if (simulation%machine%communicator%size == 1) return
+      associate (requests => simulation%machine%requests)
+         asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
+            rate, merge(1.0_wp, 0.0_wp, retired), requests%present]
+         call simulation%machine%timer%start(simulation%machine%phase%wait)
+         call simulation%machine%communicator%maxima(asked)
+         call simulation%machine%timer%stop(simulation%machine%phase%wait)
+         fastest = asked(1)
+         requests%leave = asked(2)
+         requests%line = asked(3)
+         requests%checkpoint = asked(4)
+         diffusivity = asked(5)
+         if (rate < asked(6)) simulation%clock%guard%steepest = huge(1_int64)
+         rate = asked(6)
+         retired = asked(7) > 0.0_wp
+         requests%present = asked(8)
+      end associate
+   end subroutine agree
+
+   !> Stable time step for the fastest signal and the steepest gradient, not growing too fast.
+   !! Equations (S.1) and (S.3) of doc/theory/time_step.md.
+   pure subroutine set_next_step(space, scheme, clock, fastest, rate)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(clock_t), intent(inout) :: clock
+      real(wp), intent(in) :: fastest                !! Fastest signal and motion [m/s]
+      real(wp), intent(in) :: rate                   !! Steepest velocity gradient [1/s]
+      real(wp) :: dt, grown
+
+      associate (guard => clock%guard)
+         dt = huge(dt)
+         guard%rule = rule_signal
+         guard%rate = rate
+         if (fastest > 0.0_wp) dt = scheme%method%cfl*space%grid%spacing/fastest
+         if (rate*dt > guard%bounds%strain_max) then
+            dt = guard%bounds%strain_max/rate
+            guard%rule = rule_strain
+         end if
+         grown = scheme%method%step_growth*clock%dt_next
+         if (grown < dt) guard%rule = rule_growth
+         clock%dt_next = min(dt, grown)
+      end associate
+   end subroutine set_next_step
+
+   !> Greatest time step that conduction allows [s]: half of the square of the spacing over the
+   !! diffusivity and the number of directions. Equation (A.16) of
+   !! doc/theory/matter.md.
+   pure real(wp) function conduction_step(spacing, dimensions, diffusivity) result(dt)
+      real(wp), intent(in) :: spacing                !! Of the grid [m]
+      integer, intent(in) :: dimensions              !! Of the grid
+      real(wp), intent(in) :: diffusivity            !! Greatest of all particles [m2/s]
+
+      dt = huge(dt)
+      if (diffusivity > 0.0_wp) dt = spacing**2/(2.0_wp*real(dimensions, wp)*diffusivity)
+   end function conduction_step
+
+   !> Greatest diffusivity [m2/s] of the particles of this rank.
+   real(wp) function greatest_diffusivity(simulation) result(greatest)
+      type(simulation_t), intent(in) :: simulation
+      real(wp) :: conductivity, specific_heat
+      integer :: index, tile, p
+
+      greatest = 0.0_wp
+      do index = 1, size(simulation%stores)
+         if (.not. conducts(simulation%materials, index)) cycle
+         conductivity = simulation%materials(index)%heat%conductivity
+         specific_heat = simulation%materials(index)%heat%specific_heat
+         associate (store => simulation%stores(index))
+            !$omp parallel do default(none) private(tile, p) reduction(max:greatest) &
+            !$omp shared(simulation, index, conductivity, specific_heat) schedule(static)
+            do tile = 1, size(simulation%stores(index)%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  greatest = max(greatest, conductivity*matter_volume(store, p) &
+                     /(store%state%mass(p)*specific_heat))
+               end do
+            end do
+         end associate
+      end do
+   end function greatest_diffusivity
+end module step_time_step
