@@ -321,7 +321,7 @@ UNKNOWN = [
     ("sand", "face = 'zlo'", "face = 'bottom'", 9,
      "&boundary: face = 'bottom' is none of: all xlo xhi ylo yhi zlo zhi"),
     ("sand", "type = 'friction'", "type = 'frictional'", 9,
-     "&boundary: type = 'frictional' is none of: outflow symmetry slip stick periodic"),
+     "&boundary: type = 'frictional' is none of: outflow stick slip friction velocity"),
     ("sand", "kind = 'history'", "kind = 'histories'", 10,
      "&output: kind = 'histories' is none of: particles slice grid history profile fragments; did you mean 'history'?"),
     ("shock", "system = 'mm-us-mg'", "system = 'mm-us-mg'  output_units = 'mm-us-kg'", 2,
