@@ -17,7 +17,7 @@ contains
 
    !> Find mistakes of the program in the declarations.
    subroutine check_schema(schema, error)
-      type(schema_t), intent(in) :: schema               !! The declarations
+      type(schema_t), intent(in) :: schema
       type(error_t), allocatable, intent(out) :: error   !! The first mistake
       type(value_t) :: value
       character(len=:), allocatable :: complaint
@@ -91,7 +91,7 @@ contains
    !> Check one key of one group: does it apply, must it be given, is the name known?
    subroutine check_key(schema, key, place, groups, index, which, problems, unused)
       type(schema_t), intent(in) :: schema               !! What is allowed
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       integer, intent(in) :: place                       !! Its index
       type(group_t), intent(in) :: groups(:)             !! All groups
       type(deck_index_t), intent(in) :: index            !! Where they are
@@ -128,7 +128,7 @@ contains
    !> Put the default in the place of a value that the command line made useless. What belongs to
    !! it is useless by the command line as well.
    subroutine drop(key, value)
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       type(value_t), intent(inout) :: value              !! Its value
       character(len=:), allocatable :: complaint
 
@@ -139,7 +139,7 @@ contains
    !> True if a key means something in its group.
    logical function applies(schema, key, groups, index, which) result(holds)
       type(schema_t), intent(in) :: schema               !! What is allowed
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       type(group_t), intent(in) :: groups(:)             !! All groups
       type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
@@ -153,7 +153,7 @@ contains
    !> Why a key means nothing in its group; empty if it does.
    subroutine weigh(schema, key, groups, index, which, reason, sure, commanded)
       type(schema_t), intent(in) :: schema               !! What is allowed
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       type(group_t), intent(in) :: groups(:)             !! All groups
       type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
@@ -242,11 +242,11 @@ contains
    !! those groups has a fault in its name.
    subroutine check_references(schema, key, groups, index, which, value, problems)
       type(schema_t), intent(in) :: schema               !! What is allowed
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       type(group_t), intent(in) :: groups(:)             !! All groups
       type(deck_index_t), intent(in) :: index            !! Where they are
       integer, intent(in) :: which                       !! Index of the group
-      type(value_t), intent(in) :: value                 !! The names
+      type(value_t), intent(in) :: value
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
       type(text_t), allocatable :: names(:)
       character(len=:), allocatable :: near
@@ -277,7 +277,7 @@ contains
 
    !> Group and name for messages.
    pure function label_of(group) result(label)
-      type(group_t), intent(in) :: group                 !! The group
+      type(group_t), intent(in) :: group
       character(len=:), allocatable :: label
 
       label = "&"//group%group

@@ -79,7 +79,7 @@ contains
    subroutine start_group(rule, place, group)
       type(group_rule_t), intent(in) :: rule             !! What is allowed in it
       integer, intent(in) :: place                       !! Number among the groups of its kind
-      type(group_t), intent(out) :: group                !! The group
+      type(group_t), intent(out) :: group
       integer :: i
 
       group%group = rule%name
@@ -194,7 +194,7 @@ contains
    !> A question behind a message if a key stands among the values.
    function lost_sign(rule, tokens) result(hint)
       type(group_rule_t), intent(in) :: rule             !! What is allowed
-      type(token_t), intent(in) :: tokens(:)             !! The values
+      type(token_t), intent(in) :: tokens(:)
       character(len=:), allocatable :: hint
       integer :: i
 
@@ -209,8 +209,8 @@ contains
 
    !> What to add to a message about numbers: that braces are missing, or what expressions gave.
    function lost_braces(key, tokens) result(hint)
-      type(key_t), intent(in) :: key                     !! The key
-      type(token_t), intent(in) :: tokens(:)             !! The values
+      type(key_t), intent(in) :: key
+      type(token_t), intent(in) :: tokens(:)
       character(len=:), allocatable :: hint
       character(len=*), parameter :: numeric = "+-.0123456789eEdD"
       integer :: i, star
@@ -232,7 +232,7 @@ contains
 
    !> The values as they are written, cut if they are long.
    function written(tokens) result(text)
-      type(token_t), intent(in) :: tokens(:)             !! The values
+      type(token_t), intent(in) :: tokens(:)
       character(len=:), allocatable :: text
 
       text = shortened(as_written(tokens, longest_quotation), longest_quotation)
@@ -270,9 +270,9 @@ contains
 
    !> Fill the places without a value with the default.
    subroutine complete(key, default, value)
-      type(key_t), intent(in) :: key                     !! The key
-      type(value_t), intent(in) :: default               !! The default
-      type(value_t), intent(inout) :: value              !! The value
+      type(key_t), intent(in) :: key
+      type(value_t), intent(in) :: default
+      type(value_t), intent(inout) :: value
       integer :: i
 
       do i = 1, key%places
@@ -293,7 +293,7 @@ contains
 
    !> First place without a value that needs one, or 0.
    pure integer function first_missing(value, exact) result(place)
-      type(value_t), intent(in) :: value                 !! The value
+      type(value_t), intent(in) :: value
       logical, intent(in) :: exact                       !! All places need one, not only gaps
       integer :: i, last
 

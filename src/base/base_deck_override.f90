@@ -202,7 +202,7 @@ contains
    subroutine bare_texts(places, value, tokens)
       integer, intent(in) :: places                      !! Greatest number of values
       character(len=*), intent(in) :: value              !! As written
-      type(token_t), allocatable, intent(out) :: tokens(:) !! The texts
+      type(token_t), allocatable, intent(out) :: tokens(:)
       type(text_t), allocatable :: parts(:)
       integer :: comma, first, i
 

@@ -87,7 +87,7 @@ contains
 
    !> Declare a group, or add to it if it is declared already.
    subroutine schema_group(self, name, doc, many)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! As in the deck, without &
       character(len=*), intent(in) :: doc                !! Its meaning
       logical, intent(in), optional :: many              !! May be given more than once
@@ -108,7 +108,7 @@ contains
 
    !> Declare a key of numbers: name x for one, x(3) for three, x(:50) for up to fifty.
    subroutine schema_real(self, group, name, doc, unit, default, range, owner)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Its meaning
@@ -131,7 +131,7 @@ contains
 
    !> Declare a key of whole numbers: name n for one, n(3) for three, n(:50) for up to fifty.
    subroutine schema_integer(self, group, name, doc, default, range, owner)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Its meaning
@@ -146,7 +146,7 @@ contains
 
    !> Declare a switch.
    subroutine schema_logical(self, group, name, doc, default, owner)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Its name
       character(len=*), intent(in) :: doc                !! Its meaning
@@ -161,7 +161,7 @@ contains
    !> Declare a key of texts: name t for one, t(2) for two, t(:40) for up to forty. With a unit they
    !! are formulas of the place.
    subroutine schema_text(self, group, name, doc, default, words, owner, unit)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Its meaning
@@ -183,7 +183,7 @@ contains
 
    !> Append a key to its group.
    subroutine schema_add(self, key, group, name, doc, default, range, owner)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       type(key_t), intent(inout) :: key                  !! Kind, unit and words are set
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Name and number of values
@@ -222,7 +222,7 @@ contains
 
    !> Take name and number of values apart.
    subroutine set_name(self, key, name)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       type(key_t), intent(inout) :: key                  !! Gets name and number of values
       character(len=*), intent(in) :: name               !! Such as lo(3), times(:50)
       integer :: bracket, status
@@ -239,7 +239,7 @@ contains
 
    !> Take a range such as >= 0 < 1 apart.
    subroutine set_range(self, key, range)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       type(key_t), intent(inout) :: key                  !! Gets the bounds
       character(len=*), intent(in) :: range              !! One or two signs with a number
       integer :: at, i, last, status
@@ -296,10 +296,10 @@ contains
 
    !> Allow more words for a key of texts.
    subroutine schema_words(self, group, name, words)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group of the key
-      character(len=*), intent(in) :: name               !! The key
-      character(len=*), intent(in) :: words(:)           !! The words
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: words(:)           !! Words that are allowed
       integer :: i, place(2)
 
       place = self%locate(group, name)
@@ -314,7 +314,7 @@ contains
 
    !> True if a key is declared already; its first condition then allows one more word.
    logical function schema_extend_owner(self, group, name, word) result(declared)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group, name, word  !! Group and key; the further word
 
       associate (rule => self%groups(self%find(group)))
@@ -325,8 +325,8 @@ contains
 
    !> True if a word is in a list.
    pure logical function holds(list, word) result(found)
-      type(text_t), intent(in) :: list(:)                !! The list
-      character(len=*), intent(in) :: word               !! The word
+      type(text_t), intent(in) :: list(:)
+      character(len=*), intent(in) :: word               !! Word of the deck
       integer :: i
 
       found = .false.
@@ -337,8 +337,8 @@ contains
 
    !> Declare presets of a group, whose key `preset` must be declared.
    subroutine schema_preset(self, group, lines)
-      class(schema_t), intent(inout) :: self             !! The schema
-      character(len=*), intent(in) :: group              !! The group
+      class(schema_t), intent(inout) :: self
+      character(len=*), intent(in) :: group              !! Name of the group
       character(len=*), intent(in) :: lines(:)           !! See base_preset
       type(preset_t), allocatable :: read(:), longer(:)
       integer :: i, known, place
@@ -366,7 +366,7 @@ contains
 
    !> Keys that must be given where they apply.
    subroutine schema_require(self, group, names)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Their group
       character(len=*), intent(in) :: names              !! The keys, blanks between
       type(text_t), allocatable :: keys(:)
@@ -381,9 +381,9 @@ contains
 
    !> Say why the range of a key is what it is, for whoever leaves it.
    subroutine schema_explain_range(self, group, name, hint)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group of the key
-      character(len=*), intent(in) :: name               !! The key
+      character(len=*), intent(in) :: name
       character(len=*), intent(in) :: hint               !! Follows the range in a message
       integer :: place(2)
 
@@ -393,9 +393,9 @@ contains
 
    !> Say that the texts of a key are names of groups of another kind.
    subroutine schema_refer(self, group, name, target)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group of the key
-      character(len=*), intent(in) :: name               !! The key
+      character(len=*), intent(in) :: name
       character(len=*), intent(in) :: target             !! Repeated group with a key `name`
       integer :: place(2)
 
@@ -405,9 +405,9 @@ contains
 
    !> Indices of the group and of a key that must have been declared.
    function schema_locate(self, group, name) result(place)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group of the key
-      character(len=*), intent(in) :: name               !! The key
+      character(len=*), intent(in) :: name
       integer :: place(2)
 
       place(1) = self%find(group)
@@ -420,7 +420,7 @@ contains
 
    !> Note a mistake in a declaration; the first one is kept.
    subroutine blame(self, what)
-      class(schema_t), intent(inout) :: self             !! The schema
+      class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: what               !! What is wrong
 
       if (.not. allocated(self%fault)) self%fault = "declaration of the deck: "//what
@@ -428,8 +428,8 @@ contains
 
    !> Index of a group, 0 if there is none of that name.
    pure integer function schema_find(self, name) result(place)
-      class(schema_t), intent(in) :: self                !! The schema
-      character(len=*), intent(in) :: name               !! The group
+      class(schema_t), intent(in) :: self
+      character(len=*), intent(in) :: name
 
       place = 0
       if (.not. allocated(self%groups)) return
@@ -440,8 +440,8 @@ contains
 
    !> Index of a key, 0 if there is none of that name.
    pure integer function group_rule_find(self, name) result(place)
-      class(group_rule_t), intent(in) :: self            !! The group
-      character(len=*), intent(in) :: name               !! The key
+      class(group_rule_t), intent(in) :: self
+      character(len=*), intent(in) :: name
 
       do place = size(self%keys), 1, -1
          if (self%keys(place)%name == name) return
@@ -450,7 +450,7 @@ contains
 
    !> Names of all keys.
    pure function group_rule_names(self) result(names)
-      class(group_rule_t), intent(in) :: self            !! The group
+      class(group_rule_t), intent(in) :: self
       type(text_t), allocatable :: names(:)
       integer :: i
 
@@ -462,7 +462,7 @@ contains
 
    !> Names of all groups.
    pure function schema_names(self) result(names)
-      class(schema_t), intent(in) :: self                !! The schema
+      class(schema_t), intent(in) :: self
       type(text_t), allocatable :: names(:)
       integer :: i
 

@@ -21,7 +21,7 @@ contains
    subroutine explain(schema, name, text, error)
       type(schema_t), intent(in) :: schema               !! What is allowed
       character(len=*), intent(in) :: name               !! As the user wrote it
-      character(len=:), allocatable, intent(out) :: text !! The explanation
+      character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error   !! There is no such key
       type(text_t), allocatable :: names(:)
       type(buffer_t) :: buffer
@@ -64,7 +64,7 @@ contains
    !> A preset: its numbers and where they are from.
    subroutine explain_preset(schema, preset, buffer)
       type(schema_t), intent(in) :: schema               !! What is allowed
-      type(preset_t), intent(in) :: preset               !! The preset
+      type(preset_t), intent(in) :: preset
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
       character(len=:), allocatable :: line
       integer :: i, rule, place
@@ -87,7 +87,7 @@ contains
 
    !> A group: its meaning and its keys.
    subroutine explain_group(rule, buffer)
-      type(group_rule_t), intent(in) :: rule             !! The group
+      type(group_rule_t), intent(in) :: rule
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
 
       call buffer%add("&"//rule%name//"  "//rule%doc)
@@ -98,7 +98,7 @@ contains
 
    !> A key: kind, unit, range, default, words, conditions.
    subroutine explain_key(key, buffer)
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       type(buffer_t), intent(inout) :: buffer            !! Gets the text
       integer :: i
 
@@ -129,7 +129,7 @@ contains
 
    !> What is to be known about the unit of a key.
    pure function unit_note(key) result(note)
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       character(len=:), allocatable :: note
 
       note = ""
@@ -138,7 +138,7 @@ contains
 
    !> Kind and number of values of a key.
    pure function kind_of(key) result(text)
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       character(len=:), allocatable :: text
       character(len=14) :: one
 
@@ -212,7 +212,7 @@ contains
    function template_line(schema, rule, key) result(line)
       type(schema_t), intent(in) :: schema               !! What is allowed
       type(group_rule_t), intent(in) :: rule             !! Its group
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       character(len=:), allocatable :: line
       logical :: active
 
@@ -234,7 +234,7 @@ contains
    !> True if the conditions of a key hold in a deck of defaults.
    logical function holds_by_default(schema, key) result(holds)
       type(schema_t), intent(in) :: schema               !! What is allowed
-      type(key_t), intent(in) :: key                     !! The key
+      type(key_t), intent(in) :: key
       character(len=:), allocatable :: default
       integer :: i, k, owner, rule
       logical :: found

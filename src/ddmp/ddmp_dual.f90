@@ -14,7 +14,7 @@
 !! Equations (M.3) and (M.14) of doc/theory/method.md.
 module ddmp_dual
    use base_kinds, only: wp
-   use ddmp_operator, only: dual_operator_t, add_dual_force, add_dual_gradient
+   use ddmp_operator, only: add_dual_force, add_dual_gradient, dual_operator_t
    use mesh_grid, only: grid_t, lane_bit, lanes
    implicit none
    private

@@ -25,7 +25,7 @@ module io_fragments
 
    !> Definition of fragments.
    type :: fragments_t
-      type(pick_rule_t) :: rule                          !! Which particles
+      type(pick_rule_t) :: rule
       real(wp) :: velocity_cut = huge(1.0_wp) !! Cells that differ by more are separate [m/s]
    end type fragments_t
 
@@ -62,12 +62,12 @@ contains
    !> The table of one time, all columns but time and step: (column, fragment), the heaviest first.
    !! The same on all ranks. Collective.
    subroutine fragment_rows(communicator, grid, tiles, stores, wanted, rows)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
-      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(store_t), intent(in) :: stores(:)
       type(fragments_t), intent(in) :: wanted            !! What is looked for
-      real(wp), allocatable, intent(out) :: rows(:, :)   !! The table
+      real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
       type(map_t) :: map
@@ -77,10 +77,10 @@ contains
 
    !> The number that each particle's fragment has in the table of this time. Collective.
    subroutine fragment_labels(communicator, grid, tiles, stores, wanted, labels)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
-      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(store_t), intent(in) :: stores(:)
       type(fragments_t), intent(in) :: wanted            !! What is looked for
       type(labels_t), allocatable, intent(out) :: labels(:) !! (store)
       type(picks_t), allocatable :: picks(:)
@@ -107,15 +107,15 @@ contains
 
    !> Find the fragments and what they hold. Collective.
    subroutine find_fragments(communicator, grid, tiles, stores, wanted, picks, cells, map, rows)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
-      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(store_t), intent(in) :: stores(:)
       type(fragments_t), intent(in) :: wanted            !! What is looked for
       type(picks_t), allocatable, intent(out) :: picks(:) !! (store) Particles that count
       type(cells_t), intent(out) :: cells                !! Their cells on this rank
       type(map_t), intent(out) :: map                    !! All cells with their fragments
-      real(wp), allocatable, intent(out) :: rows(:, :)   !! The table
+      real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
       real(wp), allocatable :: sums(:, :), here(:, :)
       integer(int64), allocatable :: key(:)
       integer :: n
@@ -135,8 +135,8 @@ contains
 
    !> Tell all ranks all cells. Collective.
    subroutine learn_cells(communicator, grid, cells, sums, velocity_cut, map)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
       type(cells_t), intent(in) :: cells                 !! Those of this rank
       real(wp), intent(in) :: sums(:, :)                 !! (sum, cell)
       real(wp), intent(in) :: velocity_cut               !! Finite: velocities go along [m/s]
@@ -171,7 +171,7 @@ contains
    !> Give each cell the number of its fragment, and the image of the box in which it lies beside
    !! the first cell of the fragment.
    subroutine connect(grid, velocity_cut, map)
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: velocity_cut               !! Cells that differ by more part [m/s]
       type(map_t), intent(inout) :: map                  !! All cells
       integer, allocatable :: stack(:)
@@ -205,7 +205,7 @@ contains
    !! does not move away.
    pure logical function joins(map, cell, next, velocity_cut) result(joined)
       type(map_t), intent(in) :: map                     !! All cells
-      integer, intent(in) :: cell                        !! The cell
+      integer, intent(in) :: cell                        !! Index among the cells
       integer, intent(in) :: next                        !! Its neighbour, 0 = without particles
       real(wp), intent(in) :: velocity_cut               !! Least velocity of separation [m/s]
 
@@ -219,7 +219,7 @@ contains
 
    !> The neighbour of a cell, across the ends of a periodic box if need be; 0 if there is none.
    pure subroutine step_to(grid, map, cell, way, next, image)
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(grid_t), intent(in) :: grid
       type(map_t), intent(in) :: map                     !! All cells
       integer, intent(in) :: cell                        !! From here
       integer, intent(in) :: way(3)                      !! -1, 0 or 1 along each direction
@@ -242,7 +242,7 @@ contains
 
    !> Place of a cell in the box, from 0.
    pure function place_of(grid, key) result(place)
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(grid_t), intent(in) :: grid
       integer(int64), intent(in) :: key                  !! Its number
       integer :: place(3)
 
@@ -253,8 +253,8 @@ contains
 
    !> Send the sums of each cell to the rank that adds up its fragment. Collective.
    subroutine hand_over(communicator, grid, cells, sums, map, key, here)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
       type(cells_t), intent(in) :: cells                 !! Those of this rank
       real(wp), intent(in) :: sums(:, :)                 !! (sum, cell)
       type(map_t), intent(in) :: map                     !! All cells
@@ -295,7 +295,7 @@ contains
 
    !> Add up the fragments of this rank.
    subroutine add_all(grid, map, key, here, rows)
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(grid_t), intent(in) :: grid
       type(map_t), intent(in) :: map                     !! All cells
       integer(int64), intent(in) :: key(:)               !! Cells of the fragments, ascending
       real(wp), intent(inout) :: here(:, :)              !! (sum, cell); moved to their images
@@ -335,7 +335,7 @@ contains
 
    !> Give all ranks all fragments, sorted by mass, the heaviest first. Collective.
    subroutine collect(communicator, rows, number)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       real(wp), allocatable, intent(inout) :: rows(:, :) !! (column, fragment) Own in, all out
       integer, allocatable, intent(out) :: number(:)     !! In the table, of each as found
       integer(int64), allocatable :: whole(:)

@@ -43,9 +43,9 @@ contains
 
    !> Write one file. Collective.
    subroutine grid_write(communicator, path, grid, tiles, stores, means, format, header, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      character(len=*), intent(in) :: path               !! The file
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
+      type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(mean_t), intent(in) :: means(:)               !! What is written
@@ -81,10 +81,10 @@ contains
 
    !> The smallest block around the cells of all ranks, and the rank that writes each plane.
    subroutine find_box(communicator, cells, compress, box)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(cells_t), intent(in) :: cells                 !! Those of this rank
       integer, intent(in) :: compress                    !! gzip level
-      type(box_t), intent(out) :: box                    !! The box
+      type(box_t), intent(out) :: box
       integer(int64) :: edges(6), chunks
 
       edges = huge(edges)
@@ -113,7 +113,7 @@ contains
 
    !> Greatest length that the file can get [byte].
    pure function greatest_length(box, means, header) result(bytes)
-      type(box_t), intent(in) :: box                     !! The cells
+      type(box_t), intent(in) :: box
       type(mean_t), intent(in) :: means(:)               !! Their fields
       type(snapshot_header_t), intent(in) :: header      !! Texts
       integer(int64) :: bytes
@@ -133,9 +133,9 @@ contains
 
    !> Write where the cells are.
    subroutine write_frame(file, grid, box, header)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
-      type(grid_t), intent(in) :: grid                   !! The grid
-      type(box_t), intent(in) :: box                     !! The cells
+      type(hdf5_file_t), intent(inout) :: file
+      type(grid_t), intent(in) :: grid
+      type(box_t), intent(in) :: box
       type(snapshot_header_t), intent(in) :: header      !! Time and units
       real(wp), parameter :: straight(9) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, &
          0.0_wp, 0.0_wp, 1.0_wp]
@@ -166,11 +166,11 @@ contains
 
    !> Means of one field over the particles of each cell.
    subroutine cell_means(grid, stores, picks, cells, mean, values)
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(grid_t), intent(in) :: grid
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(cells_t), intent(in) :: cells                 !! Their cells
-      type(mean_t), intent(in) :: mean                   !! The request
+      type(mean_t), intent(in) :: mean
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, cell)
       real(wp), allocatable :: rows(:, :), weight(:), total(:, :)
       type(mean_t) :: other
@@ -205,7 +205,7 @@ contains
 
    !> What each particle counts in a mean.
    subroutine particle_weights(stores, picks, kind, weight)
-      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       integer, intent(in) :: kind                        !! added, by_mass, by_volume
       real(wp), allocatable, intent(out) :: weight(:)    !! (row)
@@ -234,7 +234,7 @@ contains
 
    !> Volume of a cell [m3]; that of the ring in axisymmetry.
    pure real(wp) function cell_volume(grid, place) result(volume)
-      type(grid_t), intent(in) :: grid                   !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: place(3)                    !! The cell, from 0
 
       volume = grid%depth*grid%spacing**grid%dimensions
@@ -244,10 +244,10 @@ contains
 
    !> Write one field: send the cells to the owners of their planes; elsewhere it is 0.
    subroutine write_field(file, box, cells, mean, values, single, units)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       type(box_t), intent(in) :: box                     !! All cells of the file
       type(cells_t), intent(in) :: cells                 !! Those of this rank
-      type(mean_t), intent(in) :: mean                   !! The field
+      type(mean_t), intent(in) :: mean
       real(wp), intent(in) :: values(:, :)               !! (component, cell)
       logical, intent(in) :: single                      !! In single precision
       type(output_units_t), intent(in) :: units          !! Units of the file
@@ -274,7 +274,7 @@ contains
 
    !> Bring the values of cells to the ranks that write their planes. Collective.
    subroutine share_out(communicator, box, cells, values, dense)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(box_t), intent(in) :: box                     !! All cells of the file
       type(cells_t), intent(in) :: cells                 !! Those of this rank
       real(wp), intent(in) :: values(:, :)               !! (component, cell)

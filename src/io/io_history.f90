@@ -36,8 +36,8 @@ contains
 
    !> Begin a file, or go on with one of an earlier run. Collective.
    subroutine history_open(self, communicator, path, columns, resume_step, error)
-      class(history_t), intent(inout) :: self            !! The file
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      class(history_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path               !! Where
       character(len=*), intent(in) :: columns(:)         !! As "time [s]"; "step" holds the steps
       integer(int64), intent(in) :: resume_step          !! Later rows are cut away; < 0: all
@@ -79,7 +79,7 @@ contains
 
    !> Take away the rows after a step, and an unfinished last line.
    subroutine cut_back(path, heading, key_place, resume_step, error)
-      character(len=*), intent(in) :: path               !! The file
+      character(len=*), intent(in) :: path
       character(len=*), intent(in) :: heading            !! What its first line must be
       integer, intent(in) :: key_place                   !! Place of the column "step"
       integer(int64), intent(in) :: resume_step          !! Last step that stays
@@ -127,8 +127,8 @@ contains
 
    !> Write a row, at once. Collective.
    subroutine history_row(self, communicator, values, error)
-      class(history_t), intent(inout) :: self            !! The file
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      class(history_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       real(wp), intent(in) :: values(:)                  !! (column)
       type(error_t), allocatable, intent(out) :: error   !! Not written, say on a full disk
 
@@ -139,8 +139,8 @@ contains
 
    !> Write several rows that begin alike, at once. Collective.
    subroutine history_rows(self, communicator, begin, values, error)
-      class(history_t), intent(inout) :: self            !! The file
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      class(history_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       real(wp), intent(in) :: begin(:)                   !! (column) First columns of all
       real(wp), intent(in) :: values(:, :)               !! (column behind them, row)
       type(error_t), allocatable, intent(out) :: error   !! Not written, say on a full disk
@@ -160,7 +160,7 @@ contains
 
    !> Numbers with commas between them, in the units of the file.
    function line_of(self, values, before) result(line)
-      class(history_t), intent(in) :: self               !! The file
+      class(history_t), intent(in) :: self
       real(wp), intent(in) :: values(:)                  !! (column)
       integer, intent(in) :: before                      !! Columns before the first
       character(len=:), allocatable :: line
@@ -180,7 +180,7 @@ contains
 
    !> Close the file.
    subroutine history_close(self)
-      class(history_t), intent(inout) :: self            !! The file
+      class(history_t), intent(inout) :: self
 
       call self%file%close()
    end subroutine history_close

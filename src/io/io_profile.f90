@@ -32,7 +32,7 @@ module io_profile
       real(wp) :: lower = 0.0_wp                         !! Begin of the first [m]
       real(wp) :: upper = 1.0_wp                         !! End of the last [m]
       type(mean_t), allocatable :: means(:)              !! Fields
-      type(pick_rule_t) :: rule                          !! Which particles
+      type(pick_rule_t) :: rule
    end type profile_t
 
 contains
@@ -77,11 +77,11 @@ contains
 
    !> The table of one time, all columns but time and step: (column, bin). Collective.
    subroutine profile_rows(communicator, grid, stores, profile, rows)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(profile_t), intent(in) :: profile             !! Bins, fields and selection
-      real(wp), allocatable, intent(out) :: rows(:, :)   !! The table
+      real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
       type(picks_t), allocatable :: picks(:)
       integer(int64), allocatable :: counts(:)
       integer, allocatable :: bin(:)
@@ -134,7 +134,7 @@ contains
 
    !> Sums or means of the components of a field in each bin. Collective.
    subroutine add_means(communicator, bin, weight, values, at, rows, divisor)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer, intent(in) :: bin(:)                      !! (row)
       real(wp), intent(in) :: weight(:)                  !! (row) Factor
       real(wp), intent(in) :: values(:, :)               !! (component, row)
@@ -154,7 +154,7 @@ contains
    subroutine fill_values(stores, picks, mean, axis, values)
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
-      type(mean_t), intent(in) :: mean                   !! The field
+      type(mean_t), intent(in) :: mean
       integer, intent(in) :: axis                        !! Direction of the bins
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, row)
       integer :: filled, rows, store
@@ -179,9 +179,9 @@ contains
    !> Greatest height of material in each bin, on all ranks; that of the lower end of the grid in an
    !! empty bin. Collective.
    subroutine find_heights(communicator, grid, stores, picks, bin, heights)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
-      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       integer, intent(in) :: bin(:)                      !! (row)
       real(wp), intent(out) :: heights(:)                !! (bin) [m]
@@ -206,7 +206,7 @@ contains
    !! dimensions a square, of its present volume [m].
    pure real(wp) function half_height(grid, store, p) result(half)
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
-      type(store_t), intent(in) :: store                 !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: p                           !! Its index
       real(wp) :: width
 
@@ -225,9 +225,9 @@ contains
 
    !> Bin, mass and volume of each particle, store after store.
    pure subroutine sort_into_bins(stores, picks, profile, bin, mass, volume)
-      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
-      type(profile_t), intent(in) :: profile             !! The bins
+      type(profile_t), intent(in) :: profile
       integer, allocatable, intent(out) :: bin(:)        !! (row) From 1
       real(wp), allocatable, intent(out) :: mass(:)      !! (row) [kg]
       real(wp), allocatable, intent(out) :: volume(:)    !! (row) [m3]
@@ -257,7 +257,7 @@ contains
 
    !> Sums over the particles of each bin, on all ranks, rounded once. Collective.
    subroutine add_up(communicator, bin, weight, values, sums)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer, intent(in) :: bin(:)                      !! (row)
       real(wp), intent(in) :: weight(:)                  !! (row) Factor
       real(wp), intent(in) :: values(:)                  !! (row)

@@ -35,8 +35,8 @@ contains
    !> Begin a series, with the snapshots of an earlier run before a number. One that cannot be read
    !! is left out: a run that goes on does not need it. Collective.
    subroutine series_open(self, communicator, folder, prefix, next_number, note, error)
-      class(series_t), intent(inout) :: self             !! The series
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      class(series_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: folder             !! Where the files are
       character(len=*), intent(in) :: prefix             !! As "CASE_p"
       integer, intent(in) :: next_number                 !! Number of the next snapshot
@@ -100,7 +100,7 @@ contains
 
    !> Path of a snapshot.
    function series_path(self, number) result(path)
-      class(series_t), intent(in) :: self                !! The series
+      class(series_t), intent(in) :: self
       integer, intent(in) :: number                      !! From 0
       character(len=:), allocatable :: path
       character(len=16) :: digits
@@ -111,9 +111,9 @@ contains
 
    !> Record a snapshot that has been written. Collective.
    subroutine series_add(self, communicator, path, error)
-      class(series_t), intent(inout) :: self             !! The series
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      character(len=*), intent(in) :: path               !! The snapshot
+      class(series_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error   !! The series cannot be written
       type(snapshot_info_t) :: info
       character(len=:), allocatable :: base
@@ -136,8 +136,8 @@ contains
 
    !> Bring the index up to date at the end of a run. Collective.
    subroutine series_close(self, communicator, error)
-      class(series_t), intent(inout) :: self             !! The series
-      type(communicator_t), intent(in) :: communicator   !! The ranks
+      class(series_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       type(error_t), allocatable, intent(out) :: error   !! The index cannot be written
 
       if (communicator%rank == 0 .and. allocated(self%steps)) then
@@ -150,7 +150,7 @@ contains
    !> Add a snapshot to the list; those of this and later numbers are of an earlier run and are
    !! dropped.
    subroutine append(steps, info)
-      type(snapshot_info_t), allocatable, intent(inout) :: steps(:) !! The list
+      type(snapshot_info_t), allocatable, intent(inout) :: steps(:)
       type(snapshot_info_t), intent(in) :: info          !! A further one
       type(snapshot_info_t), allocatable :: larger(:)
       integer :: index, kept
@@ -170,7 +170,7 @@ contains
 
    !> The list of files and times that ParaView reads.
    function series_text(steps) result(text)
-      type(snapshot_info_t), intent(in) :: steps(:)      !! The snapshots
+      type(snapshot_info_t), intent(in) :: steps(:)
       character(len=:), allocatable :: text
       integer :: step
 

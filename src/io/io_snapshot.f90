@@ -70,8 +70,8 @@ contains
 
    !> Write a snapshot. Collective.
    subroutine snapshot_write(communicator, path, stores, fields, format, header, error, labels)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      character(len=*), intent(in) :: path               !! The file
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       character(len=*), intent(in) :: fields(:)          !! What is written, ["default"]
       type(snapshot_format_t), intent(in) :: format      !! How it is written
@@ -115,7 +115,7 @@ contains
 
    !> Greatest length that the file can get [byte].
    pure function greatest_length(rows, columns, header) result(bytes)
-      type(rows_t), intent(in) :: rows                   !! The particles
+      type(rows_t), intent(in) :: rows
       type(column_t), intent(in) :: columns(:)           !! Their fields
       type(snapshot_header_t), intent(in) :: header      !! Texts
       integer(int64) :: bytes
@@ -134,8 +134,8 @@ contains
 
    !> Write the root with its counts, and one vertex cell for each point.
    subroutine write_cells(file, points)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
-      type(rows_t), intent(in) :: points                 !! The particles
+      type(hdf5_file_t), intent(inout) :: file
+      type(rows_t), intent(in) :: points
       type(rows_t) :: one, rows
       integer(int64) :: count(1), index
       integer(int64), allocatable :: numbers(:)
@@ -166,8 +166,8 @@ contains
 
    !> Write the positions.
    subroutine write_points(file, stores, picks, rows, header)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
-      type(store_t), intent(in) :: stores(:)             !! The particles
+      type(hdf5_file_t), intent(inout) :: file
+      type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(rows_t), intent(in) :: rows                   !! Their rows
       type(snapshot_header_t), intent(in) :: header      !! Axes and units
@@ -193,11 +193,11 @@ contains
 
    !> Write one field.
    subroutine write_column(file, stores, picks, rows, column, single, units)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
       type(rows_t), intent(in) :: rows                   !! Their rows
-      type(column_t), intent(in) :: column               !! The field
+      type(column_t), intent(in) :: column
       logical, intent(in) :: single                      !! In single precision
       type(output_units_t), intent(in) :: units          !! Units of the file
       type(rows_t) :: even
@@ -242,7 +242,7 @@ contains
 
    !> Write real numbers in single precision.
    subroutine write_single(file, name, rows, reals)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       type(rows_t), intent(in) :: rows                   !! Which rows are here
       real(wp), intent(in) :: reals(:, :)                !! (component, row)
@@ -281,7 +281,7 @@ contains
 
    !> Say in which unit a data set is.
    subroutine write_units(file, name, long_name, unit, units)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
       character(len=*), intent(in) :: long_name          !! With underscores for blanks
       character(len=*), intent(in) :: unit               !! SI unit
@@ -336,7 +336,7 @@ contains
 
    !> Write where the file came from.
    subroutine write_provenance(file, header)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       type(snapshot_header_t), intent(in) :: header      !! What is known
 
       call file%group(about)
@@ -366,7 +366,7 @@ contains
 
    !> Write a text that may be missing as an attribute.
    subroutine write_fact(file, name, text)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! Name of the attribute
       character(len=:), allocatable, intent(in) :: text  !! Its value
 
@@ -375,9 +375,9 @@ contains
 
    !> Write a text that may be missing as a data set.
    subroutine write_text(file, name, text)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      character(len=:), allocatable, intent(in) :: text  !! The text
+      character(len=:), allocatable, intent(in) :: text
 
       if (allocated(text)) &
          call write_bytes(file, name, rows_of_root(file%communicator, len(text)), text)
@@ -385,7 +385,7 @@ contains
 
    !> Write the names of bodies and materials.
    subroutine write_bodies(file, header)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       type(snapshot_header_t), intent(in) :: header      !! Names
       integer(int32), allocatable :: colours(:)
       integer :: body

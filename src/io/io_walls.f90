@@ -42,7 +42,7 @@ contains
    !> Number of the wall of a name, type and time, which becomes a new one if there is none. Rigid
    !! regions are walls of their own.
    pure subroutine walls_name_wall(self, name, kind, face, begin, end, wall)
-      class(walls_t), intent(inout) :: self              !! The walls
+      class(walls_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Region or face
       character(len=*), intent(in) :: kind               !! Type of boundary
       integer, intent(in) :: face                        !! 1 to 6, 0 = rigid region
@@ -69,7 +69,7 @@ contains
 
    !> Add cells of one kind to a wall.
    pure subroutine walls_add(self, wall, piece)
-      class(walls_t), intent(inout) :: self              !! The walls
+      class(walls_t), intent(inout) :: self
       integer, intent(in) :: wall                        !! Its index
       real(wp), intent(in) :: piece(:, :, :)             !! (3, corner, cell) [m]
       real(wp), allocatable :: longer(:, :)
@@ -90,8 +90,8 @@ contains
 
    !> Write the walls. Collective.
    subroutine walls_write(communicator, path, walls, header, error)
-      type(communicator_t), intent(in) :: communicator   !! The ranks
-      character(len=*), intent(in) :: path               !! The file
+      type(communicator_t), intent(in) :: communicator
+      character(len=*), intent(in) :: path
       type(walls_t), intent(in) :: walls                 !! What is written
       type(snapshot_header_t), intent(in) :: header      !! Units and origin
       type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
@@ -121,7 +121,7 @@ contains
 
    !> Write points and cells, with the wall and its face as data of the cells.
    subroutine write_cells(file, walls, header)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       type(walls_t), intent(in) :: walls                 !! What is written
       type(snapshot_header_t), intent(in) :: header      !! Units
       type(rows_t) :: cells, points
@@ -169,7 +169,7 @@ contains
 
    !> Write what the walls are, when they are there and where they move.
    subroutine write_table(file, walls, header)
-      type(hdf5_file_t), intent(inout) :: file           !! The file
+      type(hdf5_file_t), intent(inout) :: file
       type(walls_t), intent(in) :: walls                 !! What is written
       type(snapshot_header_t), intent(in) :: header      !! Units
       type(rows_t) :: rows

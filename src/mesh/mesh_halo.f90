@@ -21,7 +21,7 @@ module mesh_halo
    !> Which tiles go to which ranks.
    type :: halo_t
       integer, allocatable :: edge(:)                !! Own tiles that other ranks may see
-      integer, allocatable :: inner(:)               !! The others
+      integer, allocatable :: inner(:)               !! Tiles that no other rank needs
       integer, allocatable :: rank(:)                !! Ranks around
       integer, allocatable :: before(:)              !! (rank around + 1) Entries before it
       integer, allocatable :: tile(:)                !! Own tiles to send, grouped by rank
@@ -42,7 +42,7 @@ contains
 
    !> Send the patches of border tiles and make those that arrive ghosts of this rank.
    subroutine exchange_patches(communicator, grid, tiles, halo, patch)
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets ghosts
       type(halo_t), intent(inout) :: halo            !! Who gets what; brought up to date
@@ -55,10 +55,10 @@ contains
 
    !> Work out who gets what, if tiles or cuts have changed.
    subroutine halo_plan(self, communicator, grid, tiles)
-      class(halo_t), intent(inout) :: self           !! The plan
-      type(communicator_t), intent(in) :: communicator !! The ranks
+      class(halo_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       integer :: ranks(neighbors, tiles%own), number(tiles%own), tile
 
       if (self%version == tiles%version) return
@@ -126,9 +126,9 @@ contains
    !> Other ranks that own a neighbour of a tile, each once. A neighbour that is an own tile needs
    !! no search.
    pure subroutine ranks_around(communicator, grid, tiles, tile, ranks, number)
-      type(communicator_t), intent(in) :: communicator !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       integer, intent(in) :: tile                    !! Whose surroundings
       integer, intent(out) :: ranks(neighbors)       !! Without this rank
       integer, intent(out) :: number                 !! How many
@@ -157,9 +157,9 @@ contains
 
    !> Send key and patch of each border tile once to every rank that sees it.
    subroutine halo_post(self, communicator, tiles, patch)
-      class(halo_t), intent(inout) :: self           !! The plan
-      type(communicator_t), intent(inout) :: communicator !! The ranks
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      class(halo_t), intent(inout) :: self
+      type(communicator_t), intent(inout) :: communicator
+      type(tiles_t), intent(in) :: tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile)
       integer :: entry, words, at
 
@@ -188,7 +188,7 @@ contains
    !> Send the words of all entries to their ranks.
    subroutine send_words(self, communicator, words)
       type(halo_t), intent(inout) :: self            !! The plan, with the words
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      type(communicator_t), intent(inout) :: communicator
       integer, intent(in) :: words                   !! Of an entry
 
       associate (length => words*(self%before(2:) - self%before(:size(self%rank))))
@@ -202,10 +202,10 @@ contains
    !! patches: the
    !! boxes of tiles at a border change from step to step, and the length of a message does not.
    subroutine halo_post_packed(self, communicator, grid, tiles, boxes, packed)
-      class(halo_t), intent(inout) :: self           !! The plan
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      class(halo_t), intent(inout) :: self
+      type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       type(node_boxes_t), intent(in) :: boxes             !! Their boxes
       type(packed_patch_t), intent(in) :: packed(:)        !! What is sent
       real(wp), allocatable :: patch(:, :)
@@ -230,8 +230,8 @@ contains
 
    !> Receive packed patches, make their tiles ghosts and put them behind the own ones.
    subroutine halo_complete_packed(self, communicator, grid, tiles, boxes, packed)
-      class(halo_t), intent(inout) :: self           !! The plan
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      class(halo_t), intent(inout) :: self
+      type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       type(node_boxes_t), intent(inout) :: boxes          !! Get those of the ghosts, whole tiles
@@ -289,8 +289,8 @@ contains
 
    !> Receive patches, make their tiles ghosts and put them behind the own ones.
    subroutine halo_complete(self, communicator, grid, tiles, patch)
-      class(halo_t), intent(inout) :: self           !! The plan
-      type(communicator_t), intent(inout) :: communicator !! The ranks
+      class(halo_t), intent(inout) :: self
+      type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets the ghosts
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)

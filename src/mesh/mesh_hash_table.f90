@@ -33,7 +33,7 @@ contains
 
    !> Forget all keys and set the capacity.
    pure subroutine table_clear(self, capacity)
-      class(key_table_t), intent(inout) :: self      !! The table
+      class(key_table_t), intent(inout) :: self
       integer, intent(in) :: capacity                !! Keys to expect; more make the table grow
       integer(int64) :: slots
 
@@ -46,14 +46,14 @@ contains
 
    !> Number of different keys in the table.
    pure integer function table_count(self) result(keys)
-      class(key_table_t), intent(in) :: self         !! The table
+      class(key_table_t), intent(in) :: self
 
       keys = int(self%used)
    end function table_count
 
    !> Value of a key, 0 if the table does not have it.
    pure integer function table_find(self, key) result(value)
-      class(key_table_t), intent(in) :: self         !! The table
+      class(key_table_t), intent(in) :: self
       integer(int64), intent(in) :: key              !! 0 or more
 
       value = 0
@@ -63,7 +63,7 @@ contains
 
    !> Add a key, or change its value if the table has it. A negative key is not stored.
    pure subroutine table_insert(self, key, value)
-      class(key_table_t), intent(inout) :: self      !! The table
+      class(key_table_t), intent(inout) :: self
       integer(int64), intent(in) :: key              !! 0 or more
       integer, intent(in) :: value                   !! Not 0, which means absent
       integer(int64) :: slot
@@ -78,7 +78,7 @@ contains
 
    !> Empty the table and give it a number of slots.
    pure subroutine reserve(self, slots)
-      class(key_table_t), intent(inout) :: self      !! The table
+      class(key_table_t), intent(inout) :: self
       integer(int64), intent(in) :: slots            !! A power of two
 
       if (allocated(self%key)) then
@@ -93,7 +93,7 @@ contains
 
    !> Double the number of slots and keep what is in them.
    pure subroutine grow(self)
-      class(key_table_t), intent(inout) :: self      !! The table
+      class(key_table_t), intent(inout) :: self
       integer(int64), allocatable :: key(:)
       integer, allocatable :: value(:)
       integer(int64) :: used, old, slot

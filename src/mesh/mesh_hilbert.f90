@@ -157,7 +157,7 @@ contains
 
    !> Rotate three numbers to the left.
    pure subroutine move_round(a, b, c, places)
-      integer, intent(inout) :: a, b, c              !! The numbers
+      integer, intent(inout) :: a, b, c              !! Coordinates in bits
       integer, intent(in) :: places                  !! 0 to 2
       integer :: first, last
 

@@ -27,7 +27,7 @@ contains
 
    !> Whether the wall acts.
    elemental logical function motion_acts(self, time) result(acts)
-      class(motion_t), intent(in) :: self            !! The motion
+      class(motion_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]
 
       acts = time >= self%begin .and. time < self%end
@@ -35,7 +35,7 @@ contains
 
    !> Whether the wall moves at some time.
    pure logical function motion_moves(self) result(moves)
-      class(motion_t), intent(in) :: self            !! The motion
+      class(motion_t), intent(in) :: self
 
       moves = any(abs(self%steady) > 0.0_wp)
       if (allocated(self%time)) moves = moves .or. any(abs(self%speed) > 0.0_wp)
@@ -44,7 +44,7 @@ contains
    !> Velocity at a time: straight lines between the entries of the table, constant before the
    !! first one and after the last one.
    pure function motion_velocity(self, time) result(velocity)
-      class(motion_t), intent(in) :: self            !! The motion
+      class(motion_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]
       real(wp) :: velocity(3)
       integer :: entry
@@ -59,7 +59,7 @@ contains
    !! of the
    !! velocity, exact but for rounding [m]. Equation (R.4) of doc/theory/rigid.md.
    pure function motion_shift(self, time) result(shift)
-      class(motion_t), intent(in) :: self            !! The motion
+      class(motion_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]
       real(wp) :: shift(3)
       real(wp) :: from, until
@@ -75,7 +75,7 @@ contains
    !> Mean of the velocity over some time, whether the wall acts or not: the integral of the
    !! straight lines by its length [m/s].
    pure function motion_mean(self, from, length) result(mean)
-      class(motion_t), intent(in) :: self            !! The motion
+      class(motion_t), intent(in) :: self
       real(wp), intent(in) :: from                   !! Begin of the time [s]
       real(wp), intent(in) :: length                 !! Its length, above 0 [s]
       real(wp) :: mean(3)
@@ -86,7 +86,7 @@ contains
 
    !> Displacement by the velocity of the table alone [m].
    pure function table_way(self, from, until) result(way)
-      class(motion_t), intent(in) :: self            !! The motion
+      class(motion_t), intent(in) :: self
       real(wp), intent(in) :: from                   !! [s]
       real(wp), intent(in) :: until                  !! Not before that [s]
       real(wp) :: way(3)
@@ -108,7 +108,7 @@ contains
 
    !> Last entry of the table that is not after a time; 0 if all are.
    pure integer function entry_before(self, time) result(entry)
-      class(motion_t), intent(in) :: self            !! The motion
+      class(motion_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]
       integer :: low, high, middle
 
@@ -127,7 +127,7 @@ contains
 
    !> Velocity of the table at a time that follows an entry [m/s].
    pure function value_at(self, entry, time) result(value)
-      class(motion_t), intent(in) :: self            !! The motion
+      class(motion_t), intent(in) :: self
       integer, intent(in) :: entry                   !! The one before, 0 = none
       real(wp), intent(in) :: time                   !! [s]
       real(wp) :: value(3)

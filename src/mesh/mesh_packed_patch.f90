@@ -224,7 +224,7 @@ contains
    !> Some rows of the nodes of a line. A number that the compiler knows leaves no loop over them.
    pure subroutine copy_rows(kept, row, before, first, nodes, patch, values)
       integer, intent(in) :: kept                    !! How many rows
-      integer, intent(in) :: row(kept)               !! Which
+      integer, intent(in) :: row(kept)               !! Rows that are kept
       integer, intent(in) :: before                  !! Rows of the patch before them
       integer, intent(in) :: first                   !! Nodes of the patch before the line
       integer, intent(in) :: nodes                   !! Nodes of the line
@@ -318,7 +318,7 @@ contains
    pure subroutine packed_assemble(self, grid, tiles, boxes, tile, total)
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       type(node_boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
@@ -336,7 +336,7 @@ contains
    pure subroutine assemble_kept(self, grid, tiles, boxes, tile, total)
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       type(node_boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Zero in rows not kept
@@ -359,7 +359,7 @@ contains
    !> Copy rows that are kept to the rows of the whole patch, without a loop over them as above.
    pure subroutine scatter_rows(kept, row, all_rows, nodes, sums, total)
       integer, intent(in) :: kept                    !! How many rows
-      integer, intent(in) :: row(kept)               !! Which
+      integer, intent(in) :: row(kept)               !! Rows that are kept
       integer, intent(in) :: all_rows                !! Rows of the whole
       integer, intent(in) :: nodes                   !! Nodes of the tile
       real(wp), intent(in) :: sums(kept, nodes)      !! (row kept, node)
@@ -377,7 +377,7 @@ contains
    pure subroutine sum_neighbours(self, grid, tiles, boxes, tile, total)
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       type(node_boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows

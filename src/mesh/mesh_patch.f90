@@ -144,7 +144,7 @@ contains
    !> Sum the patches that touch the nodes of one tile, its margin included.
    pure subroutine assemble(grid, tiles, patch, tile, total)
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Contributions
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node) Sums
@@ -164,7 +164,7 @@ contains
    !> Greatest values of the patches that touch the nodes of one tile, its margin included.
    pure subroutine assemble_greatest(grid, tiles, patch, tile, greatest)
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Values
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: greatest(:, :) !! (component, node)
@@ -191,7 +191,7 @@ contains
    ! gate: long kernel because a box needs two corners and its lengths
    pure subroutine common_box(grid, tiles, tile, other, place, mine, theirs, length)
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
+      type(tiles_t), intent(in) :: tiles
       integer, intent(in) :: tile                    !! Whose nodes
       integer, intent(in) :: other                   !! The tile around it
       integer, intent(in) :: place                   !! Its place, 1 to 27
@@ -217,8 +217,8 @@ contains
    !> Cells of a tile along the active directions.
    pure function extent_of(grid, tiles, index) result(cells)
       type(grid_t), intent(in) :: grid
-      type(tiles_t), intent(in) :: tiles             !! The tiles
-      integer, intent(in) :: index                   !! Which tile
+      type(tiles_t), intent(in) :: tiles
+      integer, intent(in) :: index                   !! Index of the tile
       integer :: cells(3)
 
       cells = merge(min(grid%width, grid%cells - tiles%coordinate(:, index)*grid%width), 0, &

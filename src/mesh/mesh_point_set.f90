@@ -18,14 +18,14 @@ module mesh_point_set
       pure recursive logical function contains_i(self, x) result(inside)
          import :: point_set_t, wp
          implicit none
-         class(point_set_t), intent(in) :: self      !! The set
+         class(point_set_t), intent(in) :: self
          real(wp), intent(in) :: x(3)                !! Point [m]
       end function contains_i
 
       pure recursive subroutine bounds_i(self, lo, hi)
          import :: point_set_t, wp
          implicit none
-         class(point_set_t), intent(in) :: self      !! The set
+         class(point_set_t), intent(in) :: self
          real(wp), intent(out) :: lo(3), hi(3)       !! Corners [m]; lo > hi if it is surely empty
       end subroutine bounds_i
    end interface

@@ -57,7 +57,7 @@ contains
 
    !> Bring the regions to a time.
    pure subroutine rigid_advance(self, time, lag, kick)
-      class(rigid_t), intent(inout) :: self          !! The regions
+      class(rigid_t), intent(inout) :: self
       real(wp), intent(in) :: time                   !! Of the positions [s]
       real(wp), intent(in) :: lag                    !! Of velocities behind positions [s]
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
@@ -74,7 +74,7 @@ contains
 
    !> Find the nodes of a tile in the regions, unless they are known and cannot have changed.
    pure subroutine rigid_hold(self, grid, boundary, coordinate, held)
-      class(rigid_t), intent(in) :: self             !! The regions
+      class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
@@ -107,7 +107,7 @@ contains
 
    !> Nodes of a tile in the regions, and the directions out.
    pure subroutine find_nodes(self, grid, boundary, coordinate, held)
-      class(rigid_t), intent(in) :: self             !! The regions
+      class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
@@ -133,7 +133,7 @@ contains
 
    !> The last region that holds a node, 0 = none.
    pure integer function owner_of(self, grid, place) result(owner)
-      class(rigid_t), intent(in) :: self             !! The regions
+      class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
 
@@ -146,7 +146,7 @@ contains
    !> Direction out of the regions at a node. On a closed boundary it lies in the boundary: both
    !! conditions hold there.
    pure subroutine find_normal(self, grid, boundary, coordinate, node, place, normal)
-      class(rigid_t), intent(in) :: self             !! The regions
+      class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
@@ -181,7 +181,7 @@ contains
 
    !> True if some node of the tile lies in a region.
    pure logical function rigid_holds(self, tile) result(holds)
-      class(rigid_t), intent(in) :: self             !! The regions
+      class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
 
       holds = allocated(self%held(tile)%node)
@@ -190,7 +190,7 @@ contains
    !> Set the velocity of the nodes in regions that hold on, and stop what moves into others.
    !! Equation (R.1) of doc/theory/rigid.md.
    pure subroutine rigid_constrain(self, tile, velocity, acceleration, at_end)
-      class(rigid_t), intent(in) :: self             !! The regions
+      class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -220,7 +220,7 @@ contains
    !> Friction of regions after Coulomb, as of boundaries: see boundary_friction. The velocities are
    !! those that the region sees. Equations (R.2) and (R.3).
    pure subroutine rigid_rub(self, tile, dt, share, free, velocity, acceleration)
-      class(rigid_t), intent(in) :: self             !! The regions
+      class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), intent(in) :: dt                     !! Time step, above 0 [s]
       real(wp), intent(in) :: share                  !! Of PIC in the transfer, 0 to 1
@@ -264,7 +264,7 @@ contains
    !> Take the velocity along the normal of nodes that regions held in the step: those that did not
    !! leave.
    pure subroutine rigid_keep(self, tile, ended, velocity)
-      class(rigid_t), intent(in) :: self             !! The regions
+      class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Changed [m/s]
@@ -289,7 +289,7 @@ contains
    !> Take from a change of velocities what regions hold: all of it, or its component along the
    !! normal where the node does not leave.
    pure subroutine rigid_take(self, tile, velocity, open, change)
-      class(rigid_t), intent(in) :: self             !! The regions
+      class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
       real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where boundaries hold, else 1

@@ -32,7 +32,7 @@ contains
 
    !> Facets of the surface of a set inside a box. None if the set does not meet the box.
    pure subroutine cut_surface(set, lower, upper, active, spacing, piece)
-      class(point_set_t), intent(in) :: set          !! The set
+      class(point_set_t), intent(in) :: set
       real(wp), intent(in) :: lower(3)               !! Corner of the box [m]
       real(wp), intent(in) :: upper(3) !! The other; the same along inactive directions [m]
       logical, intent(in) :: active(3)               !! Directions of the scene
@@ -78,7 +78,7 @@ contains
 
    !> A lattice around a box, one step wider on each side.
    pure subroutine lay(lattice, low, high, active, spacing)
-      type(lattice_t), intent(inout) :: lattice      !! The lattice
+      type(lattice_t), intent(inout) :: lattice
       real(wp), intent(in) :: low(3)                 !! Corner of the box [m]
       real(wp), intent(in) :: high(3)                !! The other corner [m]
       logical, intent(in) :: active(3)               !! Directions of the scene
@@ -99,7 +99,7 @@ contains
 
    !> A point of the lattice, the same bits for all cells that share it [m].
    pure function place_of(lattice, index) result(place)
-      type(lattice_t), intent(in) :: lattice         !! The lattice
+      type(lattice_t), intent(in) :: lattice
       integer, intent(in) :: index(3)                !! Of the point, from 0
       real(wp) :: place(3)
 
@@ -109,7 +109,7 @@ contains
 
    !> Whether a point belongs to the set and to the box.
    pure logical function holds(set, lattice, x) result(inside)
-      class(point_set_t), intent(in) :: set          !! The set
+      class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice         !! Has the box
       real(wp), intent(in) :: x(3)                   !! [m]
 
@@ -119,8 +119,8 @@ contains
 
    !> Cut the simplices of a cell.
    pure subroutine cut_cell(set, lattice, inside, cell, piece, found)
-      class(point_set_t), intent(in) :: set          !! The set
-      type(lattice_t), intent(in) :: lattice         !! The lattice
+      class(point_set_t), intent(in) :: set
+      type(lattice_t), intent(in) :: lattice
       logical, intent(in) :: inside(0:, 0:, 0:)      !! Which of its points belong to the set
       integer, intent(in) :: cell(3)                 !! First point of the cell
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
@@ -168,8 +168,8 @@ contains
 
    !> The piece of the surface in a simplex, two of them where a tetrahedron is cut in a quadrangle.
    pure subroutine cut_simplex(set, lattice, corner, within, piece, found)
-      class(point_set_t), intent(in) :: set          !! The set
-      type(lattice_t), intent(in) :: lattice         !! The lattice
+      class(point_set_t), intent(in) :: set
+      type(lattice_t), intent(in) :: lattice
       integer, contiguous, intent(in) :: corner(:, 0:) !! (3, corner) Its points
       logical, intent(in) :: within(0:)              !! Which of them belong to the set
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
@@ -195,7 +195,7 @@ contains
 
    !> Where an edge leaves the set [m].
    pure function crossing(set, lattice, from, until) result(place)
-      class(point_set_t), intent(in) :: set          !! The set
+      class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice         !! Has the box
       real(wp), intent(in) :: from(3)                !! An end inside [m]
       real(wp), intent(in) :: until(3)               !! An end outside [m]

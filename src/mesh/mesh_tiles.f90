@@ -39,7 +39,7 @@ contains
    !! before know it but for numbers: most of them stay, and finding all anew would cost as much as
    !! sorting the particles.
    subroutine tiles_set(self, grid, own, ghost)
-      class(tiles_t), intent(inout) :: self          !! The tiles
+      class(tiles_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid
       integer(int64), intent(in) :: own(:)           !! Keys of tiles with particles, ascending
       integer(int64), intent(in) :: ghost(:)         !! Keys of tiles of other ranks, ascending
@@ -73,7 +73,7 @@ contains
 
    !> Forget all tiles if they are those of another grid.
    subroutine know_grid(self, grid)
-      class(tiles_t), intent(inout) :: self          !! The tiles
+      class(tiles_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid
       integer :: shape(7)
 
@@ -120,7 +120,7 @@ contains
 
    !> True if these are the tiles with particles already.
    pure logical function same_own(self, own) result(same)
-      class(tiles_t), intent(in) :: self             !! The tiles
+      class(tiles_t), intent(in) :: self
       integer(int64), intent(in) :: own(:)           !! Keys, ascending
 
       same = allocated(self%key) .and. size(own) == self%own
@@ -129,7 +129,7 @@ contains
 
    !> Give the cuts of the curve. Tiles and particles stay where they are until they are sent.
    pure subroutine tiles_cut(self, border)
-      class(tiles_t), intent(inout) :: self          !! The tiles
+      class(tiles_t), intent(inout) :: self
       integer(int64), intent(in) :: border(0:)       !! (0:ranks) r owns border(r) <= key < next
 
       if (allocated(self%border)) deallocate (self%border)
@@ -140,7 +140,7 @@ contains
 
    !> Key of one of the 27 neighbours of a tile; -1 outside of the domain.
    pure integer(int64) function tiles_around(self, grid, tile, place) result(key)
-      class(tiles_t), intent(in) :: self             !! The tiles
+      class(tiles_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: tile                    !! Index of a tile
       integer, intent(in) :: place                   !! 1 to 27, x fastest
@@ -157,7 +157,7 @@ contains
 
    !> Rank that owns a key.
    pure integer function tiles_owner(self, key) result(rank)
-      class(tiles_t), intent(in) :: self             !! The tiles
+      class(tiles_t), intent(in) :: self
       integer(int64), intent(in) :: key              !! Place on the curve
       integer :: low, high, middle
 
@@ -187,7 +187,7 @@ contains
    !> The same where each rank knows the tiles of its piece of the curve only; no rank ever holds
    !! the list of all tiles. Collective.
    subroutine partition_distributed_keys(communicator, key, weight, border)
-      type(communicator_t), intent(in) :: communicator !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: key(:)           !! Tiles of this rank, ascending
       integer(int64), intent(in) :: weight(:)        !! Their weights
       integer(int64), allocatable, intent(out) :: border(:) !! (0:ranks) Cuts

@@ -23,7 +23,7 @@ contains
 
    !> Step, time, ledger and counters of a run.
    subroutine describe_state(simulation, state)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(state_t), intent(out) :: state            !! The same on all ranks
 
       state%step = simulation%clock%step
@@ -34,7 +34,7 @@ contains
 
    !> Write a checkpoint and count it.
    subroutine write_checkpoint(simulation, outputs, place, error)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(outputs_t), intent(in) :: outputs         !! Their counters are written too
       type(checkpoint_place_t), intent(inout) :: place !! Where; its number grows
       type(error_t), allocatable, intent(out) :: error !! Not written; older ones are intact
@@ -56,7 +56,7 @@ contains
    !> What the deck of a restart must share: the number of directions, and whether they are
    !! axisymmetric.
    pure function space_of(simulation) result(space)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer(int64) :: space(2)
 
       space = [int(simulation%space%grid%dimensions, int64), &

@@ -19,8 +19,8 @@ contains
 
    !> Set folder, case and the description of the run that files hold.
    subroutine describe_simulation(deck, simulation, bodies, deck_text, folder, outputs, place)
-      type(deck_t), intent(in) :: deck               !! The deck
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(deck_t), intent(in) :: deck
+      type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
       character(len=*), intent(in) :: deck_text      !! As written
       character(len=:), allocatable, intent(in) :: folder !! From the command line, if given

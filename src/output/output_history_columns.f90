@@ -170,7 +170,7 @@ contains
 
    !> Names of the columns with units.
    pure function columns_headings(self) result(headings)
-      class(history_columns_t), intent(in) :: self   !! The columns
+      class(history_columns_t), intent(in) :: self
       character(len=heading_length), allocatable :: headings(:)
       character(len=heading_length) :: list(every)
 
@@ -180,7 +180,7 @@ contains
 
    !> Values of a line. Collective.
    subroutine history_row(simulation, columns, row)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(history_columns_t), intent(in) :: columns !! Its columns
       real(wp), allocatable, intent(out) :: row(:)   !! (column)
       real(wp) :: values(every)
@@ -213,7 +213,7 @@ contains
 
    !> Potential energy of all particles in the field of gravity, 0 at the origin. Collective. [J]
    function potential_energy(simulation) result(energy)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       real(wp) :: energy
       type(exact_sum_t) :: total
       integer :: index, p, tile
@@ -235,7 +235,7 @@ contains
    !> Position along x that 99 % of the mass do not exceed, found in columns of cells with uniform
    !! mass in each. Collective. [m]
    function reach(simulation) result(place)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp) :: place
       type(profile_t) :: columns
       real(wp), allocatable :: rows(:, :)
@@ -266,7 +266,7 @@ contains
    !! least positions of particles. Without particles a greatest one is the lower end of the grid, a
    !! least one its upper end. Collective.
    subroutine find_ends(simulation, top, greatest, least)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp), intent(out) :: top                   !! Along z [m]
       real(wp), intent(out) :: greatest(3)           !! Along x, y, z [m]
       real(wp), intent(out) :: least(3)              !! Along x, y, z [m]
@@ -292,7 +292,7 @@ contains
    !> Extend the ends to the particles of a tile.
    pure subroutine widen(grid, store, tile, ends)
       type(grid_t), intent(in) :: grid               !! The grid and its directions
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), intent(inout) :: ends(7)             !! Top, greatest positions, least ones negative
       integer :: p

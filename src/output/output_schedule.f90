@@ -89,7 +89,7 @@ contains
 
    !> Is it due after this step? At step 0 it always is, unless it has listed times.
    logical function schedule_due(self, step, time) result(due)
-      class(schedule_t), intent(inout) :: self       !! The schedule
+      class(schedule_t), intent(inout) :: self
       integer(int64), intent(in) :: step             !! Steps done
       real(wp), intent(in) :: time                   !! Time reached [s]
       integer(int64) :: before
@@ -102,7 +102,7 @@ contains
 
    !> Count what is due up to a time as done.
    pure subroutine schedule_catch_up(self, time)
-      class(schedule_t), intent(inout) :: self       !! The schedule
+      class(schedule_t), intent(inout) :: self
       real(wp), intent(in) :: time                   !! Time reached [s]
       ! rounding must not delay an output by a step
       real(wp), parameter :: grain = 1.0e-12_wp
@@ -121,7 +121,7 @@ contains
 
    !> How often it will be due in a run, as far as that is known before it.
    pure real(wp) function schedule_expected(self, time_end, steps) result(times)
-      class(schedule_t), intent(in) :: self          !! The schedule
+      class(schedule_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Steps that it will take, 0 = unknown
       real(wp), parameter :: countless = 1.0e18_wp   ! still a 64-bit integer

@@ -58,7 +58,7 @@ contains
    subroutine read_selection(group, deck, shapes, rule)
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! For the bodies; collects errors
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
       type(pick_rule_t), intent(inout) :: rule       !! Gets the selection
       type(text_t), allocatable :: names(:)
       character(len=:), allocatable :: region
@@ -84,7 +84,7 @@ contains
    subroutine read_axis(group, deck, grid, axis)
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, intent(out) :: axis                   !! 1 to 3
       character(len=:), allocatable :: word
 
@@ -98,7 +98,7 @@ contains
    subroutine read_plane(group, deck, grid, rule)
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(pick_rule_t), intent(inout) :: rule       !! Gets the layer
       real(wp) :: at
 

@@ -45,9 +45,9 @@ module output_snapshot_stream
       subroutine write_file_i(self, simulation, path, header, error)
          import :: error_t, simulation_t, snapshot_header_t, snapshot_stream_t
          implicit none
-         class(snapshot_stream_t), intent(inout) :: self !! The stream
-         type(simulation_t), intent(inout) :: simulation !! The run
-         character(len=*), intent(in) :: path        !! The file
+         class(snapshot_stream_t), intent(inout) :: self
+         type(simulation_t), intent(inout) :: simulation
+         character(len=*), intent(in) :: path
          type(snapshot_header_t), intent(in) :: header !! Text and time for the file
          type(error_t), allocatable, intent(out) :: error !! It cannot be written
       end subroutine write_file_i
@@ -56,7 +56,7 @@ module output_snapshot_stream
       pure real(wp) function bytes_i(self, particles) result(bytes)
          import :: int64, snapshot_stream_t, wp
          implicit none
-         class(snapshot_stream_t), intent(in) :: self !! The stream
+         class(snapshot_stream_t), intent(in) :: self
          integer(int64), intent(in) :: particles     !! In all bodies
       end function bytes_i
    end interface
@@ -65,7 +65,7 @@ contains
 
    !> Declare the keys of the format of files.
    subroutine declare_format(self, schema, kind)
-      class(snapshot_stream_t), intent(in) :: self   !! The stream
+      class(snapshot_stream_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Gets the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
@@ -79,7 +79,7 @@ contains
 
    !> Read the keys of the format of files.
    subroutine read_format(self, group)
-      class(snapshot_stream_t), intent(inout) :: self !! The stream
+      class(snapshot_stream_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Its &output
       character(len=:), allocatable :: word
 
@@ -90,8 +90,8 @@ contains
 
    !> Find the files of the run so far.
    subroutine snapshot_open(self, simulation, folder, header, restarted, note, error)
-      class(snapshot_stream_t), intent(inout) :: self !! The stream
-      type(simulation_t), intent(in) :: simulation   !! The ranks
+      class(snapshot_stream_t), intent(inout) :: self
+      type(simulation_t), intent(in) :: simulation
       character(len=*), intent(in) :: folder         !! Folder of the results
       type(snapshot_header_t), intent(in) :: header  !! Not used
       logical, intent(in) :: restarted               !! Not used: a new run has no earlier files
@@ -104,8 +104,8 @@ contains
 
    !> Write a file and update the series. Collective.
    subroutine snapshot_stream_write(self, simulation, header, note, error)
-      class(snapshot_stream_t), intent(inout) :: self !! The stream
-      type(simulation_t), intent(inout) :: simulation !! The run
+      class(snapshot_stream_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
       type(snapshot_header_t), intent(in) :: header  !! Text and time for the file
       character(len=:), allocatable, intent(inout) :: note !! Gets a line for the log
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
@@ -127,8 +127,8 @@ contains
 
    !> Complete the index. Collective.
    subroutine snapshot_close(self, communicator, error)
-      class(snapshot_stream_t), intent(inout) :: self !! The stream
-      type(communicator_t), intent(in) :: communicator !! The ranks
+      class(snapshot_stream_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       type(error_t), allocatable, intent(out) :: error !! The index cannot be written
 
       call self%series%close(communicator, error)
@@ -136,7 +136,7 @@ contains
 
    !> Refuse implausible sizes.
    subroutine snapshot_limit(self, deck, particles, time_end, steps)
-      class(snapshot_stream_t), intent(in) :: self   !! The stream
+      class(snapshot_stream_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
       integer(int64), intent(in) :: particles        !! In all bodies
       real(wp), intent(in) :: time_end               !! End of the run [s]
@@ -160,7 +160,7 @@ contains
 
    !> How the summary lists the stream: by the file that ParaView opens.
    pure subroutine snapshot_list(self, key, file)
-      class(snapshot_stream_t), intent(in) :: self   !! The stream
+      class(snapshot_stream_t), intent(in) :: self
       character(len=:), allocatable, intent(out) :: key !! For all streams of files
       character(len=:), allocatable, intent(out) :: file !! List of the series
 
@@ -170,14 +170,14 @@ contains
 
    !> There is a file for each time.
    pure logical function snapshot_has_series(self) result(has)
-      class(snapshot_stream_t), intent(in) :: self   !! The stream
+      class(snapshot_stream_t), intent(in) :: self
 
       has = .true.
    end function snapshot_has_series
 
    !> Number of the next file and step of the last one.
    pure function snapshot_counters(self) result(counters)
-      class(snapshot_stream_t), intent(in) :: self   !! The stream
+      class(snapshot_stream_t), intent(in) :: self
       integer(int64), allocatable :: counters(:)
 
       counters = [int(self%next, int64), self%last_step]
@@ -185,7 +185,7 @@ contains
 
    !> Set them from a checkpoint.
    pure subroutine snapshot_set_counters(self, counters)
-      class(snapshot_stream_t), intent(inout) :: self !! The stream
+      class(snapshot_stream_t), intent(inout) :: self
       integer(int64), intent(in) :: counters(:)      !! From snapshot_counters
 
       self%next = int(counters(1))

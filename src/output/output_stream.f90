@@ -50,7 +50,7 @@ module output_stream
 
    !> Holds a stream of any kind.
    type :: stream_holder_t
-      class(stream_t), allocatable :: item           !! The stream
+      class(stream_t), allocatable :: item
    end type stream_holder_t
 
    abstract interface
@@ -58,7 +58,7 @@ module output_stream
       pure function about_i(self) result(text)
          import :: stream_t
          implicit none
-         class(stream_t), intent(in) :: self         !! The stream
+         class(stream_t), intent(in) :: self
          character(len=:), allocatable :: text
       end function about_i
 
@@ -66,7 +66,7 @@ module output_stream
       subroutine declare_i(self, schema, kind)
          import :: schema_t, stream_t
          implicit none
-         class(stream_t), intent(in) :: self         !! The stream
+         class(stream_t), intent(in) :: self
          type(schema_t), intent(inout) :: schema     !! Gets the keys
          character(len=*), intent(in) :: kind        !! Word of the kind in the catalogue
       end subroutine declare_i
@@ -75,18 +75,18 @@ module output_stream
       subroutine read_i(self, group, deck, simulation, shapes)
          import :: deck_t, group_t, named_shape_t, simulation_t, stream_t
          implicit none
-         class(stream_t), intent(inout) :: self      !! The stream
+         class(stream_t), intent(inout) :: self
          type(group_t), intent(in) :: group          !! Its &output
          type(deck_t), intent(inout) :: deck         !! Collects errors
          type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
-         type(named_shape_t), intent(in) :: shapes(:) !! The regions
+         type(named_shape_t), intent(in) :: shapes(:)
       end subroutine read_i
 
       !> Open the files; what is later than the checkpoint of a restart is cut off. Collective.
       subroutine open_i(self, simulation, folder, header, restarted, note, error)
          import :: error_t, simulation_t, snapshot_header_t, stream_t
          implicit none
-         class(stream_t), intent(inout) :: self      !! The stream
+         class(stream_t), intent(inout) :: self
          type(simulation_t), intent(in) :: simulation !! Ranks and present step
          character(len=*), intent(in) :: folder      !! Folder of the results
          type(snapshot_header_t), intent(in) :: header !! Units of the files
@@ -99,8 +99,8 @@ module output_stream
       subroutine write_i(self, simulation, header, note, error)
          import :: error_t, simulation_t, snapshot_header_t, stream_t
          implicit none
-         class(stream_t), intent(inout) :: self      !! The stream
-         type(simulation_t), intent(inout) :: simulation !! The run
+         class(stream_t), intent(inout) :: self
+         type(simulation_t), intent(inout) :: simulation
          type(snapshot_header_t), intent(in) :: header !! Text and time for the files
          character(len=:), allocatable, intent(inout) :: note !! Lines for the log
          type(error_t), allocatable, intent(out) :: error !! A file cannot be written
@@ -110,8 +110,8 @@ module output_stream
       subroutine close_i(self, communicator, error)
          import :: communicator_t, error_t, stream_t
          implicit none
-         class(stream_t), intent(inout) :: self      !! The stream
-         type(communicator_t), intent(in) :: communicator !! The ranks
+         class(stream_t), intent(inout) :: self
+         type(communicator_t), intent(in) :: communicator
          type(error_t), allocatable, intent(out) :: error !! A file cannot be written
       end subroutine close_i
 
@@ -119,7 +119,7 @@ module output_stream
       subroutine limit_i(self, deck, particles, time_end, steps)
          import :: deck_t, int64, stream_t, wp
          implicit none
-         class(stream_t), intent(in) :: self         !! The stream
+         class(stream_t), intent(in) :: self
          type(deck_t), intent(inout) :: deck         !! Collects errors
          integer(int64), intent(in) :: particles     !! In all bodies
          real(wp), intent(in) :: time_end            !! End of the run [s]
@@ -130,7 +130,7 @@ module output_stream
       pure subroutine list_i(self, key, file)
          import :: stream_t
          implicit none
-         class(stream_t), intent(in) :: self         !! The stream
+         class(stream_t), intent(in) :: self
          character(len=:), allocatable, intent(out) :: key !! Streams of one key are numbered
          character(len=:), allocatable, intent(out) :: file !! File to open
       end subroutine list_i
@@ -156,28 +156,28 @@ contains
 
    !> True if there is a file for each time; otherwise the stream is one table.
    pure logical function stream_has_series(self) result(has)
-      class(stream_t), intent(in) :: self            !! The stream
+      class(stream_t), intent(in) :: self
 
       has = .false.
    end function stream_has_series
 
    !> Outputs over a run whose deck has no &output; 0: the kind is not written then.
    pure integer function stream_default_count(self) result(number)
-      class(stream_t), intent(in) :: self            !! The stream
+      class(stream_t), intent(in) :: self
 
       number = 0
    end function stream_default_count
 
    !> Set the content of a stream of a run without &output.
    subroutine stream_read_default(self, simulation)
-      class(stream_t), intent(inout) :: self         !! The stream
+      class(stream_t), intent(inout) :: self
       type(simulation_t), intent(in) :: simulation   !! For the columns that exist
    end subroutine stream_read_default
 
    !> Try one name of the key `fields`.
    subroutine stream_try_field(self, field, simulation, stores, error)
-      class(stream_t), intent(in) :: self            !! The stream
-      character(len=*), intent(in) :: field          !! The name
+      class(stream_t), intent(in) :: self
+      character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Grid, gravity, exact solution
       type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field cannot be written
@@ -185,19 +185,19 @@ contains
 
    !> Define what the field `fragment` of snapshots numbers, unless an earlier stream has.
    subroutine stream_offer_fragments(self, fragments)
-      class(stream_t), intent(in) :: self            !! The stream
-      type(fragments_t), allocatable, intent(inout) :: fragments !! The definition
+      class(stream_t), intent(in) :: self
+      type(fragments_t), allocatable, intent(inout) :: fragments
    end subroutine stream_offer_fragments
 
    !> Use that definition for the field `fragment`.
    subroutine stream_take_fragments(self, fragments)
-      class(stream_t), intent(inout) :: self         !! The stream
-      type(fragments_t), intent(in) :: fragments     !! The definition
+      class(stream_t), intent(inout) :: self
+      type(fragments_t), intent(in) :: fragments
    end subroutine stream_take_fragments
 
    !> Files with all particles that a run will write, as far as that is known before it.
    pure real(wp) function stream_full_snapshots(self, time_end) result(number)
-      class(stream_t), intent(in) :: self            !! The stream
+      class(stream_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
 
       number = 0.0_wp
@@ -205,7 +205,7 @@ contains
 
    !> Rows with sums over all particles that a run will write.
    pure real(wp) function stream_ledger_rows(self, time_end, steps) result(number)
-      class(stream_t), intent(in) :: self            !! The stream
+      class(stream_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Expected number of steps
 
@@ -214,7 +214,7 @@ contains
 
    !> State of the stream for a checkpoint.
    pure function stream_counters(self) result(counters)
-      class(stream_t), intent(in) :: self            !! The stream
+      class(stream_t), intent(in) :: self
       integer(int64), allocatable :: counters(:)
 
       counters = [self%last_step]
@@ -222,7 +222,7 @@ contains
 
    !> Set the state from a checkpoint.
    pure subroutine stream_set_counters(self, counters)
-      class(stream_t), intent(inout) :: self         !! The stream
+      class(stream_t), intent(inout) :: self
       integer(int64), intent(in) :: counters(:)      !! From stream_counters
 
       self%last_step = counters(1)

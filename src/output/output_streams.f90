@@ -46,7 +46,7 @@ contains
       class(outputs_t), intent(inout) :: self        !! The streams; folder and case are set
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
       real(wp), intent(in) :: time_end               !! End of the run [s]
       type(stream_holder_t) :: next
       type(group_t) :: group
@@ -96,7 +96,7 @@ contains
 
    !> Let all snapshots use the same definition of fragments, that of the first table of them.
    subroutine share_fragments(streams)
-      type(stream_holder_t), intent(inout) :: streams(:) !! The streams
+      type(stream_holder_t), intent(inout) :: streams(:)
       type(fragments_t), allocatable :: fragments
       integer :: n
 
@@ -111,7 +111,7 @@ contains
 
    !> Open the streams; after a restart what is later than the checkpoint is cut off. Collective.
    subroutine outputs_open(self, simulation, restarted, note, error)
-      class(outputs_t), intent(inout) :: self        !! The streams
+      class(outputs_t), intent(inout) :: self
       type(simulation_t), intent(in) :: simulation   !! Ranks and present step
       logical, intent(in) :: restarted               !! Does the run continue from a checkpoint?
       character(len=:), allocatable, intent(out) :: note !! Snapshots left out, or empty
@@ -130,8 +130,8 @@ contains
 
    !> Write what is due. With `last` every stream writes the final state, once. Collective.
    subroutine outputs_write_due(self, simulation, last, note, error)
-      class(outputs_t), intent(inout) :: self        !! The streams
-      type(simulation_t), intent(inout) :: simulation !! The run
+      class(outputs_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
       logical, intent(in) :: last                    !! Is this the final state?
       character(len=:), allocatable, intent(out) :: note !! Lines for the log
       type(error_t), allocatable, intent(out) :: error !! A file cannot be written
@@ -157,7 +157,7 @@ contains
 
    !> True if a stream writes snapshots.
    pure logical function outputs_has_series(self) result(has)
-      class(outputs_t), intent(in) :: self           !! The streams
+      class(outputs_t), intent(in) :: self
       integer :: n
 
       has = .false.
@@ -168,7 +168,7 @@ contains
 
    !> Files with all particles that the run will write, as far as that is known before it.
    pure integer(int64) function outputs_full_snapshots(self, time_end) result(number)
-      class(outputs_t), intent(in) :: self           !! The streams
+      class(outputs_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
       integer :: n
 
@@ -180,7 +180,7 @@ contains
 
    !> Rows with sums over all particles that the run will write.
    pure real(wp) function outputs_ledger_rows(self, time_end, steps) result(rows)
-      class(outputs_t), intent(in) :: self           !! The streams
+      class(outputs_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Expected number of steps
       integer :: n
@@ -193,7 +193,7 @@ contains
 
    !> Refuse streams that would fill a disk or a folder.
    subroutine outputs_limit(self, deck, particles, time_end, steps)
-      class(outputs_t), intent(in) :: self           !! The streams
+      class(outputs_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
       integer(int64), intent(in) :: particles        !! In all bodies
       real(wp), intent(in) :: time_end               !! End of the run [s]
@@ -208,7 +208,7 @@ contains
    !> Keys and files of all streams, for the summary; a key ends with the number of the stream among
    !! those of the key.
    subroutine outputs_list(self, keys, files)
-      class(outputs_t), intent(in) :: self           !! The streams
+      class(outputs_t), intent(in) :: self
       type(text_t), allocatable, intent(out) :: keys(:) !! (stream) As particles_1
       type(text_t), allocatable, intent(out) :: files(:) !! (stream) File to open
       type(text_t) :: begin(size(self%streams))
@@ -227,8 +227,8 @@ contains
 
    !> Close all files. Collective.
    subroutine outputs_close(self, communicator, error)
-      class(outputs_t), intent(inout) :: self        !! The streams
-      type(communicator_t), intent(in) :: communicator !! The ranks
+      class(outputs_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       type(error_t), allocatable, intent(out) :: error !! An index cannot be written
       integer :: n
 
@@ -242,7 +242,7 @@ contains
    !> Put the counters of the streams into the state of a checkpoint, each under the name of its
    !! files, so that a deck with more or fewer streams finds those that it has.
    subroutine outputs_save(self, state)
-      class(outputs_t), intent(in) :: self           !! The streams
+      class(outputs_t), intent(in) :: self
       type(state_t), intent(inout) :: state          !! Of the checkpoint
       integer :: n
 
@@ -255,7 +255,7 @@ contains
    !> Name of the counters of a stream in a checkpoint; another case has the same.
    pure function counter_name(self, stream) result(name)
       class(outputs_t), intent(in) :: self           !! For the case
-      class(stream_t), intent(in) :: stream          !! The stream
+      class(stream_t), intent(in) :: stream
       character(len=:), allocatable :: name
 
       name = "output"//stream%file(len(self%case) + 1:)
@@ -264,7 +264,7 @@ contains
    !> Take the counters from a checkpoint. Streams that the deck has got since then start anew.
    !! What the schedules have done follows from the time, since intervals may have changed.
    subroutine outputs_load(self, state)
-      class(outputs_t), intent(inout) :: self        !! The streams
+      class(outputs_t), intent(inout) :: self
       type(state_t), intent(in) :: state             !! Of the checkpoint
       integer(int64), allocatable :: counters(:)
       type(error_t), allocatable :: error

@@ -54,8 +54,7 @@ contains
       real(wp), allocatable :: least(:), mean(:), greatest(:)
 
       call simulation%balance%ledger%balance(simulation%machine%communicator, &
-         simulation%space%grid, simulation%stores, &
-         simulation%materials, now)
+         simulation%space%grid, simulation%stores, simulation%materials, now)
       digest = digest_of(simulation)
       counts = [count_particles(simulation), simulation%clock%updates, simulation%clock%halved, &
          nint(simulation%machine%worked/nano, int64)]
@@ -75,11 +74,7 @@ contains
       call find_extremes(simulation, range)
       if (allocated(simulation%effects%exact)) call take_errors(simulation)
       if (simulation%machine%communicator%rank /= 0) return
-      call json%add("version", version_text)
-      call json%add("git", git_commit)
-      call json%add("case", outputs%case)
-      call json%add("exit_code", code)
-      call json%add("reason", reason)
+      call add_end(json, outputs%case, code, reason)
       call json%add("steps", simulation%clock%step)
       call json%add("time", simulation%clock%time)
       call json%add("particles", counts(1))
@@ -101,7 +96,7 @@ contains
 
    !> Digest of the state of a run. Collective.
    function digest_of(simulation) result(digest)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       character(len=16) :: digest
       type(state_t) :: state
 
@@ -109,9 +104,23 @@ contains
       digest = state_digest(simulation%machine%communicator, simulation%stores, state)
    end function digest_of
 
+   !> The program, the case, and why it ended.
+   subroutine add_end(json, case, code, reason)
+      type(json_t), intent(inout) :: json
+      character(len=*), intent(in) :: case           !! Prefix of all files
+      integer, intent(in) :: code                    !! Exit code
+      character(len=*), intent(in) :: reason         !! Why it ended
+
+      call json%add("version", version_text)
+      call json%add("git", git_commit)
+      call json%add("case", case)
+      call json%add("exit_code", code)
+      call json%add("reason", reason)
+   end subroutine add_end
+
    !> What was done in the steps, and how fast.
    subroutine add_work(json, updates, worked, rate)
-      type(json_t), intent(inout) :: json            !! The summary
+      type(json_t), intent(inout) :: json
       integer(int64), intent(in) :: updates          !! Of particles, on all ranks
       real(wp), intent(in) :: worked                 !! Of the processor, on all ranks [s]
       real(wp), intent(in) :: rate                   !! Updates a second of wall time
@@ -123,8 +132,8 @@ contains
 
    !> On what it ran.
    subroutine add_layout(json, simulation)
-      type(json_t), intent(inout) :: json            !! The summary
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(json_t), intent(inout) :: json
+      type(simulation_t), intent(in) :: simulation
 
       call json%add("ranks", simulation%machine%communicator%size)
       call json%add("threads", omp_get_max_threads())
@@ -168,7 +177,7 @@ contains
 
    !> Memory of particle and node fields for each particle [byte].
    real(wp) function bytes_per_particle(simulation, particles) result(bytes)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer(int64), intent(in) :: particles        !! On all ranks
       integer(int64) :: total(1)
       integer :: index
@@ -254,7 +263,7 @@ contains
    !> What the ranks said to each other, in the order of the names, summed over them. Patches are
    !! node fields; what moves are particles that change ranks and data that are levelled for files.
    subroutine count_traffic(simulation, traffic)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer(int64), intent(out) :: traffic(kinds)  !! Messages, bytes, messages, bytes, tiles
 
       associate (said => simulation%machine%communicator%traffic, halo => simulation%space%halo)
@@ -266,7 +275,7 @@ contains
 
    !> How evenly the ranks worked and what they said to each other, as lines of text.
    function ranks_text(simulation, traffic) result(text)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
       character(len=:), allocatable :: text
       character(len=160) :: line
@@ -291,8 +300,8 @@ contains
 
    !> The same for scripts.
    subroutine add_ranks(json, simulation, traffic)
-      type(json_t), intent(inout) :: json            !! The summary
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(json_t), intent(inout) :: json
+      type(simulation_t), intent(in) :: simulation
       integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
       integer :: n
 
@@ -316,7 +325,7 @@ contains
    !> Greatest speed, and the ranges of pressure and density, over all particles and ranks; zero
    !! without particles.
    subroutine find_extremes(simulation, range)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       real(wp), intent(out) :: range(extremes)       !! In the order of the names
       real(wp) :: speed, pressure, density
       integer :: index, tile, p
@@ -345,7 +354,7 @@ contains
 
    !> Extremes of the final state.
    subroutine add_extremes(json, range)
-      type(json_t), intent(inout) :: json            !! The summary
+      type(json_t), intent(inout) :: json
       real(wp), intent(in) :: range(extremes)        !! In the order of the names
       integer :: n
 
@@ -358,7 +367,7 @@ contains
 
    !> Wall time by phase.
    subroutine add_timers(json, simulation, least, mean, greatest)
-      type(json_t), intent(inout) :: json            !! The summary
+      type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation   !! Names
       real(wp), intent(in) :: least(:)               !! (phase) [s]
       real(wp), intent(in) :: mean(:)                !! (phase) [s]
@@ -379,9 +388,9 @@ contains
 
    !> The ledger, and what it cannot show.
    subroutine add_balance(json, simulation, now, trust)
-      type(json_t), intent(inout) :: json            !! The summary
+      type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation   !! With the start
-      type(balance_t), intent(in) :: now             !! The end
+      type(balance_t), intent(in) :: now
       type(trust_t), intent(in) :: trust             !! The values at the end
 
       call add_ledger(json, simulation, now)
@@ -390,9 +399,9 @@ contains
 
    !> Every entry at the start and the end, and the errors.
    subroutine add_ledger(json, simulation, now)
-      type(json_t), intent(inout) :: json            !! The summary
+      type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation   !! With the start
-      type(balance_t), intent(in) :: now             !! The end
+      type(balance_t), intent(in) :: now
       integer :: n
 
       call json%begin("ledger")
@@ -418,7 +427,7 @@ contains
    !> Errors against the exact solution: now, and the greatest of displacement in the histories,
    !! also over the greatest displacement of the solution.
    subroutine add_exact(json, simulation)
-      type(json_t), intent(inout) :: json            !! The summary
+      type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation   !! With the errors
 
       associate (case => simulation%effects%exact)
@@ -436,8 +445,8 @@ contains
 
    !> Names of what was written.
    subroutine add_files(json, outputs)
-      type(json_t), intent(inout) :: json            !! The summary
-      type(outputs_t), intent(in) :: outputs         !! The streams
+      type(json_t), intent(inout) :: json
+      type(outputs_t), intent(in) :: outputs
       type(text_t), allocatable :: keys(:), files(:)
       integer :: n
 

@@ -52,7 +52,7 @@ contains
 
    !> The same for scripts: numbers of steps, and the one that was expected.
    subroutine add_rules(json, guard)
-      type(json_t), intent(inout) :: json            !! The summary
+      type(json_t), intent(inout) :: json
       type(guard_t), intent(in) :: guard             !! With the counts
       integer :: rule
 

@@ -20,7 +20,7 @@ module output_table_stream
 
    !> A table.
    type, abstract, extends(stream_t) :: table_stream_t
-      type(history_t) :: table                       !! The file
+      type(history_t) :: table
    contains
       procedure(list_columns_i), deferred :: list_columns !! Names of the columns with units
       procedure(write_rows_i), deferred :: write_rows !! Write the rows of the present time
@@ -37,16 +37,16 @@ module output_table_stream
       subroutine list_columns_i(self, columns)
          import :: heading_length, table_stream_t
          implicit none
-         class(table_stream_t), intent(in) :: self   !! The stream
-         character(len=heading_length), allocatable, intent(out) :: columns(:) !! The names
+         class(table_stream_t), intent(in) :: self
+         character(len=heading_length), allocatable, intent(out) :: columns(:) !! Headings
       end subroutine list_columns_i
 
       !> Write the rows of the present time. Collective.
       subroutine write_rows_i(self, simulation, error)
          import :: error_t, simulation_t, table_stream_t
          implicit none
-         class(table_stream_t), intent(inout) :: self !! The stream
-         type(simulation_t), intent(inout) :: simulation !! The run
+         class(table_stream_t), intent(inout) :: self
+         type(simulation_t), intent(inout) :: simulation
          type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       end subroutine write_rows_i
    end interface
@@ -55,14 +55,14 @@ contains
 
    !> Expected rows of one time. Most tables have one.
    pure real(wp) function table_rows_of_time(self) result(rows)
-      class(table_stream_t), intent(in) :: self      !! The stream
+      class(table_stream_t), intent(in) :: self
 
       rows = 1.0_wp
    end function table_rows_of_time
 
    !> Open the file; after a restart without the rows that are later than the checkpoint.
    subroutine table_open(self, simulation, folder, header, restarted, note, error)
-      class(table_stream_t), intent(inout) :: self   !! The stream
+      class(table_stream_t), intent(inout) :: self
       type(simulation_t), intent(in) :: simulation   !! Ranks and present step
       character(len=*), intent(in) :: folder         !! Folder of the results
       type(snapshot_header_t), intent(in) :: header  !! Units of the columns
@@ -80,8 +80,8 @@ contains
 
    !> Write the rows of the present time. Collective.
    subroutine table_write(self, simulation, header, note, error)
-      class(table_stream_t), intent(inout) :: self   !! The stream
-      type(simulation_t), intent(inout) :: simulation !! The run
+      class(table_stream_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
       type(snapshot_header_t), intent(in) :: header  !! Not used
       character(len=:), allocatable, intent(inout) :: note !! Not changed
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
@@ -93,7 +93,7 @@ contains
 
    !> Close the file.
    subroutine table_close(self, communicator, error)
-      class(table_stream_t), intent(inout) :: self   !! The stream
+      class(table_stream_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator !! Not used
       type(error_t), allocatable, intent(out) :: error !! Never set
 
@@ -102,7 +102,7 @@ contains
 
    !> Refuse implausible sizes.
    subroutine table_limit(self, deck, particles, time_end, steps)
-      class(table_stream_t), intent(in) :: self      !! The stream
+      class(table_stream_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
       integer(int64), intent(in) :: particles        !! Not used
       real(wp), intent(in) :: time_end               !! End of the run [s]
@@ -117,9 +117,9 @@ contains
 
    !> How the summary lists the stream.
    pure subroutine table_list(self, key, file)
-      class(table_stream_t), intent(in) :: self      !! The stream
+      class(table_stream_t), intent(in) :: self
       character(len=:), allocatable, intent(out) :: key !! For all tables
-      character(len=:), allocatable, intent(out) :: file !! The table
+      character(len=:), allocatable, intent(out) :: file !! Path of the table
 
       key = "history"
       file = self%file

@@ -24,7 +24,7 @@ contains
 
    !> Write CASE_walls.hdf. Collective.
    subroutine write_walls(simulation, outputs, folder, time_end, error)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       type(outputs_t), intent(in) :: outputs         !! Case and header
       character(len=*), intent(in) :: folder         !! Where the file goes
       real(wp), intent(in) :: time_end               !! End of the run [s]
@@ -45,7 +45,7 @@ contains
    !> A boundary of the domain: as a whole, or in the squares of its cells where it has parts.
    subroutine add_face(walls, simulation, face)
       type(walls_t), intent(inout) :: walls          !! Get the face
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: face                    !! 1 to 6
       real(wp) :: low(3), high(3), first(3), last(3)
       integer :: axis, across(2), cells(3), i, j, part, wall
@@ -87,7 +87,7 @@ contains
    !> A piece of a face by itself, for a time that is not empty.
    pure subroutine add_plain(walls, boundary, face, begin, finish, piece)
       type(walls_t), intent(inout) :: walls          !! Get it
-      type(boundary_t), intent(in) :: boundary       !! The conditions
+      type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
       real(wp), intent(in) :: begin                  !! It is there from then on [s]
       real(wp), intent(in) :: finish                 !! It is gone from then on [s]
@@ -112,7 +112,7 @@ contains
    !> The part of a face, or the whole face that comes and goes, that covers a place while it is
    !! there: the last one that does; 0 = what always holds.
    pure integer function part_of(boundary, face, place) result(part)
-      type(boundary_t), intent(in) :: boundary       !! The conditions
+      type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
       real(wp), intent(in) :: place(3)               !! On the face [m]
       integer :: n
@@ -153,7 +153,7 @@ contains
 
    !> Corners of the box, where particles are along directions that the scene lacks [m].
    pure subroutine flat_box(grid, low, high)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(out) :: low(3)                !! Lower corner [m]
       real(wp), intent(out) :: high(3)               !! Upper corner [m]
 
@@ -188,7 +188,7 @@ contains
    !> Surfaces of the rigid regions at the start, and their paths.
    subroutine add_rigid(walls, simulation, time_end)
       type(walls_t), intent(inout) :: walls          !! Get the surfaces
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), parameter :: part = 0.5_wp           ! step of the lattice over a cell
       real(wp), allocatable :: piece(:, :, :), way(:, :, :)

@@ -33,7 +33,7 @@ contains
 
    !> For the help of `kind`.
    pure function fragments_about(self) result(text)
-      class(stream_fragments_t), intent(in) :: self  !! The stream
+      class(stream_fragments_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "a table of fragments"
@@ -41,7 +41,7 @@ contains
 
    !> What follows the case in the name of the file.
    pure function fragments_ending(self) result(text)
-      class(stream_fragments_t), intent(in) :: self  !! The stream
+      class(stream_fragments_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "_fragments.csv"
@@ -49,7 +49,7 @@ contains
 
    !> Declare the keys of the kind.
    subroutine fragments_declare(self, schema, kind)
-      class(stream_fragments_t), intent(in) :: self  !! The stream
+      class(stream_fragments_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Gets the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
@@ -63,11 +63,11 @@ contains
 
    !> Read the keys of the kind.
    subroutine fragments_read(self, group, deck, simulation, shapes)
-      class(stream_fragments_t), intent(inout) :: self !! The stream
+      class(stream_fragments_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Its &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Not used
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
       character(len=:), allocatable :: word
       real(wp) :: velocity_cut
 
@@ -80,24 +80,24 @@ contains
 
    !> Define what the field `fragment` of snapshots numbers, unless an earlier stream has.
    subroutine fragments_offer(self, fragments)
-      class(stream_fragments_t), intent(in) :: self  !! The stream
-      type(fragments_t), allocatable, intent(inout) :: fragments !! The definition
+      class(stream_fragments_t), intent(in) :: self
+      type(fragments_t), allocatable, intent(inout) :: fragments
 
       if (.not. allocated(fragments)) fragments = self%fragments
    end subroutine fragments_offer
 
    !> Names of the columns with units.
    subroutine fragments_list_columns(self, columns)
-      class(stream_fragments_t), intent(in) :: self  !! The stream
-      character(len=heading_length), allocatable, intent(out) :: columns(:) !! The names
+      class(stream_fragments_t), intent(in) :: self
+      character(len=heading_length), allocatable, intent(out) :: columns(:) !! Headings
 
       columns = fragment_columns()
    end subroutine fragments_list_columns
 
    !> Write the rows of the present time. Collective.
    subroutine fragments_write_rows(self, simulation, error)
-      class(stream_fragments_t), intent(inout) :: self !! The stream
-      type(simulation_t), intent(inout) :: simulation !! The run
+      class(stream_fragments_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       real(wp), allocatable :: rows(:, :)
 

@@ -44,7 +44,7 @@ contains
 
    !> For the help of `kind`.
    pure function grid_about(self) result(text)
-      class(stream_grid_t), intent(in) :: self       !! The stream
+      class(stream_grid_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "means over the particles of each cell"
@@ -52,7 +52,7 @@ contains
 
    !> What follows the case in names of files.
    pure function grid_ending(self) result(text)
-      class(stream_grid_t), intent(in) :: self       !! The stream
+      class(stream_grid_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "_g"
@@ -60,7 +60,7 @@ contains
 
    !> Declare the keys of the kind.
    subroutine grid_declare(self, schema, kind)
-      class(stream_grid_t), intent(in) :: self       !! The stream
+      class(stream_grid_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Gets the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
@@ -71,11 +71,11 @@ contains
 
    !> Read the keys of the kind.
    subroutine grid_read(self, group, deck, simulation, shapes)
-      class(stream_grid_t), intent(inout) :: self    !! The stream
+      class(stream_grid_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Its &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
       type(error_t), allocatable :: error
 
       call read_fields(group, deck, simulation, self, self%fields)
@@ -89,8 +89,8 @@ contains
 
    !> Try one name of the key `fields`.
    subroutine grid_try_field(self, field, simulation, stores, error)
-      class(stream_grid_t), intent(in) :: self       !! The stream
-      character(len=*), intent(in) :: field          !! The name
+      class(stream_grid_t), intent(in) :: self
+      character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Not used
       type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
@@ -101,8 +101,8 @@ contains
 
    !> Cells of the grid, in the region if there is one: no file has more.
    pure real(wp) function cells_in(grid, rule) result(cells)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(pick_rule_t), intent(in) :: rule          !! Which particles
+      type(grid_t), intent(in) :: grid
+      type(pick_rule_t), intent(in) :: rule
       real(wp) :: lower(3), upper(3)
 
       lower = grid%lower
@@ -115,7 +115,7 @@ contains
 
    !> Refuse implausible sizes.
    subroutine grid_limit(self, deck, particles, time_end, steps)
-      class(stream_grid_t), intent(in) :: self       !! The stream
+      class(stream_grid_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
       integer(int64), intent(in) :: particles        !! In all bodies
       real(wp), intent(in) :: time_end               !! End of the run [s]
@@ -129,9 +129,9 @@ contains
 
    !> Write a file. Collective.
    subroutine grid_write_file(self, simulation, path, header, error)
-      class(stream_grid_t), intent(inout) :: self    !! The stream
-      type(simulation_t), intent(inout) :: simulation !! The run
-      character(len=*), intent(in) :: path           !! The file
+      class(stream_grid_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
+      character(len=*), intent(in) :: path
       type(snapshot_header_t), intent(in) :: header  !! Text and time for the file
       type(error_t), allocatable, intent(out) :: error !! It cannot be written
 
@@ -142,7 +142,7 @@ contains
 
    !> Expected size of a file [byte].
    pure real(wp) function grid_bytes_of_file(self, particles) result(bytes)
-      class(stream_grid_t), intent(in) :: self       !! The stream
+      class(stream_grid_t), intent(in) :: self
       integer(int64), intent(in) :: particles        !! Not used
 
       bytes = self%cells*real(sum(self%means%column%components), wp)*cell_bytes

@@ -37,7 +37,7 @@ contains
 
    !> For the help of `kind`.
    pure function history_about(self) result(text)
-      class(stream_history_t), intent(in) :: self    !! The stream
+      class(stream_history_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "a table of the ledger over time"
@@ -45,7 +45,7 @@ contains
 
    !> What follows the case in the name of the file.
    pure function history_ending(self) result(text)
-      class(stream_history_t), intent(in) :: self    !! The stream
+      class(stream_history_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "_history.csv"
@@ -53,7 +53,7 @@ contains
 
    !> Declare the keys of the kind.
    subroutine history_declare(self, schema, kind)
-      class(stream_history_t), intent(in) :: self    !! The stream
+      class(stream_history_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Gets the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
@@ -62,7 +62,7 @@ contains
 
    !> Read the keys of the kind.
    subroutine history_read(self, group, deck, simulation, shapes)
-      class(stream_history_t), intent(inout) :: self !! The stream
+      class(stream_history_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Its &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
@@ -78,7 +78,7 @@ contains
 
    !> Without &output the ledger is written.
    subroutine history_read_default(self, simulation)
-      class(stream_history_t), intent(inout) :: self !! The stream
+      class(stream_history_t), intent(inout) :: self
       type(simulation_t), intent(in) :: simulation   !! For the columns that exist
       type(error_t), allocatable :: error
 
@@ -88,15 +88,15 @@ contains
 
    !> Rows without &output.
    pure integer function history_default_count(self) result(number)
-      class(stream_history_t), intent(in) :: self    !! The stream
+      class(stream_history_t), intent(in) :: self
 
       number = 100
    end function history_default_count
 
    !> Try one name of the key `fields`.
    subroutine history_try_field(self, field, simulation, stores, error)
-      class(stream_history_t), intent(in) :: self    !! The stream
-      character(len=*), intent(in) :: field          !! The name
+      class(stream_history_t), intent(in) :: self
+      character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Grid, gravity, exact solution
       type(store_t), intent(inout) :: stores(:)      !! Not used
       type(error_t), allocatable, intent(out) :: error !! There is no such column
@@ -108,7 +108,7 @@ contains
 
    !> Rows with sums over all particles that a run will write.
    pure real(wp) function history_ledger_rows(self, time_end, steps) result(number)
-      class(stream_history_t), intent(in) :: self    !! The stream
+      class(stream_history_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Expected number of steps
 
@@ -117,16 +117,16 @@ contains
 
    !> Names of the columns with units.
    subroutine history_list_columns(self, columns)
-      class(stream_history_t), intent(in) :: self    !! The stream
-      character(len=heading_length), allocatable, intent(out) :: columns(:) !! The names
+      class(stream_history_t), intent(in) :: self
+      character(len=heading_length), allocatable, intent(out) :: columns(:) !! Headings
 
       columns = self%columns%headings()
    end subroutine history_list_columns
 
    !> Write a row. Collective.
    subroutine history_write_rows(self, simulation, error)
-      class(stream_history_t), intent(inout) :: self !! The stream
-      type(simulation_t), intent(inout) :: simulation !! The run
+      class(stream_history_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       real(wp), allocatable :: row(:)
 

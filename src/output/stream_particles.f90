@@ -42,7 +42,7 @@ contains
 
    !> For the help of `kind`.
    pure function particles_about(self) result(text)
-      class(stream_particles_t), intent(in) :: self  !! The stream
+      class(stream_particles_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "particles"
@@ -50,7 +50,7 @@ contains
 
    !> What follows the case in names of files.
    pure function particles_ending(self) result(text)
-      class(stream_particles_t), intent(in) :: self  !! The stream
+      class(stream_particles_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "_p"
@@ -58,7 +58,7 @@ contains
 
    !> Declare the keys of the kind.
    subroutine particles_declare(self, schema, kind)
-      class(stream_particles_t), intent(in) :: self  !! The stream
+      class(stream_particles_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Gets the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
@@ -70,11 +70,11 @@ contains
 
    !> Read the keys of the kind.
    subroutine particles_read(self, group, deck, simulation, shapes)
-      class(stream_particles_t), intent(inout) :: self !! The stream
+      class(stream_particles_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Its &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
 
       call read_fields(group, deck, simulation, self, self%fields)
       call self%read_format(group)
@@ -84,7 +84,7 @@ contains
 
    !> Without &output the usual fields of all particles are written.
    subroutine particles_read_default(self, simulation)
-      class(stream_particles_t), intent(inout) :: self !! The stream
+      class(stream_particles_t), intent(inout) :: self
       type(simulation_t), intent(in) :: simulation   !! Not used
 
       self%fields = [character(len=len(self%fields)) :: "default"]
@@ -92,15 +92,15 @@ contains
 
    !> Without &output the first and the last state are written.
    pure integer function particles_default_count(self) result(number)
-      class(stream_particles_t), intent(in) :: self  !! The stream
+      class(stream_particles_t), intent(in) :: self
 
       number = 1
    end function particles_default_count
 
    !> Try one name of the key `fields`.
    subroutine particles_try_field(self, field, simulation, stores, error)
-      class(stream_particles_t), intent(in) :: self  !! The stream
-      character(len=*), intent(in) :: field          !! The name
+      class(stream_particles_t), intent(in) :: self
+      character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Not used
       type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field cannot be written
@@ -112,7 +112,7 @@ contains
    !> The field `fragment` numbers the rows of the first table of fragments; without a table all
    !! material, separated by gaps alone.
    subroutine particles_take_fragments(self, fragments)
-      class(stream_particles_t), intent(inout) :: self !! The stream
+      class(stream_particles_t), intent(inout) :: self
       type(fragments_t), intent(in) :: fragments     !! Definition of that table
 
       self%fragments = fragments
@@ -120,7 +120,7 @@ contains
 
    !> Files with all particles that a run will write.
    pure real(wp) function particles_full_snapshots(self, time_end) result(number)
-      class(stream_particles_t), intent(in) :: self  !! The stream
+      class(stream_particles_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
 
       number = self%schedule%expected(time_end, 0.0_wp)
@@ -128,9 +128,9 @@ contains
 
    !> Write a snapshot. Collective.
    subroutine particles_write_file(self, simulation, path, header, error)
-      class(stream_particles_t), intent(inout) :: self !! The stream
-      type(simulation_t), intent(inout) :: simulation !! The run
-      character(len=*), intent(in) :: path           !! The file
+      class(stream_particles_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
+      character(len=*), intent(in) :: path
       type(snapshot_header_t), intent(in) :: header  !! Text and time for the file
       type(error_t), allocatable, intent(out) :: error !! It cannot be written
       type(labels_t), allocatable :: labels(:)
@@ -144,7 +144,7 @@ contains
 
    !> Expected size of a file [byte].
    pure real(wp) function particles_bytes_of_file(self, particles) result(bytes)
-      class(stream_particles_t), intent(in) :: self  !! The stream
+      class(stream_particles_t), intent(in) :: self
       integer(int64), intent(in) :: particles        !! In all bodies
 
       bytes = real(particles, wp)*snapshot_bytes

@@ -37,7 +37,7 @@ contains
 
    !> For the help of `kind`.
    pure function profile_about(self) result(text)
-      class(stream_profile_t), intent(in) :: self    !! The stream
+      class(stream_profile_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "a table of means in bins along an axis"
@@ -45,7 +45,7 @@ contains
 
    !> What follows the case in the name of the file.
    pure function profile_ending(self) result(text)
-      class(stream_profile_t), intent(in) :: self    !! The stream
+      class(stream_profile_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "_profile.csv"
@@ -53,7 +53,7 @@ contains
 
    !> Declare the keys of the kind.
    subroutine profile_declare(self, schema, kind)
-      class(stream_profile_t), intent(in) :: self    !! The stream
+      class(stream_profile_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Gets the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
@@ -66,11 +66,11 @@ contains
 
    !> Read the keys of the kind.
    subroutine profile_read(self, group, deck, simulation, shapes)
-      class(stream_profile_t), intent(inout) :: self !! The stream
+      class(stream_profile_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Its &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
       character(len=field_length), allocatable :: fields(:)
       type(error_t), allocatable :: error
 
@@ -91,8 +91,8 @@ contains
 
    !> Try one name of the key `fields`.
    subroutine profile_try_field(self, field, simulation, stores, error)
-      class(stream_profile_t), intent(in) :: self    !! The stream
-      character(len=*), intent(in) :: field          !! The name
+      class(stream_profile_t), intent(in) :: self
+      character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Not used
       type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
@@ -103,23 +103,23 @@ contains
 
    !> A row for each bin.
    pure real(wp) function profile_rows_of_time(self) result(rows)
-      class(stream_profile_t), intent(in) :: self    !! The stream
+      class(stream_profile_t), intent(in) :: self
 
       rows = real(self%profile%bins, wp)
    end function profile_rows_of_time
 
    !> Names of the columns with units.
    subroutine profile_list_columns(self, columns)
-      class(stream_profile_t), intent(in) :: self    !! The stream
-      character(len=heading_length), allocatable, intent(out) :: columns(:) !! The names
+      class(stream_profile_t), intent(in) :: self
+      character(len=heading_length), allocatable, intent(out) :: columns(:) !! Headings
 
       columns = profile_columns(self%profile)
    end subroutine profile_list_columns
 
    !> Write the rows of the present time. Collective.
    subroutine profile_write_rows(self, simulation, error)
-      class(stream_profile_t), intent(inout) :: self !! The stream
-      type(simulation_t), intent(inout) :: simulation !! The run
+      class(stream_profile_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       real(wp), allocatable :: rows(:, :)
 

@@ -28,7 +28,7 @@ contains
 
    !> For the help of `kind`.
    pure function slice_about(self) result(text)
-      class(stream_slice_t), intent(in) :: self      !! The stream
+      class(stream_slice_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "particles near a plane"
@@ -36,7 +36,7 @@ contains
 
    !> What follows the case in names of files.
    pure function slice_ending(self) result(text)
-      class(stream_slice_t), intent(in) :: self      !! The stream
+      class(stream_slice_t), intent(in) :: self
       character(len=:), allocatable :: text
 
       text = "_s"
@@ -44,7 +44,7 @@ contains
 
    !> Declare the keys of the kind.
    subroutine slice_declare(self, schema, kind)
-      class(stream_slice_t), intent(in) :: self      !! The stream
+      class(stream_slice_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Gets the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
@@ -57,11 +57,11 @@ contains
 
    !> Read the keys of the kind.
    subroutine slice_read(self, group, deck, simulation, shapes)
-      class(stream_slice_t), intent(inout) :: self   !! The stream
+      class(stream_slice_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Its &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
 
       call self%stream_particles_t%read(group, deck, simulation, shapes)
       call read_plane(group, deck, simulation%space%grid, self%format%pick_rule_t)
@@ -69,14 +69,14 @@ contains
 
    !> A run without &output writes no slices.
    pure integer function slice_default_count(self) result(number)
-      class(stream_slice_t), intent(in) :: self      !! The stream
+      class(stream_slice_t), intent(in) :: self
 
       number = 0
    end function slice_default_count
 
    !> No file holds all particles.
    pure real(wp) function slice_full_snapshots(self, time_end) result(number)
-      class(stream_slice_t), intent(in) :: self      !! The stream
+      class(stream_slice_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
 
       number = 0.0_wp

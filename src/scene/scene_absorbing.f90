@@ -112,7 +112,7 @@ contains
    !! beside it; 0 where there is none.
    subroutine find_beyond(grid, bodies, face, beyond)
       type(grid_t), intent(in) :: grid
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: face                    !! 1 to 6
       integer, allocatable, intent(out) :: beyond(:, :, :) !! (x, y, z) From 0
       integer, allocatable :: beside(:, :, :)
@@ -148,7 +148,7 @@ contains
    !> Mark the cells beside a boundary whose middle is in a body, or that hold a particle of a list.
    subroutine find_beside(grid, body, face, beside)
       type(grid_t), intent(in) :: grid
-      type(body_t), intent(in) :: body               !! The body
+      type(body_t), intent(in) :: body
       integer, intent(in) :: face                    !! 1 to 6
       integer, intent(inout) :: beside(0:, 0:, 0:)   !! (x, y, z) Gets the material of the body
       real(wp), allocatable :: position(:, :)

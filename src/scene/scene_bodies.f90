@@ -90,7 +90,7 @@ contains
 
    !> A speed needs a direction, and takes the place of a velocity.
    subroutine check_speed(deck, body)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: body                  !! The &body
       real(wp) :: direction(3), velocity(3)
 
@@ -111,7 +111,7 @@ contains
 
    !> In a plane or on a line bodies turn only in the plane.
    subroutine check_spin(deck, body)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: body                  !! One body
       character(len=:), allocatable :: dimension
       real(wp) :: spin(3)
@@ -131,7 +131,7 @@ contains
    subroutine read_bodies(deck, simulation, shapes, bodies)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
       type(body_t), allocatable, intent(out) :: bodies(:) !! In the order of the deck
       type(group_t) :: group
       character(len=:), allocatable :: region, material, packing
@@ -187,8 +187,8 @@ contains
 
    !> Particles at random places, no two of them near each other.
    subroutine pack_disks(deck, grid, index, body)
-      type(deck_t), intent(in) :: deck               !! The deck
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(deck_t), intent(in) :: deck
+      type(grid_t), intent(in) :: grid
       integer, intent(in) :: index                   !! Number of the body
       type(body_t), intent(inout) :: body            !! Gets its particles
       type(group_t) :: group

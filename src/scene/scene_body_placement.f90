@@ -29,8 +29,8 @@ contains
    !! with the number of points.
    subroutine check_size(deck, grid, bodies, most_points, force)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       real(wp), intent(in) :: most_points            !! More in one body need the user's word
       logical, intent(in) :: force                   !! The user gave it
       real(wp) :: identities, points, reach(3), low(3), high(3), tiles
@@ -61,8 +61,8 @@ contains
 
    !> The box around a body, cut at the faces of the grid [m].
    subroutine cut_bounds(grid, body, low, high)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: body               !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       real(wp), intent(out) :: low(3), high(3)       !! Corners [m]
 
       call body%shape%bounds(low, high)
@@ -77,7 +77,7 @@ contains
    subroutine check_places(deck, simulation, bodies, survey)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       type(survey_t), intent(in) :: survey           !! Their points
       integer :: n, other, pairs
 
@@ -102,7 +102,7 @@ contains
    subroutine check_elastic(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Gets warnings
       type(simulation_t), intent(in) :: simulation   !! Materials, walls
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       real(wp) :: fastest, speed
       integer :: n, other
       logical :: walls
@@ -131,8 +131,8 @@ contains
    !> Say why a body holds no point.
    subroutine refuse_empty(deck, grid, body, place)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: body               !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       integer, intent(in) :: place                   !! Its number in the deck
       real(wp) :: low(3), high(3)
 
@@ -151,7 +151,7 @@ contains
    subroutine check_outside(deck, simulation, body, place)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
-      type(body_t), intent(in) :: body               !! The body
+      type(body_t), intent(in) :: body
       integer, intent(in) :: place                   !! Its number in the deck
       real(wp) :: low(3), high(3)
       integer :: inside, outside, k
@@ -173,8 +173,8 @@ contains
 
    !> Sample a box around a body: points of the body inside and outside the grid.
    subroutine count_samples(grid, body, low, high, inside, outside)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: body               !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       real(wp), intent(in) :: low(3), high(3)        !! Corners of the box [m]
       integer, intent(out) :: inside                 !! Points of the body in the grid
       integer, intent(out) :: outside                !! Points of the body beyond it
@@ -203,7 +203,7 @@ contains
 
    !> Coordinates of points along the directions that the scene does not have [m].
    pure function resting_place(grid) result(point)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp) :: point(3)
 
       point = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
@@ -214,7 +214,7 @@ contains
    subroutine check_thickness(deck, simulation, body, place)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
-      type(body_t), intent(in) :: body               !! The body
+      type(body_t), intent(in) :: body
       integer, intent(in) :: place                   !! Its number in the deck
       real(wp) :: low(3), high(3), cells
       logical :: first, last
@@ -242,8 +242,8 @@ contains
    !> Warn of two bodies that overlap, with the number of points that the earlier one loses.
    subroutine check_overlap(deck, grid, bodies, pair, pairs)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: pair(2)                 !! Earlier and later body
       integer, intent(in) :: pairs                   !! Number of pairs that share the work
       real(wp), parameter :: work = 2.0e6_wp         ! sites tested, all pairs together

@@ -72,7 +72,7 @@ contains
 
    !> Number the velocity fields in the order of the bodies.
    subroutine number_fields(deck, field)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(in) :: deck
       integer, allocatable, intent(out) :: field(:)  !! (body) From 1
       type(group_t) :: group
       integer :: request(deck%count("body")), body, earlier, fields
@@ -146,7 +146,7 @@ contains
    !> Laws between bodies; what is said of named ones wins over '*'.
    subroutine read_pairs(deck, bodies, contact)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       type(contact_t), intent(inout) :: contact      !! Gets the laws
       type(text_t), allocatable :: names(:)
       type(pair_law_t) :: law
@@ -178,7 +178,7 @@ contains
 
       !> Set the law of two fields, either way round, unless another group of the same kind did.
       subroutine set_law(a, b, index)
-         integer, intent(in) :: a, b                 !! The fields
+         integer, intent(in) :: a, b                 !! Indices of two velocity fields
          integer, intent(in) :: index                !! Of the group
          type(group_t) :: earlier
          type(text_t), allocatable :: before(:)
@@ -218,7 +218,7 @@ contains
 
    !> How many of two names stand for any body.
    pure integer function wild_cards(names) result(wild)
-      type(text_t), intent(in) :: names(2)           !! The names
+      type(text_t), intent(in) :: names(2)
 
       wild = merge(1, 0, names(1)%text == any_body) + merge(1, 0, names(2)%text == any_body)
    end function wild_cards
@@ -226,7 +226,7 @@ contains
    !> Place of a body, 0 = any.
    pure integer function place_of(name, bodies) result(place)
       character(len=*), intent(in) :: name           !! Or '*'
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
 
       do place = size(bodies), 1, -1
          if (bodies(place)%name == name) return
@@ -252,7 +252,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &contact
       integer, intent(in) :: field_of_body(:)        !! (body)
-      integer, intent(in) :: one, other              !! The bodies
+      integer, intent(in) :: one, other              !! Indices of two bodies
 
       if (one == other) then
          call deck%complain(group, "a body has no contact with itself; name two bodies", "bodies")
@@ -278,7 +278,7 @@ contains
    !> Name of a store: that of its material, and where several have it, a number behind.
    pure function store_name(materials, index) result(name)
       type(material_t), intent(in) :: materials(:)   !! One a store
-      integer, intent(in) :: index                   !! Which store
+      integer, intent(in) :: index                   !! Index of the store
       character(len=:), allocatable :: name
       integer :: earlier, same
 
@@ -292,7 +292,7 @@ contains
 
    !> Columns of node fields that contact needs beside those of each velocity field.
    pure integer function contact_columns(contact) result(columns)
-      type(contact_t), intent(in) :: contact         !! The fields
+      type(contact_t), intent(in) :: contact
 
       associate (fields => size(contact%law, 1))
          columns = fields*(3 + 1 + 2*merge(4, 3, contact%bonded) + guesses*fields)
@@ -302,7 +302,7 @@ contains
    !> Lines of `--check`: the velocity fields, the pairs and what they cost.
    function contact_text(simulation, bodies) result(text)
       type(simulation_t), intent(in) :: simulation   !! The run with contact
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       character(len=:), allocatable :: text
       integer :: a, b
 
@@ -321,9 +321,9 @@ contains
 
    !> Names of the bodies of a field.
    pure function members(contact, bodies, field) result(text)
-      type(contact_t), intent(in) :: contact         !! The fields
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      integer, intent(in) :: field                   !! Which field
+      type(contact_t), intent(in) :: contact
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: field                   !! Index of the velocity field
       character(len=:), allocatable :: text
       integer :: body
 

@@ -174,7 +174,7 @@ contains
 
    !> A periodic face needs its partner.
    subroutine check_pair(deck, boundary, face, periodic)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
       character(len=*), intent(in) :: face               !! Its face
       logical, intent(in) :: periodic(6)                 !! (face) Is it periodic?

@@ -14,7 +14,7 @@ contains
 
    !> Dimension of the scene, empty if it is wrong, and the directions that it has.
    subroutine dimension_of(deck, dimension, active)
-      type(deck_t), intent(in) :: deck                   !! The deck
+      type(deck_t), intent(in) :: deck
       character(len=:), allocatable, intent(out) :: dimension !! As in the deck
       logical, intent(out) :: active(3)                  !! It has this direction
       type(group_t) :: run
@@ -26,9 +26,9 @@ contains
 
    !> A vector must not leave the directions of the scene.
    subroutine check_plane(deck, group, key)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      type(group_t), intent(in) :: group                 !! The group
-      character(len=*), intent(in) :: key                !! The vector
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: group
+      character(len=*), intent(in) :: key
       character(len=:), allocatable :: dimension
       logical :: active(3)
       real(wp) :: vector(3)

@@ -55,7 +55,7 @@ contains
    !> Read erosion and gravity. Collective.
    subroutine read_effects(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(group_t) :: group
 
       group = deck%group("effects", 1)

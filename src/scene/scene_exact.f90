@@ -45,7 +45,7 @@ contains
    subroutine read_exact(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation !! Gets the solution
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       type(group_t) :: group
       character(len=:), allocatable :: name
       logical :: follows(size(bodies))
@@ -75,7 +75,7 @@ contains
    subroutine find_followers(deck, group, bodies, follows)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &exact
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       logical, intent(out) :: follows(:)             !! (body)
       type(text_t), allocatable :: names(:)
       type(group_t) :: body

@@ -48,9 +48,9 @@ contains
 
    !> Keep the lattice as reference and place the particles of a tile.
    subroutine move_tile(solution, store, tile)
-      class(exact_t), intent(in) :: solution         !! The solution
-      type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      class(exact_t), intent(in) :: solution
+      type(store_t), intent(inout) :: store
+      integer, intent(in) :: tile
       real(wp) :: point(3), position(3), velocity(3)
       integer :: p
 
@@ -98,9 +98,9 @@ contains
 
    !> Linear velocity fields of the particles of a tile.
    subroutine slope_tile(solution, store, tile, dt)
-      class(exact_t), intent(in) :: solution         !! The solution
-      type(store_t), intent(inout) :: store          !! The particles
-      integer, intent(in) :: tile                    !! Which tile
+      class(exact_t), intent(in) :: solution
+      type(store_t), intent(inout) :: store
+      integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! A short time [s]
       real(wp) :: slopes(store%count(tile), 9), point(3)
       integer :: p
@@ -115,7 +115,7 @@ contains
    !> Velocity gradient of the solution at the start, dF/dt F**-1, component (k, l) at k + 3 (l -
    !! 1).
    pure function velocity_gradient(solution, point, dt) result(slopes)
-      class(exact_t), intent(in) :: solution         !! The solution
+      class(exact_t), intent(in) :: solution
       real(wp), intent(in) :: point(3)               !! Place at rest [m]
       real(wp), intent(in) :: dt                     !! Over which F is compared, a step [s]
       real(wp) :: slopes(9), before(3, 3), after(3, 3), now(3, 3)

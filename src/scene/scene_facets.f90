@@ -24,7 +24,7 @@ contains
    subroutine read_facets(communicator, deck, group, holder)
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
       character(len=:), allocatable :: path, text
       type(error_t), allocatable :: error
@@ -54,7 +54,7 @@ contains
    !> Warn of a surface that does not close.
    subroutine look_at_surface(deck, group, facets)
       type(deck_t), intent(inout) :: deck            !! Gets warnings
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       type(facets_t), intent(in) :: facets           !! Its shape
       integer :: open_edges, turned_edges, crowded_edges, flat
 

@@ -26,7 +26,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run, gets particles
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
       !> Bodies and exact solution do not agree, or a file cannot be read any more
       type(error_t), allocatable, intent(out) :: error
 

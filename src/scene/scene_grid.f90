@@ -34,7 +34,7 @@ contains
 
    !> Check corners and cells.
    subroutine check_grid(deck)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: dimension
       type(group_t) :: grid
       real(wp) :: lo(3), hi(3)
@@ -72,8 +72,8 @@ contains
 
    !> Check that the grid has an integer number of cells along each edge.
    subroutine check_spacing(deck, grid, lo, hi, active)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      type(group_t), intent(in) :: grid                  !! The grid
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: grid
       real(wp), intent(in) :: lo(3)                      !! Lower corner [m]
       real(wp), intent(in) :: hi(3)                      !! Upper corner [m]
       logical, intent(in) :: active(3)                   !! The scene has this direction
@@ -100,8 +100,8 @@ contains
 
    !> Check that cells given by their number are cubes.
    subroutine check_cells(deck, grid, lo, hi, active)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      type(group_t), intent(in) :: grid                  !! The grid
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: grid
       real(wp), intent(in) :: lo(3)                      !! Lower corner [m]
       real(wp), intent(in) :: hi(3)                      !! Upper corner [m]
       logical, intent(in) :: active(3)                   !! The scene has this direction
@@ -134,7 +134,7 @@ contains
 
    !> Read corners, spacing and dimensions.
    subroutine read_grid(deck, grid)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(in) :: deck
       type(grid_t), intent(inout) :: grid            !! Gets corners, spacing and dimensions
       type(group_t) :: group
       character(len=:), allocatable :: word
@@ -186,7 +186,7 @@ contains
 
    !> Cells along the edge of a tile, 0 = automatic.
    integer function tile_edge(deck) result(edge)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(in) :: deck
       type(group_t) :: group
 
       group = deck%group("grid", 1)
@@ -197,7 +197,7 @@ contains
    !! grid.
    subroutine check_periodic(deck, grid)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       integer, parameter :: least = 4                ! nodes that a particle may touch along a line
       type(group_t) :: group
       character(len=:), allocatable :: basis

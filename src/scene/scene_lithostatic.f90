@@ -56,7 +56,7 @@ contains
    !> Give the particles of bodies the stress of their weight. All shapes are still there.
    subroutine weigh_down(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       integer :: index
 
       if (.not. any(bodies%lateral >= 0.0_wp)) return
@@ -69,11 +69,11 @@ contains
 
    !> Particles of a material.
    subroutine weigh_store(grid, gravity, bodies, material, store)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: gravity(3)             !! [m/s2]
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       type(material_t), intent(in) :: material       !! That of the particles
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer :: tile
 
       !$omp parallel do default(none) shared(grid, gravity, bodies, material, store) &
@@ -86,12 +86,12 @@ contains
 
    !> Particles of a tile.
    subroutine weigh_tile(grid, gravity, bodies, material, tile, store)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: gravity(3)             !! [m/s2]
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       type(material_t), intent(in) :: material       !! That of the particles
-      integer, intent(in) :: tile                    !! Which tile
-      type(store_t), intent(inout) :: store          !! The particles
+      integer, intent(in) :: tile
+      type(store_t), intent(inout) :: store
       real(wp) :: down(3), place(3), weight, across
       real(wp) :: pressure(store%count(tile))
       integer :: first, p, body
@@ -122,8 +122,8 @@ contains
    !! that begin without stress weigh nothing: they are not yet at rest. Where one body follows on
    !! another the place is found by halving.
    pure real(wp) function mass_above(grid, bodies, own, place, up) result(mass)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: own                     !! Body at the place
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(in) :: up(3)                  !! Direction of length one
@@ -159,8 +159,8 @@ contains
 
    !> Body that bears its weight and holds a place; 0 if there is none.
    pure integer function body_at(grid, bodies, place) result(body)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
       real(wp), intent(in) :: place(3)               !! [m]
 
       body = 0
@@ -174,11 +174,11 @@ contains
 
    !> Give particles the density of their pressure, by secants. Others of the tile stay.
    subroutine press(bodies, material, pressure, first, store)
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       type(material_t), intent(in) :: material       !! That of the particles
       real(wp), intent(in) :: pressure(:)            !! (particle of the tile) 0: it stays [Pa]
       integer, intent(in) :: first                   !! First particle of the tile
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, parameter :: rounds = 12
       type(material_state_t) :: trial
       real(wp), dimension(size(pressure)) :: factor, before, found, earlier, step

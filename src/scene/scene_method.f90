@@ -105,7 +105,7 @@ contains
 
    !> Make the method from the deck.
    subroutine read_method(method, deck, stored, gases)
-      type(method_t), intent(inout) :: method        !! The method
+      type(method_t), intent(inout) :: method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Does all material give back all work?
       logical, intent(in) :: gases                   !! Is all material a gas?
@@ -148,7 +148,7 @@ contains
 
    !> When long particles are halved.
    subroutine read_splitting(method, group)
-      type(method_t), intent(inout) :: method        !! The method
+      type(method_t), intent(inout) :: method
       type(group_t), intent(in) :: group             !! &method
       logical :: split
 
@@ -185,7 +185,7 @@ contains
    !> Refuse rules that know nothing of the hoop stress: what they take out of the particles they
    !! give back without it.
    subroutine refuse_axis(deck, group, quadrature)
-      type(deck_t), intent(inout) :: deck            !! The deck
+      type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group             !! &method
       character(len=*), intent(in) :: quadrature     !! Word of the rule
       character(len=:), allocatable :: dimension

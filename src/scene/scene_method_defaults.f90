@@ -32,7 +32,7 @@ contains
 
    !> Settle the defaults that depend on other keys.
    subroutine settle_defaults(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck
+      type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: method, dimension, alpha
       logical :: paper, may
       type(group_t) :: run, group
@@ -64,7 +64,7 @@ contains
 
    !> With two velocities elastic material keeps all of its energy unless the deck says otherwise.
    subroutine settle_elastic(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck
+      type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: update
       type(group_t) :: group
 
@@ -78,7 +78,7 @@ contains
    !> With two velocities the rotation is that of the surroundings: that of single particles makes
    !! energy there.
    subroutine settle_turn(deck)
-      type(deck_t), intent(inout) :: deck            !! The deck
+      type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: transfer, update, turn
       type(group_t) :: group
 
@@ -149,7 +149,7 @@ contains
 
    !> Does the rule of the dual gradient allow normalised sums?
    logical function may_normalise(deck) result(may)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(in) :: deck
       character(len=:), allocatable :: limiter, quadrature, surface
       logical :: paper
       type(group_t) :: group
@@ -165,7 +165,7 @@ contains
 
    !> Settle the keys that the scheme of LA-UR-11-06616 fixes, and refuse other values of them.
    subroutine settle_paper(deck, group)
-      type(deck_t), intent(inout) :: deck            !! The deck
+      type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group             !! &method
       character(len=13), parameter :: keys(6) = [character(len=13) :: "transfer", "alpha", &
          "blend", "free_surface", "quadrature", "stress_update"]

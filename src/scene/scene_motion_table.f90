@@ -21,7 +21,7 @@ contains
    subroutine read_motion_table(deck, communicator, group, key, meaning, unit_text, motion)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(communicator_t), intent(in) :: communicator !! The first rank reads
-      type(group_t), intent(in) :: group             !! The group
+      type(group_t), intent(in) :: group
       character(len=*), intent(in) :: key            !! Its key that names the file
       type(meaning_t), intent(in) :: meaning         !! What the table holds
       character(len=*), intent(in) :: unit_text      !! Unit of the components in SI

@@ -27,7 +27,7 @@ contains
 
    !> Read the group &parallel.
    subroutine read_balancing(deck, balancing)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(in) :: deck
       type(balancing_t), intent(out) :: balancing    !! When tiles move
       type(group_t) :: group
       character(len=:), allocatable :: word

@@ -40,7 +40,7 @@ contains
    !> Scratch, timers, the dual gradient: everything that does not depend on particles. Grid,
    !! boundary, materials and method are set.
    subroutine prepare_simulation(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer(int64) :: none(0)
       integer(int64), allocatable :: border(:)
       integer :: material
@@ -65,7 +65,7 @@ contains
 
    !> Names of the timed phases, in the order of the table.
    subroutine name_phases(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer :: effect, n
 
       associate (timer => simulation%machine%timer, phase => simulation%machine%phase)
@@ -90,7 +90,7 @@ contains
 
    !> Make empty stores for the materials, with the fields that they ask for.
    subroutine make_stores(simulation, traits)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(traits_t), intent(in) :: traits !! Fields of particles besides those of materials
       integer :: index
 
@@ -123,7 +123,7 @@ contains
    subroutine take_survey(simulation, bodies, survey)
       type(simulation_t), intent(in) :: simulation   !! The run without particles
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get factors of volumes
-      type(survey_t), intent(out) :: survey          !! The counts
+      type(survey_t), intent(out) :: survey
 
       call set_volume_factors(simulation%machine%communicator, simulation%space%grid, bodies)
       allocate (survey%body(size(bodies)))
@@ -135,7 +135,7 @@ contains
 
    !> Fill the bodies with particles, each rank its own tiles.
    subroutine fill_simulation(simulation, bodies, survey)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
       integer(int64), allocatable :: own(:), none(:), border(:)
@@ -181,7 +181,7 @@ contains
    !! Particles with a linear velocity field rotate like their body.
    subroutine spin_bodies(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation !! With particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       real(wp) :: centre(3)
       integer(int64) :: first, last
       integer :: body
@@ -201,7 +201,7 @@ contains
    !> Centre of mass of the particles of a range of identities, on all ranks [m].
    subroutine find_centre(communicator, store, first, last, centre)
       type(communicator_t), intent(in) :: communicator !! Its ranks hold the particles
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer(int64), intent(in) :: first, last      !! Least and greatest identity
       real(wp), intent(out) :: centre(3)             !! [m]
       type(exact_sum_t) :: sums(4)
@@ -230,7 +230,7 @@ contains
       integer(int64), intent(in) :: first, last      !! Least and greatest identity
       real(wp), intent(in) :: spin(3)                !! Angular velocity [rad/s]
       real(wp), intent(in) :: centre(3)              !! A point of the axis [m]
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       real(wp) :: arm(3)
       integer :: tile, p, k
 
@@ -253,7 +253,7 @@ contains
 
    !> Index of the body that a particle belongs to.
    pure integer function body_of(bodies, identity) result(body)
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       integer(int64), intent(in) :: identity         !! Of the particle
 
       do body = size(bodies), 2, -1
@@ -265,7 +265,7 @@ contains
    !> Share the particles out among the ranks anew and bring each to its tile; what tiles there were
    !! is forgotten. For particles that were just read, each store in one range.
    subroutine distribute_particles(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer(int64), allocatable :: own(:), whole(:), key(:), weight(:), border(:)
       integer, allocatable :: order(:)
       integer :: n, tiles
@@ -297,7 +297,7 @@ contains
 
    !> Pairs of tile and number of particles on this rank.
    subroutine count_tiles(simulation, pairs)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation
       integer(int64), allocatable, intent(out) :: pairs(:) !! Key, particles, key, particles, ...
       integer(int64), allocatable :: key(:)
       integer, allocatable :: order(:)
@@ -335,7 +335,7 @@ contains
 
    !> Stable time step for the initial state [s].
    subroutine first_step(simulation)
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       real(wp) :: fastest, signal, speed
       integer :: index, tile, p
 

@@ -32,7 +32,7 @@ module scene_points
    !> Points of a region.
    type :: point_region_t
       type(point_list_t) :: list                     !! Lengths, velocities and volumes in SI
-      character(len=:), allocatable :: path          !! The file
+      character(len=:), allocatable :: path
       character(len=:), allocatable :: body          !! Whose rows are meant, or empty
       logical :: snapshot = .false.                  !! Is it one of another run?
       type(placing_t) :: placing                     !! Where the list has been moved to
@@ -46,8 +46,8 @@ contains
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
-      type(group_t), intent(in) :: group             !! The region
-      type(point_region_t), allocatable, intent(out) :: points !! The points
+      type(group_t), intent(in) :: group
+      type(point_region_t), allocatable, intent(out) :: points
       type(shape_holder_t), intent(inout) :: holder  !! Gets the cloud that they are
       type(error_t), allocatable :: error
       character(len=:), allocatable :: text
@@ -83,7 +83,7 @@ contains
 
    !> True if a file is a snapshot by its name.
    pure logical function is_snapshot(path) result(yes)
-      character(len=*), intent(in) :: path           !! The file
+      character(len=*), intent(in) :: path
       character(len=:), allocatable :: ending
 
       ending = lower(path(index(path, ".", back=.true.) + 1:))
@@ -115,7 +115,7 @@ contains
    !> Volumes of points whose file has none.
    subroutine find_volumes(deck, group, list)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       type(point_list_t), intent(inout) :: list      !! Gets volumes
       real(wp) :: volume
 
@@ -135,9 +135,9 @@ contains
    !> Make a body of the points of a region that are meant for it.
    subroutine pack_points(deck, grid, boundary, group, points, body)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
-      type(group_t), intent(in) :: group             !! The body
+      type(group_t), intent(in) :: group
       type(point_region_t), intent(in) :: points     !! All of them
       type(body_t), intent(inout) :: body            !! Gets its particles
       type(points_t) :: given
@@ -169,8 +169,8 @@ contains
    !> Of a list that names materials a body takes the points of its own.
    subroutine choose_material(deck, group, list, meant)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(group_t), intent(in) :: group             !! The body
-      type(point_list_t), intent(in) :: list         !! The points
+      type(group_t), intent(in) :: group
+      type(point_list_t), intent(in) :: list
       logical, intent(inout) :: meant(:)             !! (row) Changed
       character(len=:), allocatable :: name
       integer :: n, found
@@ -190,8 +190,8 @@ contains
    !> Of a snapshot a region may mean the points of one body.
    subroutine choose_body(deck, group, points, meant)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(group_t), intent(in) :: group             !! The body
-      type(point_region_t), intent(in) :: points     !! The points
+      type(group_t), intent(in) :: group
+      type(point_region_t), intent(in) :: points
       logical, intent(inout) :: meant(:)             !! (row) Changed
       integer :: n, found
 
@@ -216,8 +216,8 @@ contains
 
    !> Position of a point in its file.
    function where_text(points, row) result(text)
-      type(point_region_t), intent(in) :: points     !! The points
-      integer, intent(in) :: row                     !! Which one
+      type(point_region_t), intent(in) :: points
+      integer, intent(in) :: row                     !! Row of the table
       character(len=:), allocatable :: text
 
       if (points%snapshot) then
@@ -231,10 +231,10 @@ contains
    !! faces, so points of a snapshot may lie behind one.
    subroutine check_places(deck, grid, boundary, group, points, place)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
-      type(group_t), intent(in) :: group             !! The body
-      type(point_region_t), intent(in) :: points     !! The points
+      type(group_t), intent(in) :: group
+      type(point_region_t), intent(in) :: points
       integer, intent(in) :: place(:)                !! Rows of the body
       real(wp), parameter :: behind = 0.5_wp         ! cells behind a closed face
       real(wp) :: low(3), high(3)
@@ -283,7 +283,7 @@ contains
 
    !> A place in the units of the deck.
    function place_text(deck, grid, x) result(text)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(in) :: deck
       type(grid_t), intent(in) :: grid               !! Its directions
       real(wp), intent(in) :: x(3)                   !! [m]
       character(len=:), allocatable :: text
@@ -303,9 +303,9 @@ contains
    !> Warn of points that are larger than a cell: their neighbours lose sight of them.
    subroutine check_sizes(deck, grid, group, list, place)
       type(deck_t), intent(inout) :: deck            !! Gets warnings
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(group_t), intent(in) :: group             !! The body
-      type(point_list_t), intent(in) :: list         !! The points
+      type(grid_t), intent(in) :: grid
+      type(group_t), intent(in) :: group
+      type(point_list_t), intent(in) :: list
       integer, intent(in) :: place(:)                !! Rows of the body
       real(wp), parameter :: pi2 = 6.283185307179586_wp, little = 1.0e-6_wp
       real(wp) :: cell
@@ -341,10 +341,10 @@ contains
    !> Tell which fields that the particles carry are missing in a snapshot.
    subroutine compare_fields(deck, group, material, traits, points, stress)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(group_t), intent(in) :: group             !! The body
+      type(group_t), intent(in) :: group
       type(material_t), intent(in) :: material       !! Its material
       type(traits_t), intent(in) :: traits           !! What the method wants of particles
-      type(point_region_t), intent(in) :: points     !! The points
+      type(point_region_t), intent(in) :: points
       logical, intent(in) :: stress                  !! Is the stress wanted?
       type(field_requests_t) :: wishes
       type(text_t), allocatable :: missing(:)

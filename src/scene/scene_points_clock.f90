@@ -20,8 +20,8 @@ contains
 
    !> Does a body have its velocities from a snapshot?
    pure logical function has_clock(body, shapes) result(has)
-      type(body_t), intent(in) :: body               !! The body
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(body_t), intent(in) :: body
+      type(named_shape_t), intent(in) :: shapes(:)
       integer :: n
 
       has = .false.
@@ -40,8 +40,8 @@ contains
    subroutine check_clocks(deck, simulation, bodies, shapes)
       type(deck_t), intent(inout) :: deck            !! Gets warnings
       type(simulation_t), intent(in) :: simulation   !! Its method
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(body_t), intent(in) :: bodies(:)
+      type(named_shape_t), intent(in) :: shapes(:)
       real(wp), parameter :: little = 1.0e-9_wp
       real(wp) :: lag, taken
       integer :: n
@@ -62,8 +62,8 @@ contains
    !! snapshot; 0 if velocities stand at the times of places [s].
    pure real(wp) function step_before(simulation, bodies, shapes) result(dt)
       type(simulation_t), intent(in) :: simulation   !! Its method
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(body_t), intent(in) :: bodies(:)
+      type(named_shape_t), intent(in) :: shapes(:)
       integer :: n
 
       dt = 0.0_wp
@@ -79,8 +79,8 @@ contains
    !! taken, unless it is longer than a step may grow beyond what the particles alone tell.
    subroutine take_clock(simulation, bodies, shapes)
       type(simulation_t), intent(inout) :: simulation !! The run, its first step is known
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(body_t), intent(in) :: bodies(:)
+      type(named_shape_t), intent(in) :: shapes(:)
       real(wp) :: dt
       integer :: n
 

@@ -23,7 +23,7 @@ module scene_points_fields
 
    !> Puts values of rows into the particles of a store that stand for them.
    type, extends(field_worker_t) :: putter_t
-      character(len=:), allocatable :: name          !! The field
+      character(len=:), allocatable :: name
       integer :: count = 0                           !! Particles of the body
       integer, allocatable :: particle(:)            !! Which they are
       integer(int64), allocatable :: row(:)          !! Their rows in the file, from 1
@@ -41,8 +41,8 @@ contains
    !> Give the particles of bodies from files what the files say of them. Collective.
    subroutine take_fields(simulation, bodies, shapes, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(body_t), intent(in) :: bodies(:)
+      type(named_shape_t), intent(in) :: shapes(:)
       type(error_t), allocatable, intent(out) :: error !! A file cannot be read any more
       type(putter_t) :: putter
       integer :: n
@@ -68,8 +68,8 @@ contains
 
    !> Particles of a body and their rows.
    subroutine find_particles(store, body, rows, putter)
-      type(store_t), intent(in) :: store             !! The particles
-      type(body_t), intent(in) :: body               !! The body
+      type(store_t), intent(in) :: store
+      type(body_t), intent(in) :: body
       integer, intent(in) :: rows                    !! Rows of its file
       type(putter_t), intent(inout) :: putter        !! Gets both
       integer(int64) :: row
@@ -94,7 +94,7 @@ contains
    subroutine take_snapshot(simulation, points, body, putter, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(point_region_t), intent(in) :: points     !! Where it is, and its fields
-      type(body_t), intent(in) :: body               !! The body
+      type(body_t), intent(in) :: body
       type(putter_t), intent(inout) :: putter        !! Knows the particles
       type(error_t), allocatable, intent(out) :: error !! It cannot be read any more
       type(hdf5_source_t) :: source
@@ -124,7 +124,7 @@ contains
    subroutine take_field(source, placing, store, putter, error)
       type(hdf5_source_t), intent(in) :: source      !! The open file
       type(placing_t), intent(in) :: placing         !! Where the points have been moved to
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       type(putter_t), intent(inout) :: putter        !! Knows which field
       type(error_t), allocatable, intent(out) :: error !! It cannot be read
       type(data_info_t) :: info
@@ -166,7 +166,7 @@ contains
 
    !> Put numbers.
    subroutine put_scalar(self, name, unit, values)
-      class(putter_t), intent(inout) :: self         !! The worker
+      class(putter_t), intent(inout) :: self
       character(len=*), intent(in) :: name           !! Name in files
       character(len=*), intent(in) :: unit           !! SI unit
       real(wp), allocatable, intent(inout) :: values(:) !! (particle)
@@ -182,7 +182,7 @@ contains
 
    !> Put vectors or tensors.
    subroutine put_vector(self, name, unit, values)
-      class(putter_t), intent(inout) :: self         !! The worker
+      class(putter_t), intent(inout) :: self
       character(len=*), intent(in) :: name           !! Name in files
       character(len=*), intent(in) :: unit           !! SI unit
       real(wp), allocatable, intent(inout) :: values(:, :) !! (particle, component)
@@ -203,7 +203,7 @@ contains
 
    !> Put integers.
    subroutine put_integer(self, name, unit, values)
-      class(putter_t), intent(inout) :: self         !! The worker
+      class(putter_t), intent(inout) :: self
       character(len=*), intent(in) :: name           !! Name in files
       character(len=*), intent(in) :: unit           !! SI unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)

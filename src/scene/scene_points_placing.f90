@@ -34,8 +34,8 @@ contains
    subroutine read_placing(deck, grid, group, placing)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! Directions of the scene
-      type(group_t), intent(in) :: group             !! The region
-      type(placing_t), intent(out) :: placing        !! The result
+      type(group_t), intent(in) :: group
+      type(placing_t), intent(out) :: placing
       real(wp), parameter :: little = 1.0e-12_wp
       real(wp) :: angles(3)
       logical :: leaves
@@ -63,7 +63,7 @@ contains
    !> False for boxes along the coordinates that are turned by other than right angles.
    pure logical function placing_keeps(self, name) result(keeps)
       class(placing_t), intent(in) :: self           !! Where points go
-      character(len=*), intent(in) :: name           !! The field
+      character(len=*), intent(in) :: name
       real(wp), parameter :: little = 1.0e-12_wp
 
       keeps = .true.
@@ -99,7 +99,7 @@ contains
    !> Scale and turn the values of a field.
    pure subroutine placing_turn(self, name, values)
       class(placing_t), intent(in) :: self           !! Where points go
-      character(len=*), intent(in) :: name           !! The field
+      character(len=*), intent(in) :: name
       real(wp), intent(inout) :: values(:, :)        !! (component, row)
       integer :: n, k
 
@@ -138,7 +138,7 @@ contains
 
    !> Components of a field that belong to directions, 1 for all others.
    pure integer function components_of(name) result(components)
-      character(len=*), intent(in) :: name           !! The field
+      character(len=*), intent(in) :: name
 
       select case (name)
       case ("velocity", "spin", "extent")

@@ -18,7 +18,7 @@ contains
    subroutine build_prism(deck, grid, group, holder)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
       real(wp), allocatable :: corner(:, :)
       real(wp) :: span(2)
@@ -34,7 +34,7 @@ contains
    subroutine find_axis(deck, grid, group, axis)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       integer, intent(out) :: axis                   !! 1 to 3
       real(wp) :: direction(3)
 
@@ -54,7 +54,7 @@ contains
    subroutine find_span(deck, grid, group, span)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       real(wp), intent(out) :: span(2)               !! [m]
       real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
 
@@ -75,7 +75,7 @@ contains
    !> Corners of the polygon; a last one that repeats the first is left out.
    subroutine find_corners(deck, group, corner)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       real(wp), allocatable, intent(out) :: corner(:, :) !! (2, corner) [m]
       real(wp), allocatable :: values(:)
       integer :: corners, pair(2), n

@@ -96,7 +96,7 @@ contains
 
    !> All regions.
    subroutine check_regions(deck)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       integer, allocatable :: state(:)
       integer :: i
 
@@ -111,8 +111,8 @@ contains
 
    !> One region.
    subroutine check_region(deck, region)
-      type(deck_t), intent(inout) :: deck                !! The deck
-      type(group_t), intent(in) :: region                !! The region
+      type(deck_t), intent(inout) :: deck
+      type(group_t), intent(in) :: region
       character(len=:), allocatable :: dimension, shape
       logical :: active(3)
       real(wp) :: axis(3), hi(3), lo(3)
@@ -150,7 +150,7 @@ contains
 
    !> Follow the operands of a region; one that leads back to itself has no shape.
    recursive subroutine check_operands(deck, place, state)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: place                       !! Number of the region
       integer, intent(inout) :: state(:)                 !! (region) 0 new, 1 under way, 2 done
       type(group_t) :: region
@@ -178,7 +178,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
-      type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
+      type(named_shape_t), allocatable, intent(out) :: shapes(:)
       type(group_t) :: group
       integer :: index
 
@@ -198,7 +198,7 @@ contains
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
-      integer, intent(in) :: index                   !! Which one
+      integer, intent(in) :: index                   !! Index of the region
       type(group_t) :: group
       character(len=:), allocatable :: about, word
       real(wp) :: scale, rotate(3), translate(3)
@@ -266,7 +266,7 @@ contains
    !! centre lies where the particles are.
    subroutine build_simple(grid, group, word, holder)
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       character(len=*), intent(in) :: word           !! Kind of shape
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
       real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
@@ -300,7 +300,7 @@ contains
    !> An ellipsoid, cone, ring or half space.
    subroutine build_solid(grid, group, word, holder)
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       character(len=*), intent(in) :: word           !! Kind of shape
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
       real(wp) :: centre(3), axis(3), semi_axes(3), radius, radius2, height
@@ -332,9 +332,9 @@ contains
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
-      integer, intent(in) :: index                   !! Which one
+      integer, intent(in) :: index                   !! Index of the region
       type(group_t), intent(in) :: group             !! Its group
-      character(len=*), intent(in) :: word           !! Which operation
+      character(len=*), intent(in) :: word !! Set operation: union, difference, intersection
       type(text_t), allocatable :: names(:)
       type(shape_holder_t), allocatable :: operands(:)
       integer :: n, other, kind

@@ -53,7 +53,7 @@ contains
 
    !> The case is part of file names. Without one it is the name of the deck.
    subroutine check_case(deck)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       character(len=*), parameter :: suffix = ".nml"
       character(len=:), allocatable :: case_name
       type(group_t) :: run
@@ -78,7 +78,7 @@ contains
 
    !> Replace `deck` by the name of its system of units, as the echo of the deck is in SI.
    subroutine set_output_units(deck)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: word
       type(group_t) :: units
 

@@ -34,9 +34,9 @@ contains
    !! sound, and stores if nothing that they depend on has an error.
    subroutine set_up_scene(deck, simulation, bodies, shapes, coarser)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
-      type(named_shape_t), allocatable, intent(out) :: shapes(:) !! The regions
+      type(named_shape_t), allocatable, intent(out) :: shapes(:)
       integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
       type(traits_t) :: traits
       integer :: n
@@ -90,7 +90,7 @@ contains
 
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(in) :: deck
       character(len=8), parameter :: groups(10) = [character(len=8) :: "run", "grid", "method", &
          "effects", "boundary", "material", "region", "body", "contact", "exact"]
       integer :: n
@@ -131,7 +131,7 @@ contains
    !> The materials.
    subroutine read_materials(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(simulation_t), intent(inout) :: simulation !! The run
+      type(simulation_t), intent(inout) :: simulation
       integer :: index
 
       allocate (simulation%materials(deck%count("material")))

@@ -72,7 +72,7 @@ contains
 
    !> Steps and limits of time.
    subroutine check_time(deck)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: limit
       real(wp) :: dt_fixed, dt_max, dt_min
       type(group_t) :: time
@@ -100,7 +100,7 @@ contains
 
    !> Read the bounds of steps and particles, and the CFL number.
    subroutine read_bounds(deck, bounds, cfl)
-      type(deck_t), intent(in) :: deck               !! The deck
+      type(deck_t), intent(in) :: deck
       type(bounds_t), intent(out) :: bounds          !! Bounds of every step
       real(wp), intent(out) :: cfl                   !! Fraction of the stable step [1]
       type(group_t) :: group

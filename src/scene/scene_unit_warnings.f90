@@ -39,7 +39,7 @@ contains
 
    !> Warn of implausible values of a material.
    subroutine check_material_units(deck, material)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: material              !! One material
       type(group_t) :: units
       type(usual_t) :: it
@@ -108,7 +108,7 @@ contains
 
    !> A question about units, which depends on whether the deck names some.
    function question(deck) result(text)
-      type(deck_t), intent(in) :: deck                   !! The deck
+      type(deck_t), intent(in) :: deck
       character(len=:), allocatable :: text, system
       type(group_t) :: units
 
@@ -121,7 +121,7 @@ contains
 
    !> The wave that stiffness and density give: a modulus in GPa, kbar or Mbar shows here.
    subroutine check_wave(deck, material)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: material              !! One material
       character(len=5), parameter :: moduli(2) = ["young", "bulk "]
       real(wp) :: density, speed, stiffness
@@ -142,7 +142,7 @@ contains
 
    !> A temperature that is one in degrees Celsius.
    subroutine check_kelvin(deck, body)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: body                  !! One body
       real(wp) :: temperature
 
@@ -155,7 +155,7 @@ contains
 
    !> Angles that are whole parts of a turn in radians.
    subroutine check_angles(deck, region)
-      type(deck_t), intent(inout) :: deck                !! The deck
+      type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: region                !! One region
       real(wp), parameter :: near = 1.0e-4_wp
       real(wp) :: parts, rotate(3)

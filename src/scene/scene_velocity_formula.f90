@@ -26,7 +26,7 @@ contains
    !! that carry a linear velocity field or a rotation get those of the formula. Collective.
    subroutine add_formula_velocities(simulation, bodies, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       type(error_t), allocatable, intent(out) :: error !! A formula has no value at some particle
       character(len=:), allocatable :: fault
       type(formula_t) :: formula(3)
@@ -49,7 +49,7 @@ contains
    subroutine check_formulas(deck, simulation, bodies, keys)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! The run with empty stores
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       integer(int64), intent(in) :: keys(:)          !! Tiles that hold particles
       type(body_t), allocatable :: numbered(:)
       type(formula_t) :: formula(3)
@@ -78,7 +78,7 @@ contains
    subroutine check_body(simulation, bodies, body, formula, keys, error)
       type(simulation_t), intent(in) :: simulation   !! The run with empty stores
       type(body_t), intent(in) :: bodies(:)          !! The bodies with their first identities
-      integer, intent(in) :: body                    !! Which one
+      integer, intent(in) :: body
       type(formula_t), intent(in) :: formula(3)      !! Of the components
       integer(int64), intent(in) :: keys(:)          !! Tiles that hold particles
       type(error_t), allocatable, intent(out) :: error !! There is one
@@ -101,7 +101,7 @@ contains
 
    !> Make formulas of the texts of a body, which the check of the deck has found to be right.
    subroutine compile_formula(body, formula)
-      type(body_t), intent(in) :: body               !! The body
+      type(body_t), intent(in) :: body
       type(formula_t), intent(out) :: formula(3)     !! Of the components
       character(len=:), allocatable :: fault
       integer :: k, place
@@ -113,8 +113,8 @@ contains
 
    !> Those of one body.
    subroutine add_to_body(grid, body, formula, store, fault)
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(body_t), intent(in) :: body               !! The body
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: body
       type(formula_t), intent(in) :: formula(3)      !! Of the components
       type(store_t), intent(inout) :: store          !! The particles of its material
       character(len=:), allocatable, intent(out) :: fault !! Not allocated if all have values
@@ -188,7 +188,7 @@ contains
    !> Add a velocity gradient to what a particle carries of it.
    pure subroutine add_slopes(slopes, p, store)
       real(wp), intent(in) :: slopes(9)              !! [1/s]
-      integer, intent(in) :: p                       !! Which particle
+      integer, intent(in) :: p
       type(store_t), intent(inout) :: store          !! Gets them
 
       real(wp) :: turn(3)

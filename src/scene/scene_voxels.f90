@@ -27,7 +27,7 @@ contains
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
       character(len=:), allocatable :: dataset
       type(error_t), allocatable :: error
@@ -53,7 +53,7 @@ contains
 
    !> Tell what was read to all ranks.
    subroutine share(communicator, file)
-      type(communicator_t), intent(in) :: communicator !! The ranks
+      type(communicator_t), intent(in) :: communicator
       type(voxel_file_t), intent(inout) :: file      !! Known to the first rank
       character(len=:), allocatable :: text
       real(wp) :: numbers(10)
@@ -76,7 +76,7 @@ contains
    subroutine fit(deck, grid, group, file)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
-      type(group_t), intent(in) :: group             !! The region
+      type(group_t), intent(in) :: group
       type(voxel_file_t), intent(inout) :: file      !! Changed
       real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
       type(unit_t) :: length

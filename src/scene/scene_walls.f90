@@ -92,7 +92,7 @@ contains
    subroutine read_walls(deck, simulation, shapes)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(inout) :: simulation !! Grid and whole boundaries are read
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
       type(rigid_t) :: rigid
       type(wall_t) :: wall
       type(group_t) :: group
@@ -122,7 +122,7 @@ contains
    subroutine read_wall(deck, simulation, shapes, group, wall)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(in) :: simulation
-      type(named_shape_t), intent(in) :: shapes(:)   !! The regions
+      type(named_shape_t), intent(in) :: shapes(:)
       type(group_t), intent(in) :: group             !! The &boundary
       type(wall_t), intent(out) :: wall              !! Its boundary is not set
       character(len=:), allocatable :: kind, region

@@ -60,7 +60,7 @@ contains
    !> Particles of a tile that are not as they should be. A number that is none fails every
    !! comparison, so it needs no test.
    pure real(wp) function count_bad(store, tile, density, bounds) result(bad)
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
       type(bounds_t), intent(in) :: bounds           !! What may happen
@@ -123,8 +123,8 @@ contains
 
    !> What is wrong with a particle, and the number that shows it.
    pure subroutine fault_of(store, p, density, bounds, fault, value)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
       type(bounds_t), intent(in) :: bounds           !! What may happen
       integer, intent(out) :: fault                  !! One of the faults above
@@ -240,7 +240,7 @@ contains
    !> Square of the norm of a gradient.
    pure real(wp) function square(gradient, p) result(norm)
       real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle, 9)
-      integer, intent(in) :: p                       !! Which particle
+      integer, intent(in) :: p
 
       norm = gradient(p, 1)**2 + gradient(p, 2)**2 + gradient(p, 3)**2 + gradient(p, 4)**2 &
          + gradient(p, 5)**2 + gradient(p, 6)**2 + gradient(p, 7)**2 + gradient(p, 8)**2 &

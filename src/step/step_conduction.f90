@@ -124,7 +124,7 @@ contains
    !> Does the material conduct heat?
    pure logical function conducts(materials, index) result(yes)
       type(material_t), intent(in) :: materials(:)
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
 
       yes = .false.
       if (allocated(materials(index)%heat)) &
@@ -133,8 +133,8 @@ contains
 
    !> Volume [m3] that conducts: that of the material, without voids.
    pure real(wp) function matter_volume(store, particle) result(volume)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: particle                !! Which one
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: particle                !! Index of the particle
 
       volume = store%state%volume(particle)
       if (allocated(store%state%solid_fraction)) &
@@ -300,7 +300,7 @@ contains
    subroutine push_particles(simulation, scratch, index, tile, values, slope, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: values(:, :)    !! (3, node) Temperature in row 1 [K]
       real(wp), allocatable, intent(in) :: slope(:, :)    !! (9, node) Of the nodes, if dual [K/m]
@@ -342,7 +342,7 @@ contains
    subroutine find_hidden(simulation, scratch, index, tile, dt)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: rate
@@ -450,7 +450,7 @@ contains
       !> What nodes give, and what fades, of each particle [K]
       type(shape_data_t), intent(in) :: shape
       real(wp), intent(out) :: booked !! Heat of particles that carry no internal energy [J]
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       real(wp) :: rise
       integer :: p, q
 
@@ -473,7 +473,7 @@ contains
       integer, intent(in) :: tile
       !> What nodes give, and what fades, of each particle [K]
       type(shape_data_t), intent(in) :: shape
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer :: p, q
 
       do p = 1, store%count(tile)

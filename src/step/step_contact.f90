@@ -98,7 +98,7 @@ contains
    subroutine touch_node(simulation, tile, node, who, reach, dt)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
-      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (pair) How far they reach [m]
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
@@ -138,7 +138,7 @@ contains
    subroutine survey_node(simulation, tile, node, who, reach, area, normal, state)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
-      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
       real(wp), contiguous, intent(out) :: area(:, :, :) !! (3, a, b) Between two, for a < b [m2]
@@ -168,7 +168,7 @@ contains
    subroutine choose_normal(simulation, tile, node, pair, reach, area, normal, gap)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
-      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: pair(2)                 !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
       real(wp), intent(out) :: area(3)               !! Between them [m2]
@@ -201,8 +201,8 @@ contains
    pure logical function holds(simulation, tile, node, field) result(most)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
-      integer, intent(in) :: node                    !! Which node
-      integer, intent(in) :: field                   !! Which field
+      integer, intent(in) :: node                    !! Index in the tile
+      integer, intent(in) :: field                   !! Index of the velocity field
 
       most = simulation%effects%contact%area(4*field, node, tile) > &
          held*simulation%fields(field)%nodes%mass(1, node, tile)
@@ -213,8 +213,8 @@ contains
    subroutine give_push(fields, tile, node, who, mass, push, dt)
       type(velocity_field_t), intent(inout) :: fields(:)
       integer, intent(in) :: tile
-      integer, intent(in) :: node                    !! Which node
-      integer, intent(in) :: who(:)                  !! The fields
+      integer, intent(in) :: node                    !! Index in the tile
+      integer, intent(in) :: who(:)                  !! Indices of the velocity fields
       real(wp), intent(in) :: mass(:)                !! (field of who) [kg]
       real(wp), intent(in) :: push(:, :, :)          !! (3, a, b) On b, for a < b [kg m/s]
       real(wp), intent(in) :: dt                     !! Time that it takes [s]
@@ -270,7 +270,7 @@ contains
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       logical, intent(in) :: broken(:)               !! (node)
       integer, intent(in) :: tile
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer :: cell, p, q, node, upper(3)
 
       call find_plain_places(space, scheme, scratch, store, tile)
@@ -294,7 +294,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp) :: lost
       integer :: p, q

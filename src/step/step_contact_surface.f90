@@ -153,7 +153,7 @@ contains
 
    !> Mass of the particles of a tile whose bonds hold, in the first column.
    pure subroutine hold(store, tile, values)
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(inout) :: values(:, :)        !! (particle of the tile, column) [kg]
       integer :: p, q
@@ -205,9 +205,9 @@ contains
    !> A guess of the common area of two fields at a node, outward from the first [m2]: the area of
    !! one, of the other, or the mean of both. It changes its sign with the fields.
    pure function guess_area(contact, tile, node, a, b, guess) result(area)
-      type(contact_t), intent(in) :: contact         !! The fields
+      type(contact_t), intent(in) :: contact
       integer, intent(in) :: tile
-      integer, intent(in) :: node                    !! Which node
+      integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: a, b                    !! The fields, a < b
       integer, intent(in) :: guess                   !! 1 to 3
       real(wp) :: area(3)
@@ -229,8 +229,8 @@ contains
 
    !> Row of the reach of field a towards b along the normal of a guess.
    pure integer function reach_row(contact, a, b, guess) result(row)
-      type(contact_t), intent(in) :: contact         !! The fields
-      integer, intent(in) :: a, b                    !! The fields
+      type(contact_t), intent(in) :: contact
+      integer, intent(in) :: a, b                    !! Indices of two velocity fields
       integer, intent(in) :: guess                   !! 1 to 3
 
       row = guesses*(size(contact%law, 1)*(a - 1) + b - 1) + guess
@@ -306,7 +306,7 @@ contains
       type(velocity_field_t), intent(in) :: fields(:)
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile
-      integer, intent(in) :: field                   !! Which field
+      integer, intent(in) :: field                   !! Index of the velocity field
       real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
       real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
       integer :: index

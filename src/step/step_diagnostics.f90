@@ -83,7 +83,7 @@ contains
    !> The greatest values of a range of particles: square of the speed, energy per mass, the same
    !! negative, energy.
    pure subroutine find_bounds(store, first, last, least_energy, greatest)
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
@@ -149,8 +149,8 @@ contains
 
    !> A measure of a particle; the lowest number where it has no meaning.
    pure real(wp) function measure_of(store, p, density, measure, least_energy) result(value)
-      type(store_t), intent(in) :: store             !! The particles
-      integer, intent(in) :: p                       !! Which one
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
       integer, intent(in) :: measure                 !! One of those above
       real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
@@ -282,7 +282,7 @@ contains
    !> Pressures of a store in a tile.
    pure subroutine look_at_noise(space, store, tile, alone, patch, found, who)
       type(space_t), intent(in) :: space
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
       real(wp), intent(in) :: patch(:, :)            !! (2, node) Of this store
@@ -308,7 +308,7 @@ contains
       type(space_t), intent(in) :: space
       type(conservation_t), intent(in) :: balance
       type(neighbour_table_t), intent(inout) :: table !! Scratch space
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(inout) :: found(:)            !! (column)
       integer(int64), intent(inout) :: who(longest:) !! (column)
@@ -330,7 +330,7 @@ contains
 
    !> Are particles of a material tied to their neighbours? In fluids and loose grains they are not.
    pure logical function is_solid(material) result(solid)
-      type(material_t), intent(in) :: material       !! The material
+      type(material_t), intent(in) :: material
 
       solid = .false.
       if (allocated(material%law)) solid = material%law%has_shear() .and. .not. is_loose(material)
@@ -338,7 +338,7 @@ contains
 
    !> Does a material open without tension?
    pure logical function is_loose(material) result(loose)
-      type(material_t), intent(in) :: material       !! The material
+      type(material_t), intent(in) :: material
 
       loose = .false.
       if (allocated(material%law)) loose = material%law%has_grains() .or. &

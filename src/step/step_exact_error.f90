@@ -68,8 +68,8 @@ contains
    !> Sums over the particles of one tile in their order.
    subroutine sum_tile(grid, solution, store, tile, times, sums, farthest)
       type(grid_t), intent(in) :: grid               !! For its periods
-      class(exact_t), intent(in) :: solution         !! The solution
-      type(store_t), intent(in) :: store             !! The particles
+      class(exact_t), intent(in) :: solution
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(in) :: times(errors)          !! Of position, velocity, stress [s]
       real(wp), intent(out) :: sums(:)               !! Mass times squares, and mass

@@ -10,7 +10,7 @@ module step_exchange
    public :: next_tiles, pass_motion, pass_patches
 
    integer, parameter, public :: edge_tiles = 1      !! Tiles that other ranks may see
-   integer, parameter, public :: inner_tiles = 2     !! The others
+   integer, parameter, public :: inner_tiles = 2     !! Tiles that no other rank needs
 
 contains
 

@@ -62,7 +62,7 @@ contains
    !> Let the particles of a tile grow and shrink. What pressed ones lose of their elastic energy is
    !! recorded, where they carry no internal energy that would keep it. Equation (Y.29).
    pure subroutine repack(store, tile, material, excess, ledger)
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       type(material_t), intent(in) :: material       !! Their material
       real(wp), contiguous, intent(in) :: excess(:, :) !! (particle of the tile, 1) Fill less 1 [1]

@@ -71,7 +71,7 @@ contains
    !> Does the energy of a material flow?
    pure logical function flows(simulation, index) result(yes)
       type(simulation_t), intent(in) :: simulation
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
 
       associate (state => simulation%stores(index)%state)
          yes = allocated(state%energy) .and. allocated(state%viscous_pressure)
@@ -81,7 +81,7 @@ contains
    !> Fill the patches of all own tiles, and bring those that other ranks hold.
    subroutine each_own(simulation, index, dt, work, patch)
       type(simulation_t), intent(inout) :: simulation
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       real(wp), intent(in) :: dt                     !! Time step [s]
       interface
          subroutine work(simulation, scratch, index, tile, dt, patch)
@@ -117,7 +117,7 @@ contains
    subroutine spread_energy(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
@@ -150,7 +150,7 @@ contains
    subroutine spread_conductance(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
@@ -202,7 +202,7 @@ contains
    subroutine spread_flux(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
@@ -242,8 +242,8 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(store_t), intent(in) :: stores(:)
-      integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: q                       !! The particle
+      integer, intent(in) :: index                   !! Index of the material and of its store
+      integer, intent(in) :: q                       !! Index of the particle
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       associate (state => stores(index)%state, grid => space%grid)
@@ -283,7 +283,7 @@ contains
    subroutine give_energy(simulation, scratch, index, tile, dt)
       type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: flow(1, simulation%space%grid%tile_nodes), change(2, &

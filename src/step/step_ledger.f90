@@ -157,8 +157,8 @@ contains
 
    !> Record the particles that left the box, before they are deleted.
    subroutine ledger_record_lost(self, stores, materials)
-      class(ledger_t), intent(inout) :: self         !! The ledger
-      type(store_t), intent(in) :: stores(:)         !! The particles
+      class(ledger_t), intent(inout) :: self
+      type(store_t), intent(in) :: stores(:)
       type(material_t), intent(in) :: materials(:)   !! Their materials
       integer :: index, tile, p
 
@@ -178,8 +178,8 @@ contains
 
    !> Record a particle that leaves or is removed.
    subroutine ledger_record_particle(self, store, material, p, rows)
-      class(ledger_t), intent(inout) :: self         !! The ledger
-      type(store_t), intent(in) :: store             !! The particles
+      class(ledger_t), intent(inout) :: self
+      type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
       integer, intent(in) :: p                       !! Its index
       integer, intent(in) :: rows(4) !! Entries for mass, momentum, energy, angular momentum
@@ -202,7 +202,7 @@ contains
 
    !> Add the sums of another ledger, such as that of a thread.
    subroutine ledger_merge(self, other)
-      class(ledger_t), intent(inout) :: self         !! The ledger
+      class(ledger_t), intent(inout) :: self
       class(ledger_t), intent(in) :: other           !! What is added
       integer :: n
 
@@ -217,10 +217,10 @@ contains
    !! Equations (L.5)
    !! and (L.6).
    subroutine ledger_balance(self, communicator, grid, stores, materials, now)
-      class(ledger_t), intent(inout) :: self         !! The ledger
-      type(communicator_t), intent(in) :: communicator !! The ranks
-      type(grid_t), intent(in) :: grid               !! The grid
-      type(store_t), intent(in) :: stores(:)         !! The particles
+      class(ledger_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
+      type(grid_t), intent(in) :: grid
+      type(store_t), intent(in) :: stores(:)
       type(material_t), intent(in) :: materials(:)   !! Their materials
       type(balance_t), intent(out) :: now            !! Entries and errors
       type(exact_sum_t) :: sums(size(ledger_entries)), scales(2), total
@@ -276,7 +276,7 @@ contains
    !! only the axial
    !! momentum has a meaning, and none of the angular momentum.
    pure subroutine clear_meaningless(grid, entry)
-      type(grid_t), intent(in) :: grid               !! The grid
+      type(grid_t), intent(in) :: grid
       real(wp), intent(inout) :: entry(:)            !! Entries
       logical :: keep(3), turns(3)
       integer :: axis, n
@@ -295,7 +295,7 @@ contains
 
    !> Sums over the particles of one tile in their order. Equation (L.1).
    subroutine sum_tile(store, material, tile, sums, scales)
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
       integer, intent(in) :: tile                    !! Its index
       real(wp), intent(out) :: sums(:)               !! Entries of the state
@@ -347,8 +347,8 @@ contains
 
    !> Put the running sums of all ranks into the state of a checkpoint.
    subroutine ledger_save(self, communicator, state)
-      class(ledger_t), intent(in) :: self            !! The ledger
-      type(communicator_t), intent(in) :: communicator !! The ranks
+      class(ledger_t), intent(in) :: self
+      type(communicator_t), intent(in) :: communicator
       type(state_t), intent(inout) :: state          !! Of the checkpoint
       type(exact_sum_t) :: sum
       integer(int64) :: limbs(exact_sum_words, running)
@@ -369,8 +369,8 @@ contains
 
    !> Take the running sums from a checkpoint; rank 0 holds them all.
    subroutine ledger_load(self, communicator, state, error)
-      class(ledger_t), intent(inout) :: self         !! The ledger
-      type(communicator_t), intent(in) :: communicator !! The ranks
+      class(ledger_t), intent(inout) :: self
+      type(communicator_t), intent(in) :: communicator
       type(state_t), intent(in) :: state             !! Of the checkpoint
       type(error_t), allocatable, intent(out) :: error !! If something is missing
       integer(int64), allocatable :: limbs(:)

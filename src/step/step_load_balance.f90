@@ -129,7 +129,7 @@ contains
 
    !> Let all particles of a tile look for their new rank.
    pure subroutine send_tile(store, tile)
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       integer :: p
 

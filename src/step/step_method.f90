@@ -60,7 +60,7 @@ contains
 
    !> Choose node functions and gradient; words that are not known give the linear ones.
    subroutine method_choose(self, dual, basis, quadrature)
-      class(method_t), intent(inout) :: self         !! The method
+      class(method_t), intent(inout) :: self
       logical, intent(in) :: dual                    !! Dual domain gradient?
       character(len=*), intent(in) :: basis          !! Word of the node functions
       character(len=*), intent(in) :: quadrature     !! Word of the rule of the dual gradient
@@ -81,7 +81,7 @@ contains
    !> Width in cells of the band that a crack opens across an edge of the grid; that of the dual
    !! gradient is what a bar needs (test/verify/crack).
    pure real(wp) function method_band_width(self) result(width)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
 
       width = 1.2_wp
       if (.not. self%dual) width = self%basis%band_width()
@@ -89,7 +89,7 @@ contains
 
    !> True if a mean stress of the nodes is taken out of the particles.
    pure logical function method_controlled(self) result(controlled)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
 
       controlled = .false.
       if (allocated(self%quadrature)) controlled = self%quadrature%controlled()
@@ -97,7 +97,7 @@ contains
 
    !> True if the force of each node is corrected for how the particles lie.
    pure logical function method_differing(self) result(differing)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
 
       differing = .false.
       if (allocated(self%quadrature)) differing = self%quadrature%differing()
@@ -105,28 +105,28 @@ contains
 
    !> Are particles strained before the force acts, with the velocities at their new places?
    pure logical function method_strains_first(self) result(first)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
 
       first = self%stress == stress_before
    end function method_strains_first
 
    !> Are new velocities of particles, or what they gain, mapped to the nodes for the strain?
    pure logical function method_remaps(self) result(remaps)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
 
       remaps = self%stress == stress_remapped .or. self%stress == stress_average
    end function method_remaps
 
    !> Is the strain of a step half of the velocity at its begin and half of that at its end?
    pure logical function method_averages(self) result(averages)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
 
       averages = self%stress == stress_average
    end function method_averages
 
    !> Layers of nodes beyond a tile that its particles reach.
    pure integer function method_margin(self) result(margin)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
 
       margin = self%basis%margin()
       if (allocated(self%quadrature)) margin = max(margin, self%quadrature%margin())
@@ -134,7 +134,7 @@ contains
 
    !> Ask for what particles must carry.
    pure subroutine method_request(self, traits)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
       type(traits_t), intent(inout) :: traits        !! Fields of the stores
 
       call self%basis%request(traits)
@@ -150,7 +150,7 @@ contains
 
    !> Place of a word in a list, 0 if it is not there.
    pure integer function position_of(word, list) result(position)
-      character(len=*), intent(in) :: word           !! The word
+      character(len=*), intent(in) :: word           !! Word of the deck
       character(len=*), intent(in) :: list(:)        !! Where to look
 
       do position = 1, size(list)
@@ -166,7 +166,7 @@ contains
    !! and strains through the whole step (leapfrog), which is of second order. The scheme of
    !! LA-UR-11-06616 has the velocity at the time of the position.
    pure real(wp) function method_kick(self, last, dt) result(kick)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
       real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]
       real(wp), intent(in) :: dt                     !! Length of this step [s]
 
@@ -175,7 +175,7 @@ contains
 
    !> Time by which velocities are behind positions [s].
    pure real(wp) function method_lag(self, last) result(lag)
-      class(method_t), intent(in) :: self            !! The method
+      class(method_t), intent(in) :: self
       real(wp), intent(in) :: last                   !! Length of the last step, 0 at the start [s]
 
       lag = merge(0.5_wp*last, 0.0_wp, self%leapfrog)

@@ -170,7 +170,7 @@ contains
    subroutine judge_particles(simulation, scratch, index, tile, fastest, steepest)
       type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(inout) :: fastest             !! Fastest signal and motion in it [m/s]
       real(wp), intent(in) :: steepest               !! Square of |grad v| without it [1/s2]
@@ -292,7 +292,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       integer :: p, k
@@ -321,7 +321,7 @@ contains
    subroutine repack_particles(simulation, scratch, index, tile, view)
       type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
 
@@ -338,7 +338,7 @@ contains
    subroutine move_particles(simulation, scratch, index, tile, view, dt)
       type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -366,7 +366,7 @@ contains
    !! normalised sums it is not: there a linear field has no uniform gradient.
    pure logical function strained(simulation, index) result(renewed)
       type(simulation_t), intent(in) :: simulation
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
 
       renewed = simulation%scheme%method%dual .and. simulation%scheme%method%stress /= stress_before
       if (renewed .and. allocated(simulation%scheme%normalises)) &
@@ -378,7 +378,7 @@ contains
    subroutine add_work(simulation, scratch, store, tile, view)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       integer :: p, q, first
@@ -402,7 +402,7 @@ contains
    subroutine find_gradient(simulation, scratch, store, tile, velocity, gradient, dt)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Gets the gradient
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Of the nodes, if dual [1/s]
@@ -430,7 +430,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
       real(wp), intent(in) :: dt                     !! Time of the strain [s]

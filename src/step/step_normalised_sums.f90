@@ -144,7 +144,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       logical, allocatable, intent(out) :: full(:, :) !! (0:cells - 1, tile)
       integer :: tile, cell, lane
 

@@ -27,7 +27,7 @@ contains
    pure function tile_bounds(materials, clock, index) result(bounds)
       type(material_t), intent(in) :: materials(:)
       type(clock_t), intent(in) :: clock
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       type(bounds_t) :: bounds
 
       bounds = clock%guard%bounds
@@ -128,7 +128,7 @@ contains
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(in) :: stores(:)
       type(clock_t), intent(in) :: clock
-      type(found_t), intent(out) :: found            !! The particle
+      type(found_t), intent(out) :: found
       type(bounds_t) :: bounds
       integer :: index, tile, p, fault
       real(wp) :: value
@@ -151,7 +151,7 @@ contains
    !> Where a particle is whose identity is known.
    pure subroutine find_identity(stores, found)
       type(store_t), intent(in) :: stores(:)
-      type(found_t), intent(inout) :: found          !! The particle
+      type(found_t), intent(inout) :: found
       integer :: index, tile, p
 
       do index = 1, size(stores)
@@ -196,8 +196,8 @@ contains
    pure subroutine find_speeds(materials, stores, index, p, signal, speed)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(in) :: stores(:)
-      integer, intent(in) :: index                   !! Which material
-      integer, intent(in) :: p                       !! Which particle
+      integer, intent(in) :: index                   !! Index of the material and of its store
+      integer, intent(in) :: p
       real(wp), intent(out) :: signal                !! [m/s]
       real(wp), intent(out) :: speed                 !! [m/s]
 
@@ -232,7 +232,7 @@ contains
    !> Who a particle is and where.
    function particle_text(simulation, found) result(text)
       type(simulation_t), intent(in) :: simulation
-      type(found_t), intent(in) :: found             !! The particle
+      type(found_t), intent(in) :: found
       character(len=:), allocatable :: text
       character(len=100) :: line
       integer :: body

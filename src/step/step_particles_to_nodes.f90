@@ -180,7 +180,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
 
@@ -218,7 +218,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
       associate (grid => space%grid, start => store%cell_start(:, tile), &
@@ -259,7 +259,7 @@ contains
    subroutine add_body_force(simulation, scratch, index, tile, patch)
       type(simulation_t), intent(in) :: simulation   !! With a solution
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp) :: point(3), force(3)
@@ -291,7 +291,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
       call locate_tile(space, scheme, scratch, store, tile)
@@ -304,7 +304,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
       call locate_tile(space, scheme, scratch, store, tile)
@@ -316,7 +316,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
       associate (coordinate => space%tiles%coordinate(:, tile))

@@ -29,7 +29,7 @@ contains
    pure logical function evens_pressure(scheme, stores, index) result(yes)
       type(scheme_t), intent(in) :: scheme
       type(store_t), intent(in) :: stores(:)
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
 
       yes = .false.
       if (.not. allocated(scheme%flows)) return
@@ -39,7 +39,7 @@ contains
    !> Are the sums of a material normalised?
    pure logical function normalised(simulation, index) result(yes)
       type(simulation_t), intent(in) :: simulation
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
 
       yes = .false.
       if (allocated(simulation%scheme%normalises)) yes = simulation%scheme%normalises(index)
@@ -50,7 +50,7 @@ contains
    subroutine relax_pressures(simulation, field, index, tile, local, speed, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]

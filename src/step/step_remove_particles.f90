@@ -26,7 +26,7 @@ contains
       type(store_t), intent(inout) :: stores(:)
       type(clock_t), intent(in) :: clock
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: index                   !! Which material
+      integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile                    !! Which tile, after its particles moved
       logical, intent(out) :: sound                  !! Is all well now?
       type(bounds_t) :: bounds
@@ -71,9 +71,9 @@ contains
    subroutine take_out(ledger, material, store, tile, p)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(material_t), intent(in) :: material       !! Its material
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: tile                    !! Its tile
-      integer, intent(in) :: p                       !! Which one
+      integer, intent(in) :: p
 
       call ledger%record_particle(store, material, p, [removed_mass, removed_momentum, &
          removed_energy, removed_angular])
@@ -85,7 +85,7 @@ contains
 
    !> Fastest signal and motion of the particles of a tile that are left [m/s].
    pure real(wp) function fastest_left(store, tile, wave_speed) result(fastest)
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: wave_speed(:) !! (particle of the tile) [m/s]
       integer :: p, q

@@ -85,7 +85,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! Its nodes just moved
       type(velocity_field_t), intent(in) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
-      type(reach_t), intent(out) :: worst            !! It
+      type(reach_t), intent(out) :: worst
       type(reach_t) :: mine, reach
       integer :: tile, thread
 

@@ -243,7 +243,7 @@ module step_simulation
 
    !> Ranks, their times, and how evenly they work.
    type :: machine_t
-      type(communicator_t) :: communicator           !! The ranks
+      type(communicator_t) :: communicator
       type(timer_t) :: timer                         !! Wall time by phase
       type(phases_t) :: phase                        !! Indices of the phases
       type(requests_t) :: requests                   !! Of this rank, after a step of all
@@ -272,7 +272,7 @@ contains
 
    !> Where the fields of a tile are: its own place, or that of the thread which works on it.
    integer function nodes_slot(self, tile) result(slot)
-      class(nodes_t), intent(in) :: self             !! The fields
+      class(nodes_t), intent(in) :: self
       integer, intent(in) :: tile
 
       slot = tile
@@ -281,7 +281,7 @@ contains
 
    !> Note how evenly the ranks worked in a step.
    pure subroutine load_look(self, step, ratio)
-      class(load_t), intent(inout) :: self           !! The notes
+      class(load_t), intent(inout) :: self
       integer(int64), intent(in) :: step             !! Steps done
       real(wp), intent(in) :: ratio                  !! Greatest over mean work [1]
       integer(int64), parameter :: settled = 100

@@ -44,7 +44,7 @@ contains
    !> Put the half strain of the last step that was taken ahead right, and take that of this step
    !! ahead.
    pure subroutine average_strain(store, tile, earlier, gradient)
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: earlier(:, :) !! (particle of the tile, 9) Half strain [1]
       !> (particle of the tile, 9) Strain with the velocity that they take with them, then that of

@@ -75,7 +75,7 @@ contains
 
    !> Those of one material, by chunks that stay in cache.
    pure subroutine add_store(store, tile, lower, inverse, sums)
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]
@@ -132,7 +132,7 @@ contains
 
    !> That of the particles of one material.
    pure subroutine turn_store(store, tile, lower, inverse, turn)
-      type(store_t), intent(inout) :: store          !! The particles
+      type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]

@@ -39,7 +39,7 @@ contains
    !> Number the lattices of the bodies, by which neighbours are found.
    subroutine number_lattices(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation
-      type(body_t), intent(in) :: bodies(:)          !! The bodies
+      type(body_t), intent(in) :: bodies(:)
       integer(int64) :: next
       integer :: n, other
 

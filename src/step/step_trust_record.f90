@@ -58,7 +58,7 @@ contains
 
    !> Is a value ok, to be looked at, or bad?
    pure integer function verdict_of(entry, value) result(verdict)
-      integer, intent(in) :: entry                   !! Which value
+      integer, intent(in) :: entry                   !! Index of the value
       real(wp), intent(in) :: value                  !! In its unit
 
       verdict = trust_bad
@@ -97,7 +97,7 @@ contains
 
    !> The same for scripts.
    subroutine add_trust(json, trust)
-      type(json_t), intent(inout) :: json            !! The summary
+      type(json_t), intent(inout) :: json
       type(trust_t), intent(in) :: trust             !! The values at the end
       integer :: entry, worst
 

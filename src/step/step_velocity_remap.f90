@@ -272,7 +272,7 @@ contains
 
    !> Add a share of their own velocity to what particles get.
    pure subroutine keep_velocity(store, tile, keep, vector)
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(in) :: keep                   !! The share [1]
       real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
@@ -293,7 +293,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, velocity and slopes set
-      type(store_t), intent(in) :: store             !! The particles
+      type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (4, node)
       real(wp) :: mass(store%count(tile))

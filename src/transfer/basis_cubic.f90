@@ -25,7 +25,7 @@ contains
 
    !> Width of a crack in cells, see `basis_band_width`.
    pure real(wp) function cubic_band_width(self) result(width)
-      class(basis_cubic_t), intent(in) :: self           !! The basis
+      class(basis_cubic_t), intent(in) :: self
 
       width = 2.0_wp
    end function cubic_band_width

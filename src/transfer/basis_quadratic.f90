@@ -24,7 +24,7 @@ contains
 
    !> Width of a crack in cells, see `basis_band_width`.
    pure real(wp) function quadratic_band_width(self) result(width)
-      class(basis_quadratic_t), intent(in) :: self           !! The basis
+      class(basis_quadratic_t), intent(in) :: self
 
       width = 1.9_wp
    end function quadratic_band_width

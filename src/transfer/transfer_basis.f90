@@ -142,7 +142,7 @@ contains
    !! gradient of a cell is that of its own nodes. Smoother gradients drag particles of the cells
    !! beside it along; their widths are those that a bar needs (test/verify/crack).
    pure real(wp) function basis_band_width(self) result(width)
-      class(basis_t), intent(in) :: self                     !! The basis
+      class(basis_t), intent(in) :: self
 
       width = 1.0_wp
    end function basis_band_width

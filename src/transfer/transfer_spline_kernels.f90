@@ -11,8 +11,8 @@ module transfer_spline_kernels
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use transfer_shape_data, only: line, shape_data_t
-   use transfer_spline_plane, only: before_block, columns, scatter_plane_loads, &
-      scatter_plane_columns
+   use transfer_spline_plane, only: before_block, columns, scatter_plane_columns, &
+      scatter_plane_loads
    implicit none
    private
 

@@ -7,9 +7,9 @@ module transfer_tensor
    use particle_store, only: store_t
    use transfer_basis, only: basis_t
    use transfer_shape_data, only: line, shape_data_t
-   use transfer_spline_gather_plane, only: gather_plane_values, gather_plane_gradient
-   use transfer_spline_kernels, only: gather_spline_values, gather_spline_gradient, &
-      scatter_spline_affine, scatter_spline_values, scatter_spline_stress
+   use transfer_spline_gather_plane, only: gather_plane_gradient, gather_plane_values
+   use transfer_spline_kernels, only: gather_spline_gradient, gather_spline_values, &
+      scatter_spline_affine, scatter_spline_stress, scatter_spline_values
    implicit none
    private
 

@@ -86,7 +86,8 @@ program bench_block
    if (allocated(error)) print "(a)", error%message
    print "(a,i0,a,i0,a,f8.3,a,f8.2,a)", "particles ", survey%particles, "  steps ", steps, &
       "  seconds ", &
-      seconds, "  million updates/s ", real(updates, wp)*real(simulation%machine%communicator%size, wp) &
+      seconds, "  million updates/s ", real(updates, &
+         wp)*real(simulation%machine%communicator%size, wp) &
       /seconds*1.0e-6_wp, "  "//trim(word)
    print "(a)", simulation%machine%timer%table(simulation%machine%communicator, seconds)
    print "(a,i0)", "8-byte numbers a particle: ", simulation%stores(1)%words()
