@@ -121,11 +121,6 @@ contains
       real(wp) :: young, strength, greatest
 
       text = ""
-      if (.not. self%bulk > 0.0_wp) then
-         text = "fracture_energy needs an eos_model with a bulk modulus at rest; a gas does "// &
-            "not crack"
-         return
-      end if
       young = 9.0_wp*self%bulk*self%shear/(3.0_wp*self%bulk + self%shear)
       strength = self%strength
       if (self%limit > 0.0_wp) strength = young*self%limit

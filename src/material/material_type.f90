@@ -45,6 +45,9 @@ contains
       call read_moduli(self, group)
       call read_models(self, group, effects, deck%group("method"))
       call read_failure(self, group, effects, deck%group("run"))
+      if (allocated(self%failure%softening) .and. .not. self%bulk > 0.0_wp) &
+         call deck%complain(group, "fracture_energy needs an eos_model with a bulk modulus at "// &
+         "rest; a gas does not crack", "fracture_energy")
    end subroutine material_read
 
    !> Allocate the requested models.

@@ -152,7 +152,7 @@ contains
       if (.not. (deck%sound("grid") .and. deck%sound("method"))) return
       do index = 1, size(simulation%materials)
          associate (failure => simulation%materials(index)%failure)
-            if (.not. allocated(failure%softening)) cycle
+            if (.not. (allocated(failure%softening) .and. deck%sound("material", index))) cycle
             failure%softening%width = simulation%scheme%method%band_width()
             fault = failure%softening%band_fault(simulation%space%grid%spacing, &
                simulation%space%grid%dimensions)
