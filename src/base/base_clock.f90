@@ -9,23 +9,23 @@ module base_clock
 contains
 
    !> True for hours:minutes:seconds with one to three digits of hours.
-   pure logical function is_clock(text)
+   pure logical function is_clock(text) result(valid)
       character(len=*), intent(in) :: text               !! As given by the user
       integer :: last
 
       last = len(text)
-      is_clock = .false.
+      valid = .false.
       if (last < 7 .or. last > 9) return
       if (verify(text(:last - 6), "0123456789") > 0) return
-      is_clock = text(last - 5:last - 5) == ":" .and. text(last - 2:last - 2) == ":" .and. &
+      valid = text(last - 5:last - 5) == ":" .and. text(last - 2:last - 2) == ":" .and. &
          is_below_sixty(text(last - 4:last - 3)) .and. is_below_sixty(text(last - 1:))
    end function is_clock
 
    !> True for two digits of a number below 60.
-   pure logical function is_below_sixty(text)
+   pure logical function is_below_sixty(text) result(below)
       character(len=*), intent(in) :: text               !! Two characters
 
-      is_below_sixty = verify(text, "0123456789") == 0 .and. llt(text, "60")
+      below = verify(text, "0123456789") == 0 .and. llt(text, "60")
    end function is_below_sixty
 
    !> Seconds of hours:minutes:seconds [s].
