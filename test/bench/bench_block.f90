@@ -44,6 +44,8 @@ program bench_block
    if (len_trim(word) == 0) word = "ddmp"
    call simulation%scheme%method%choose(word == "ddmp", trim(word), "point")
    call choose_velocity(trim(transfer), simulation%scheme%method%transfer)
+   simulation%scheme%method%cfl = 0.4_wp
+   simulation%clock%guard%bounds%strain_max = 0.3_wp
    simulation%space%grid%margin = simulation%scheme%method%margin()
    simulation%space%grid%spacing = 1.0_wp
    simulation%space%grid%upper = real(cells + max(cells/4, 4), wp)
@@ -67,6 +69,7 @@ program bench_block
    call make_stores(simulation, traits)
    call bodies(1)%shape%set(box([2.0_wp, 2.0_wp, 2.0_wp], spread(2.0_wp + real(cells, wp), 1, 3)))
    bodies(1)%density = 1.0_wp
+   bodies(1)%per_cell = 2
    bodies(1)%velocity = 0.1_wp/sqrt(3.0_wp)
    call take_survey(simulation, bodies, survey)
    call fill_simulation(simulation, bodies, survey)
