@@ -32,6 +32,9 @@ ARROWS["program"] = set(ARROWS)
 # Families of modules whose names begin otherwise than their folder.
 FAMILIES = {"law": "constitutive", "eos": "constitutive", "damage": "constitutive",
             "basis": "transfer", "velocity": "transfer", "quadrature": "ddmp"}
+# Dummy arguments that need no docstring, as type and name say all: derived types, and these names.
+DERIVED = re.compile(r"^(?:type|class)\s*\(", re.I)
+PLAIN_NAMES = {"body", "edge", "key", "label", "line", "name", "p", "path", "point", "text", "tile", "unit"}
 SOURCES = project_files(".f90", under="src")
 MODULES = [Module(path) for path in SOURCES if path.name != "main.f90"]
 
@@ -44,6 +47,12 @@ def documented(lines, line):
             return True
         above -= 1
     return False
+
+
+def explains_itself(declaration):
+    """True for a declaration of dummy arguments whose types and names say what they are."""
+    names = re.findall(r"(\w+)(?:\([^()]*\))?", declaration.split("::")[1].lower())
+    return bool(DERIVED.match(declaration)) or set(names) <= PLAIN_NAMES
 
 
 class FortranGate(unittest.TestCase):
@@ -157,7 +166,7 @@ class FortranGate(unittest.TestCase):
                 if name not in module.interface():
                     continue
                 for line, text in body:
-                    if "intent(" not in text.lower():
+                    if "intent(" not in text.lower() or explains_itself(text):
                         continue
                     end = line
                     while code_of(lines[end - 1]).endswith("&"):
@@ -166,6 +175,15 @@ class FortranGate(unittest.TestCase):
                     if not beside and not documented(lines, line):
                         offences.append(f"{place(module.path, line)} {name}: no !! on {text}")
         self.none(offences)
+
+    def test_what_explains_itself(self):
+        """The rule itself: numbers need a word about meaning and unit, objects and paths do not."""
+        for text in ("class(store_t), intent(inout) :: self", "type(error_t), allocatable, intent(out) :: error",
+                     "character(len=*), intent(in) :: path", "integer, intent(in) :: tile"):
+            self.assertTrue(explains_itself(text), text)
+        for text in ("real(wp), intent(in) :: dt", "integer, intent(in) :: tile, count",
+                     "real(wp), intent(in) :: position(3)"):
+            self.assertFalse(explains_itself(text), text)
 
     def test_open_mp_says_what_is_shared(self):
         offences = []
