@@ -172,7 +172,7 @@ class Facets(unittest.TestCase):
                 ("empty", b"", "it is too short for an STL file"),
                 ("none", binary(np.zeros((0, 3, 3))), "it has no facets"),
                 ("nan", bytes(nan), "facet 3 has a corner that is not finite"),
-                ("noise", bytes(range(256)), "it is cut short, or no STL file"),
+                ("noise", bytes(range(256)), "it is cut short, or not an STL file"),
                 ("cut", "\r\n".join(lines[:20]).encode(), "it ends within a solid, in line 20; it is cut short"),
                 ("word", plain.replace(b"outer loop", b"outer lop", 1).replace(b"\tvertex", b"\tvertices", 1),
                  "line 4: expected a facet with three vertices of three numbers, not 'vertices"),
