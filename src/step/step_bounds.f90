@@ -57,8 +57,8 @@ module step_bounds
 
 contains
 
-   !> Particles of a tile that are not as they should be. A number that is none fails every
-   !! comparison, so it needs no test.
+   !> Number of particles of a tile with an invalid state. Comparisons with NaN are false, so NaN
+   !! needs no test.
    pure real(wp) function count_bad(store, tile, density, bounds) result(bad)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -166,8 +166,8 @@ contains
    end subroutine fault_of
 
    !> Note the steepest velocity gradient of a tile if it is the steepest so far and may limit the
-   !! next step. Equal ones go to the lowest identity, so that the order of tiles does not matter.
-   !! Most tiles have none that matters, which counting in vectors tells.
+   !! next step. Of equal gradients the lowest identity counts, so that the order of tiles has no
+   !! effect. Most tiles have no such gradient; a vectorised count finds these tiles.
    pure subroutine find_steepest(gradient, identity, dt, matters, steepest, who)
       real(wp), contiguous, intent(in) :: gradient(:, :)    !! (particle, 9) dt du_k/dx_l [1]
       integer(int64), contiguous, intent(in) :: identity(:) !! (particle) Who they are

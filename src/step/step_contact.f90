@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Contact between bodies that have velocity fields of their own, on the nodes that several of them
-!! share. See doc/theory/contact.md. Each node is worked on by itself, on ghosts as well, so ranks
-!! do not matter.
+!! share. See doc/theory/contact.md. Each node is treated on its own, in ghost tiles as well, so the
+!! result does not depend on the number of ranks.
 module step_contact
    use base_kinds, only: wp
    use mesh_patch, only: assemble_greatest, ensure_patch
@@ -9,7 +9,7 @@ module step_contact
    use particle_store, only: store_t
    use step_contact_surface, only: direction_of, guess_area, reach_row
    use step_ledger, only: dissipated
-   use step_particles_to_nodes, only: find_plain_places
+   use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: effects_t, empty_mass, guesses, scheme_t, scratch_t, simulation_t, &
       space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
@@ -273,7 +273,7 @@ contains
       type(store_t), intent(inout) :: store
       integer :: cell, p, q, node, upper(3)
 
-      call find_plain_places(space, scheme, scratch, store, tile)
+      call locate_particles_plainly(space, scheme, scratch, store, tile)
       ! the cells are counted from 0, and a name for a part of an array would count them from 1
       associate (grid => space%grid)
          do cell = 0, grid%tile_cells - 1

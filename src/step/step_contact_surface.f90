@@ -10,7 +10,7 @@ module step_contact_surface
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_particles_to_nodes, only: find_plain_places
+   use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: contact_t, effects_t, empty_mass, guesses, scratch_t, simulation_t, &
       space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
@@ -40,7 +40,7 @@ contains
          call ensure_patch(contact%area, rows, number, simulation%space%tiles%all)
          call sum_areas(simulation)
          call ensure_patch(contact%reach, guesses*fields**2, number, simulation%space%tiles%own)
-         call spread(simulation, spread_places, contact%reach)
+         call spread(simulation, spread_positions, contact%reach)
       end associate
       call simulation%machine%timer%stop(simulation%machine%phase%contact)
    end subroutine find_surfaces
@@ -133,7 +133,8 @@ contains
             associate (store => simulation%stores(index), grid => simulation%space%grid, &
                basis => simulation%scheme%method%basis, pushed => scratch%pushed, &
                start => simulation%stores(index)%cell_start(:, tile))
-               call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+               call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, &
+                  tile)
                call pushed%copy(store%first(tile), store%count(tile), store%position, &
                   store%state%volume, store%state%stress)
                call pushed%make_unit(store%count(tile))
@@ -249,7 +250,7 @@ contains
    end function direction_of
 
    !> How far the particles of a tile reach towards each other field.
-   subroutine spread_places(simulation, scratch, tile, patch)
+   subroutine spread_positions(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile
@@ -277,7 +278,7 @@ contains
             end do
          end do
       end do
-   end subroutine spread_places
+   end subroutine spread_positions
 
    !> Guessed normals from one field to another at the nodes of a tile where both have mass.
    subroutine find_normals(simulation, tile, a, b, guess, normal)

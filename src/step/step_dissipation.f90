@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What artificial viscosity, plastic flow and the share of PIC take from motion in a step, in the
-!! books.
+!> Records the kinetic energy that artificial viscosity, plastic flow and the PIC fraction dissipate
+!! in a step.
 module step_dissipation
    use base_kinds, only: wp
    use constitutive_state, only: deformation_t, material_state_t
@@ -40,13 +40,15 @@ contains
       if (.not. allocated(state%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
    end subroutine record_losses
 
-   !> Does the share of PIC take kinetic energy that nothing takes up, and that can be told?
-   pure logical function damps(method, carries) result(told)
+   !> Does the PIC fraction dissipate kinetic energy that is not recorded elsewhere, and can this
+   !! loss
+   !! be measured?
+   pure logical function damps(method, carries) result(measurable)
       type(method_t), intent(in) :: method           !! Its transfer
       logical, intent(in) :: carries                 !! Does some material carry an internal energy?
 
-      ! with musl the strain sees it, so what it takes is not lost
-      told = .not. carries .and. (method%averages() .or. .not. method%remaps()) &
+      ! with musl the strain uses the damped velocity, so this energy is not lost
+      measurable = .not. carries .and. (method%averages() .or. .not. method%remaps()) &
          .and. method%leapfrog .and. method%transfer%sweeps() == 0 &
          .and. method%transfer%flip_fraction() > 0.0_wp &
          .and. method%transfer%flip_fraction() < 1.0_wp

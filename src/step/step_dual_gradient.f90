@@ -59,7 +59,8 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine dual_fields
 
-   !> Allocate the fields of the dual gradient, but for pieces whose boxes are not known yet.
+   !> Allocate the fields of the dual gradient, except packed patches whose bounds are not known
+   !! yet.
    pure subroutine ensure_dual(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -231,7 +232,8 @@ contains
       call gradient%put(space%grid, field%nodes%weighted, tile, 1, patch)
    end subroutine put_gradient
 
-   !> Sum of the pieces of a node gradient, divided by the volumes of the nodes. Equation (M.6) of
+   !> Sum of the packed patches of a node gradient, divided by the volumes of the nodes. Equation
+   !! (M.6) of
    !! doc/theory/method.md.
    subroutine node_gradient(space, field, tile, pieces, gradient)
       type(space_t), intent(in) :: space

@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Volumes of loose material from what the nodes see (`volume_from = 'grid'` of a material).
 !!
-!! The volume of a particle follows the velocity gradient. Where material comes apart and together
-!! again the gradient jumps between particles, and what it adds to a volume while a gap opens is not
-!! what it takes away while it closes: gaps that bear pressure are left, beside particles that stay
-!! too large. The fill of a node, the volume of the particles around it over its own, knows of both.
+!! The volume of a particle follows the velocity gradient. Where material separates and joins
+!! again, the gradient jumps between particles. It adds more or less volume while a gap opens than
+!! it
+!! removes while the gap closes: gaps that support pressure remain, beside particles that are too
+!! large. The fill of a node, the volume of the particles around it over its own, knows of both.
 !! Where it is below 1 pressed particles grow, at most to their volume without pressure, and so let
 !! the gap close; where it is above 1 loose ones shrink, at most to that volume. Grains are never
 !! pressed by this. At the surface of bodies a fill below 1 says nothing, unless material thins out

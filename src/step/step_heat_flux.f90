@@ -8,7 +8,8 @@
 !! from node to node, so the sum is kept to round-off. Conductances of edges are positive and a node
 !! gives at most the energy that it has. The particles around a node get what it gains by
 !! their mass and give what it loses by their energy: none gives more than it has. Energy below
-!! zero, as cold matter in tension has, does not flow. Materials do not heat each other, and no flux
+!! zero, as in cold material in tension, does not flow. Materials do not heat each other, and no
+!! flux
 !! crosses surfaces and faces. Equation (M.23) of doc/theory/method.md.
 module step_heat_flux
    use base_kinds, only: wp
@@ -18,7 +19,7 @@ module step_heat_flux
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_node_sums, only: divide
-   use step_particles_to_nodes, only: find_plain_places
+   use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: empty_mass, scheme_t, scratch_t, simulation_t, space_t
    implicit none
    private
@@ -124,7 +125,7 @@ contains
       integer :: p, q
 
       associate (store => simulation%stores(index), shape => scratch%shape)
-         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             shape%values(p, mass) = store%state%mass(q)
@@ -158,7 +159,7 @@ contains
       integer :: low(4), p, cell, direction, edges, edge, high
 
       associate (store => simulation%stores(index), grid => simulation%space%grid)
-         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                conductance = conductance_of(simulation%space, simulation%scheme, &
@@ -213,7 +214,7 @@ contains
       call divide(simulation%effects%heat_flux%total(:, :, tile), mass, energy)
       associate (store => simulation%stores(index), grid => simulation%space%grid, &
          share => simulation%effects%heat_flux%total(passed, :, tile))
-         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                conductance = conductance_of(simulation%space, simulation%scheme, &
@@ -304,7 +305,7 @@ contains
          end do
       end associate
       associate (store => simulation%stores(index), shape => scratch%shape)
-         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
          call simulation%scheme%method%basis%gather_values(simulation%space%grid, shape, change, &
             shape%values)
          do p = 1, store%count(tile)

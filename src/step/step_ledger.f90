@@ -68,7 +68,7 @@ module step_ledger
       ledger_entry_t("retired_mass", "kg", .true.), &
       ledger_entry_t("damped", "J", .true.)]
 
-   ! places of entries in the list
+   ! indices of entries in the list
    !> Mass in the box.
    integer, parameter, public :: mass = findloc(ledger_entries%name, "mass", dim=1)
    !> First of three components of momentum.

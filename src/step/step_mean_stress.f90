@@ -7,7 +7,7 @@ module step_mean_stress
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_particles_to_nodes, only: find_places
+   use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: empty_mass, scratch_t, simulation_t, velocity_field_t
    implicit none
    private
@@ -65,7 +65,7 @@ contains
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                scratch%shape%values(p, 1) = store%state%volume(q)

@@ -27,7 +27,7 @@ module step_method
    !> Choices of the numerical method.
    type :: method_t
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
-      class(basis_t), allocatable :: basis           !! Node functions
+      class(basis_t), allocatable :: basis           !! Shape functions
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
       character(len=:), allocatable :: normalise     !! Whose sums are normalised: gases, ...
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
@@ -51,18 +51,18 @@ module step_method
       procedure :: differing => method_differing     !! Is the force of stress differences?
       procedure :: band_width => method_band_width   !! Width of a crack across a cell
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
-      procedure :: request => method_request         !! Asks for what particles must carry
+      procedure :: request => method_request !! Requests the fields that particles must carry
       procedure :: kick => method_kick               !! Time over which the forces act
       procedure :: lag => method_lag                 !! Time by which velocities are behind
    end type method_t
 
 contains
 
-   !> Choose node functions and gradient; words that are not known give the linear ones.
+   !> Choose shape functions and gradient; unknown words give the linear ones.
    subroutine method_choose(self, dual, basis, quadrature)
       class(method_t), intent(inout) :: self
       logical, intent(in) :: dual                    !! Dual domain gradient?
-      character(len=*), intent(in) :: basis          !! Word of the node functions
+      character(len=*), intent(in) :: basis          !! Word of the shape functions
       character(len=*), intent(in) :: quadrature     !! Word of the rule of the dual gradient
 
       self%dual = dual
@@ -103,7 +103,7 @@ contains
       if (allocated(self%quadrature)) differing = self%quadrature%differing()
    end function method_differing
 
-   !> Are particles strained before the force acts, with the velocities at their new places?
+   !> Are particles strained before the force acts, with the velocities at their new positions?
    pure logical function method_strains_first(self) result(first)
       class(method_t), intent(in) :: self
 
@@ -132,7 +132,7 @@ contains
       if (allocated(self%quadrature)) margin = max(margin, self%quadrature%margin())
    end function method_margin
 
-   !> Ask for what particles must carry.
+   !> Request the fields that particles must carry.
    pure subroutine method_request(self, traits)
       class(method_t), intent(in) :: self
       type(traits_t), intent(inout) :: traits        !! Fields of the stores

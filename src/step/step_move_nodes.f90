@@ -9,7 +9,7 @@ module step_move_nodes
    use step_dissipation, only: damps, record_damped
    use step_dual_gradient, only: calm_tile, find_volumes, put_gradient
    use step_ledger, only: cross, external_work, impulse, ledger_t, torque
-   use step_node_displacement, only: look_at_tile, worse
+   use step_node_displacement, only: examine_tile, worse
    use step_node_sums, only: divide, ensure_sums, find_sums, slots
    use step_particles_to_nodes, only: vector_rows
    use step_simulation, only: clock_t, effects_t, empty_mass, machine_t, reach_t, scheme_t, &
@@ -32,7 +32,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
-      !> Time step, if it is to be told how far the nodes go and their fields are not kept [s]
+      !> Time step, present if node displacements are examined and node fields are not kept [s]
       real(wp), intent(in), optional :: whole
       integer :: tile
       real(wp) :: began
@@ -42,7 +42,7 @@ contains
       call stand_walls(simulation, dt)
       simulation%scratch%reach = reach_t()
       field%nodes%acting = dt
-      if (books_later(simulation%space, simulation%scheme, simulation%effects)) call &
+      if (records_later(simulation%space, simulation%scheme, simulation%effects)) call &
          ensure_later(simulation%space, field)
       !$omp parallel do default(none) shared(simulation, field, dt, whole) private(tile, began) &
       !$omp schedule(static)
@@ -63,7 +63,7 @@ contains
    !> Is the work of walls and gravity recorded with the velocity that strains, which `musl` knows
    !! after the particles have got theirs? Where material carries its energy, that is made with the
    !! velocities of the forces, and so is the work.
-   pure logical function books_later(space, scheme, effects) result(later)
+   pure logical function records_later(space, scheme, effects) result(later)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(effects_t), intent(in) :: effects
@@ -72,7 +72,7 @@ contains
       later = scheme%method%remaps() .and. .not. scheme%carries_energy
       if (later) later = allocated(effects%gravity) .or. allocated(space%rigid) &
          .or. any([(space%boundary%acts_on(face), face=1, 6)])
-   end function books_later
+   end function records_later
 
    !> Allocate what is recorded later.
    subroutine ensure_later(space, field)
@@ -86,7 +86,7 @@ contains
       end associate
    end subroutine ensure_later
 
-   !> Keep what the particles of a tile will see, and tell how far its nodes go.
+   !> Keep the fields that the particles of a tile will see, and examine how far its nodes go.
    subroutine keep_seen(simulation, field, scratch, tile, whole)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -101,7 +101,7 @@ contains
          call nodes%seen(1)%put(grid, nodes%touched, tile, 1, nodes%velocity(:, :, slot))
          call nodes%seen(2)%put(grid, nodes%touched, tile, 1, nodes%acceleration(:, :, slot))
          if (.not. present(whole)) return
-         call look_at_tile(simulation, field, tile, slot, whole, reach)
+         call examine_tile(simulation, field, tile, slot, whole, reach)
          if (worse(reach, scratch%reach)) scratch%reach = reach
       end associate
    end subroutine keep_seen
@@ -151,7 +151,7 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine start_nodes
 
-   !> The second part, after contact: books and gradients.
+   !> The second part, after contact: ledger and gradients.
    subroutine finish_nodes(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -165,7 +165,7 @@ contains
       do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
          if (dt > 0.0_wp .and. tile <= simulation%space%tiles%own) &
-            call book_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
+            call record_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
          call finish_tile(simulation, field, tile, dt)
          call record_cost(simulation, tile, began)
       end do
@@ -174,7 +174,7 @@ contains
    end subroutine finish_nodes
 
    !> Record what walls and gravity did to the nodes of a tile, at the velocity after contact.
-   subroutine book_tile(simulation, field, scratch, tile, dt)
+   subroutine record_tile(simulation, field, scratch, tile, dt)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
@@ -187,7 +187,7 @@ contains
          call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, tile), &
             centre)
       end associate
-   end subroutine book_tile
+   end subroutine record_tile
 
    !> Allocate what moves and strains the particles. The node stress is no longer needed, so
    !! the gradient takes its memory.
@@ -302,7 +302,7 @@ contains
          damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
             brought = velocity
       if (ruled) call impose_walls(simulation, tile, dt, velocity, acceleration, push, work)
-      if (allocated(brought)) call book_stopped(simulation%space, simulation%scheme, field, &
+      if (allocated(brought)) call record_stopped(simulation%space, simulation%scheme, field, &
          scratch%ledger, tile, &
          velocity - brought, velocity + dt*acceleration)
       if (keeps) field%nodes%taken(:, :, tile) = field%nodes%taken(:, :, tile) - velocity
@@ -326,7 +326,7 @@ contains
    !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
    !! of which all that this share takes is recorded: so that much of it is no work. Equation (L.13)
    !! of doc/theory/ledger.md.
-   subroutine book_stopped(space, scheme, field, ledger, tile, change, velocity)
+   subroutine record_stopped(space, scheme, field, ledger, tile, change, velocity)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
@@ -343,7 +343,7 @@ contains
          stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
       end do
       call record_damped(ledger, (1.0_wp - scheme%method%transfer%flip_fraction())*stopped)
-   end subroutine book_stopped
+   end subroutine record_stopped
 
    !> Record impulse, its moment, and work of a push on the nodes of a tile.
    subroutine record_push(space, field, ledger, tile, push, velocity, more)
@@ -381,11 +381,12 @@ contains
       call ledger%sums(external_work)%add(work)
    end subroutine record_push
 
-   !> Book what faces and gravity did to the nodes of a tile at the mean of the velocity before the
-   !! step and the one that strains: with the strain of `musl` the stress works with that, and the
-   !! kinetic energy of particles grows by the product of the forces with it. Equation (L.7) of
+   !> Record the work of boundaries and gravity on the nodes of a tile at the mean of the velocity
+   !! before the step and the one that strains: with the strain of `musl` the stress works with this
+   !! mean, and the kinetic energy of particles grows by its product with the forces. Equation (L.7)
+   !! of
    !! doc/theory/ledger.md.
-   subroutine book_strained(simulation, field, scratch, tile, mapped)
+   subroutine record_strained(simulation, field, scratch, tile, mapped)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
@@ -413,12 +414,12 @@ contains
          call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, tile), &
             centre, work)
          if (damps(simulation%scheme%method, simulation%scheme%carries_energy)) call &
-            book_stopped(simulation%space, simulation%scheme, &
+            record_stopped(simulation%space, simulation%scheme, &
             field, &
             scratch%ledger, tile, -nodes%taken(:, :, tile), 0.5_wp*(nodes%velocity(:, :, tile) &
             + nodes%taken(:, :, tile) + mapped))
       end associate
-   end subroutine book_strained
+   end subroutine record_strained
 
    !> Node velocities from the momentum that was mapped a second time, or from that before and what
    !! was gained, as the velocity that strains the particles, where no other body may change it.
@@ -451,7 +452,8 @@ contains
             ! what was gained is added to a velocity that walls have changed already
             if (simulation%scheme%method%averages()) &
                mapped = mapped + field%nodes%taken(:, :, tile)
-            call book_strained(simulation, field, simulation%scratch(omp_get_thread_num()), tile, &
+            call record_strained(simulation, field, simulation%scratch(omp_get_thread_num()), &
+               tile, &
                mapped)
          end associate
       end do

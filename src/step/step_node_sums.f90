@@ -11,7 +11,7 @@ module step_node_sums
 
 contains
 
-   !> Places for the fields of tiles that are worked on.
+   !> Number of buffers for the fields of the tiles in work.
    pure integer function slots(simulation, field) result(number)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
@@ -76,7 +76,7 @@ contains
       real(wp), contiguous, intent(in) :: by(:, :)         !! (component, node)
       integer, intent(in) :: row                           !! Component that divides
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
-      integer, parameter :: most = 64                      ! nodes at a time: no memory is asked for
+      integer, parameter :: most = 64                      ! nodes at a time: needs no allocation
       real(wp) :: inverse(most)
       integer :: node, before, nodes
 

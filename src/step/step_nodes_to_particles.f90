@@ -18,7 +18,7 @@ module step_nodes_to_particles
    use step_method, only: method_t, stress_before
    use step_move_nodes, only: recall_seen
    use step_offending_particle, only: tile_bounds
-   use step_particles_to_nodes, only: find_places, nodes_seen
+   use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_pressure_relaxation, only: normalised, relax_pressures
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
@@ -56,7 +56,7 @@ module step_nodes_to_particles
       real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
       real(wp), allocatable :: moments(:, :)         !! (9, node) Its moments [m2/s]
       real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
-      real(wp), allocatable :: excess(:, :)          !! (1, node) Fill less 1, for loose matter [1]
+      real(wp), allocatable :: excess(:, :) !! (1, node) Fill less 1, for loose material [1]
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
       logical :: slow = .false.                      !! Is no gradient that steep?
       logical :: moved = .false.                     !! Have the particles moved already?
@@ -138,7 +138,7 @@ contains
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile) + spare)
             if (parts%work .and. allocated(store%state%energy)) &
                call add_work(simulation, scratch, store, tile, view)
@@ -229,8 +229,8 @@ contains
          call node_gradient(simulation%space, field, tile, field%nodes%earlier, view%earlier)
    end subroutine look
 
-   !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
-   !! where gradients are those of functions between nodes their velocities alone tell.
+   !> Find which velocity gradients can limit the next step, and whether any node gradient is that
+   !! steep. Node velocities alone decide this only where gradients are those of shape functions.
    subroutine look_steep(simulation, field, view)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field

@@ -6,7 +6,8 @@
 !! weight over the sum of the weight times the volumes of the particles. Force, strain and work use
 !! the same factors, so the power of the force stays that of the stress and forces on nodes still
 !! add up to zero; and in full cells uniform stress makes no force, wherever the particles are.
-!! Towards free surfaces, and where matter beyond the scope takes part, factors go to one. Equations
+!! Towards free surfaces, and where material beyond the scope takes part, factors go to one.
+!! Equations
 !! (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
 module step_normalised_sums
    use base_kinds, only: wp
@@ -18,7 +19,7 @@ module step_normalised_sums
    use mesh_wall, only: node_place
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_particles_to_nodes, only: find_plain_places
+   use step_particles_to_nodes, only: locate_particles_plainly
    use step_pressure_relaxation, only: evens_pressure
    use step_simulation, only: empty_mass, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
@@ -115,7 +116,7 @@ contains
          end do
          call simulation%machine%timer%stop(simulation%machine%phase%scatter)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
-         ! their places do not depend on how long the forces will act; all tiles are known by now
+         ! positions of walls do not depend on how long the forces act; all tiles are known by now
          if (allocated(simulation%space%rigid)) call stand_walls(simulation, 0.0_wp)
          call ensure_weights(nodes%weight, simulation%space%grid%tile_cells, &
             simulation%space%tiles%all)
@@ -183,7 +184,7 @@ contains
          first = simulation%stores(index)%first(tile)
          associate (store => simulation%stores(index), grid => simulation%space%grid, &
             shape => scratch%shape, start => simulation%stores(index)%cell_start(:, tile))
-            call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+            call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
             shape%values(:count, 1) = store%state%mass(first:first + count - 1)
             call scatter_values(grid, start, shape%local, 1, shape%values, mass - 1, patch)
             shape%values(:count, 1) = store%state%volume(first:first + count - 1)
@@ -255,7 +256,7 @@ contains
                coordinate, &
                simulation%space%rigid, tile, simulation%scheme%method%quadrature%smooth, shares, &
                   ring)
-            ! nodes must not carry more than there is room for
+            ! cells of a node must not have more weight than their free volume
             do cell = 1, size(full)
                weight(cell) = min(weight(cell), minval(shares(:, cell)))
             end do
@@ -266,8 +267,8 @@ contains
       end associate
    end subroutine judge_cells
 
-   !> How far cells are full: from half of the room around their nodes on, as the weights of cells
-   !! of doc/theory/method.md in a plane are.
+   !> How far cells are full: from half of the volume around their nodes on, like the weights of
+   !! cells of doc/theory/method.md in a plane.
    subroutine find_fill(space, scheme, tile, around, volumes, full)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -368,9 +369,10 @@ contains
       if (allocated(held%node)) filled(held%node) = around(held%node)
    end subroutine fill_held
 
-   !> Factors of the edges of a cell from their sums. Less material than room may be a free surface;
-   !! more material than room is wrong in any case. Equation (Q.7).
-   ! gate: long kernel because an edge is told by all that takes part in its integral
+   !> Factors of the edges of a cell from their sums. Less material than volume may be a free
+   !! surface;
+   !! more material than volume is always an error. Equation (Q.7).
+   ! gate: long kernel because an edge needs all quantities of its integral
    pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
       real(wp), intent(in) :: own                    !! How far its material is in the scope, 0 to 1

@@ -17,7 +17,8 @@ module step_particles_to_nodes
    implicit none
    private
 
-   public :: find_places, find_plain_places, nodes_seen, particles_to_nodes, tensor_rows, &
+   public :: locate_particles, locate_particles_plainly, nodes_seen, particles_to_nodes, &
+      tensor_rows, &
       vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
@@ -94,7 +95,7 @@ contains
       end do
    end function count_own
 
-   !> Does nobody but the plain step request the fields of all nodes?
+   !> Does no effect need the fields of all nodes beyond the step itself?
    pure logical function may_be_lean(scheme, effects) result(lean)
       type(scheme_t), intent(in) :: scheme
       type(effects_t), intent(in) :: effects
@@ -188,7 +189,7 @@ contains
          method => simulation%scheme%method, shape => scratch%shape, &
          start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile), state => simulation%stores(index)%state)
-         call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+         call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
          if (allocated(store%affine)) then
             call method%basis%scatter_affine(grid, shape, first, state%mass, store%velocity, &
                store%affine, patch)
@@ -286,7 +287,7 @@ contains
 
    !> Where the particles of a tile are, as basis and modified gradient see them, with the factors
    !! of normalised sums of the velocity field.
-   subroutine find_places(space, scheme, field, scratch, store, tile)
+   subroutine locate_particles(space, scheme, field, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
@@ -297,10 +298,10 @@ contains
       call locate_tile(space, scheme, scratch, store, tile)
       if (allocated(scheme%normalises)) &
          scratch%shape%factor = field%nodes%factor(:, :, tile)
-   end subroutine find_places
+   end subroutine locate_particles
 
-   !> The same without factors, for what has its own sums or concerns all velocity fields.
-   subroutine find_plain_places(space, scheme, scratch, store, tile)
+   !> The same without factors, for effects with sums of their own or of all velocity fields.
+   subroutine locate_particles_plainly(space, scheme, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -309,7 +310,7 @@ contains
 
       call locate_tile(space, scheme, scratch, store, tile)
       if (allocated(scratch%shape%factor)) deallocate (scratch%shape%factor)
-   end subroutine find_plain_places
+   end subroutine locate_particles_plainly
 
    !> Where the particles of a tile are.
    subroutine locate_tile(space, scheme, scratch, store, tile)

@@ -3,7 +3,7 @@
 !!
 !! With normalised sums the volumes of a closed box stay right in sum, and each particle is
 !! strained by more or less than the mean of its neighbours, as it lies. Nodes do not see what
-!! differs between particles of a cell beyond a slope, so nothing brings it back. In matter without
+!! differs between particles of a cell beyond a slope, so nothing restores it. In material without
 !! strength waves would, within the time that a signal needs for a cell: particles of higher
 !! pressure expand against lower ones, with the same sum of volumes and of energies. Entropy can
 !! only grow by it, and a linear field of pressure stays as it is.
@@ -52,7 +52,7 @@ contains
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
+      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: slope(3)
@@ -75,13 +75,13 @@ contains
    end subroutine relax_pressures
 
    !> The particles of one cell.
-   ! gate: long kernel because material is told by four of its fields
+   ! gate: long kernel because a material has four fields here
    pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, energy, &
       stress)
       integer, intent(in) :: before                  !! Particles before those of the tile
       integer, intent(in) :: low                     !! First particle of the cell, in the tile
       integer, intent(in) :: high                    !! Last one
-      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
+      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: slope(3)               !! Of the pressure that nodes see, a cell [Pa]
       real(wp), intent(in) :: rate                   !! Share of a step over that speed [s/m]

@@ -19,8 +19,8 @@ module step_remove_particles
 
 contains
 
-   !> Take the particles out of a tile that have left their bounds. Those with a number that is none
-   !! stay and stop the run: it has spoiled their neighbours.
+   !> Remove the particles of a tile that have left their bounds. Those with a NaN stay and stop the
+   !! run: the NaN has already reached their neighbours.
    subroutine retire_tile(materials, stores, clock, scratch, index, tile, sound)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(inout) :: stores(:)

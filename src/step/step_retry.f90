@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Looks at the nodes before they move any particle: a step in which they would go too far is done
-!! again with a shorter time.
+!> Examines the node displacements before any particle moves: a step in which nodes would go too far
+!! is repeated with a shorter time step.
 module step_retry
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
    use step_bounds, only: rule_retry
    use step_ledger, only: external_work, impulse, torque
-   use step_node_displacement, only: asks, look_at_tile, worse
+   use step_node_displacement, only: checks_displacement, examine_tile, worse
    use step_node_sums, only: renew_sums
    use step_offending_particle, only: spread, step_text
    use step_simulation, only: reach_t, simulation_t, velocity_field_t
@@ -33,7 +33,7 @@ contains
       integer :: n
 
       again = .false.
-      if (.not. asks(simulation)) return
+      if (.not. checks_displacement(simulation)) return
       do n = 1, size(simulation%fields)
          call find_worst(simulation, simulation%fields(n), dt, reach)
          if (worse(reach, worst)) worst = reach
@@ -101,7 +101,7 @@ contains
       mine = reach_t()
       !$omp do schedule(static)
       do tile = 1, simulation%space%tiles%own
-         call look_at_tile(simulation, field, tile, tile, dt, reach)
+         call examine_tile(simulation, field, tile, tile, dt, reach)
          if (worse(reach, mine)) mine = reach
       end do
       !$omp end do

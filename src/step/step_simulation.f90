@@ -44,10 +44,11 @@ module step_simulation
    type :: nodes_t
       !> Nodes to which tiles add motion, and those of their cells with a weight
       type(node_boxes_t) :: touched, weighted
-      !> Pieces of mass, momentum, force, with the dual gradient volume; and of stress times volume
+      !> Packed patches of mass, momentum, force, with the dual gradient volume; and of stress times
+      !! volume
       type(packed_patch_t) :: motion(2)
-      !> Are the sums and velocities of a tile kept only while it is worked on? Then they are those
-      !! of a thread, and of what the particles see pieces are kept: velocity and acceleration
+      !> Are the sums and velocities of a tile kept only while the tile is in work? Then they belong
+      !! to a thread, and packed patches of velocity and acceleration are kept for the particles
       logical :: lean = .false.
       type(packed_patch_t) :: seen(2)
       real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
@@ -162,12 +163,12 @@ module step_simulation
       integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
    end type scratch_t
 
-   !> What ranks ask of all; agreed at the end of each step.
+   !> What one rank requests of all ranks; agreed at the end of each step.
    type :: requests_t
       real(wp) :: leave = 0.0_wp                     !! Number of a signal, 0 = none
       real(wp) :: line = 0.0_wp                      !! 1 = a line of progress
       real(wp) :: checkpoint = 0.0_wp                !! 1 = a checkpoint
-      real(wp) :: present = -1.0_wp                  !! 1 = it has particles, -1 = nobody counted
+      real(wp) :: present = -1.0_wp                  !! 1 = it has particles, -1 = not counted
    end type requests_t
 
    !> How evenly the ranks work: greatest over mean work in the steps that were measured.
@@ -284,11 +285,11 @@ contains
       class(load_t), intent(inout) :: self
       integer(int64), intent(in) :: step             !! Steps done
       real(wp), intent(in) :: ratio                  !! Greatest over mean work [1]
-      integer(int64), parameter :: settled = 100
+      integer(int64), parameter :: starting_steps = 100
 
       self%looks = self%looks + 1
       self%last = ratio
       self%total = self%total + ratio
-      if (step > settled) self%greatest = max(self%greatest, ratio)
+      if (step > starting_steps) self%greatest = max(self%greatest, ratio)
    end subroutine load_look
 end module step_simulation

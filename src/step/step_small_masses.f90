@@ -22,10 +22,10 @@ contains
          + acceleration(3, :)**2)) > small*grid%spacing
    end function light_may_gain
 
-   !> Bound what a light node gains in the step in the velocity that strains: its force over its
-   !! mass has no bound, while particles near it gain only their share of the force.
-   !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
-   !! Gains that move a node by less than a small share of a cell stay. Equation (M.17) of
+   !> Bound the gain of a node of small mass in the velocity that strains: its force over its mass
+   !! has no bound, while particles near it gain only their part of the force. Node volumes include
+   !! the weights of cells, so they measure how empty a node and its cells are. Gains that move a
+   !! node by less than a small fraction of a cell are kept. Equation (M.17) of
    !! doc/theory/method.md.
    pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
       type(grid_t), intent(in) :: grid

@@ -4,8 +4,9 @@
 !!
 !! Stress and motion then work with the same mean velocities, so the energy that one gives the other
 !! takes (J. A. Nairn, Comput. Model. Eng. Sci. 4 (2003) 649). The second half is known only when
-!! the particles have moved, after the force of the next step. So each step takes it ahead with the
-!! places it has, keeps it, and the next step puts what it finds in its place. Equation (T.14) of
+!! the particles have moved, after the force of the next step. So each step predicts it at the
+!! present
+!! positions and keeps it, and the next step replaces it by the computed one. Equation (T.14) of
 !! doc/theory/transfers.md.
 module step_strain_average
    use base_kinds, only: wp
@@ -22,8 +23,8 @@ module step_strain_average
 contains
 
    !> Keep half of the strain with the velocity that particles have brought, for now. Both strains
-   !! refer to the middle of their step: places are those at the end of the one and at the begin of
-   !! the other.
+   !! refer to the middle of their step: positions are those at the end of the first and at the
+   !! begin of the second.
    pure subroutine keep_earlier(count, gradient, earlier)
       integer, intent(in) :: count                   !! Particles of the tile
       real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle of the tile, 9) [1]

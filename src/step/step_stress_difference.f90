@@ -11,7 +11,7 @@ module step_stress_difference
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_node_sums, only: divide
-   use step_particles_to_nodes, only: find_places
+   use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
    use transfer_scatter, only: dual_columns
    implicit none
@@ -83,7 +83,7 @@ contains
          associate (store => simulation%stores(index), grid => simulation%space%grid, &
             method => simulation%scheme%method, shape => scratch%shape, pushed => scratch%pushed, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call pushed%copy(store%first(tile), store%count(tile), store%position, &
                store%state%volume, store%state%stress)
             ! the volume once more: that of the rule need not have the functions of the basis
@@ -173,7 +173,8 @@ contains
    end subroutine difference_tile
 
    !> How far the nodes of a tile are inside of bodies: 1 if all cells around count in full, and 0
-   !! once one of them does not count. The weights do not tell where in its cells a surface is, so
+   !! once one of them does not count. The weights do not give the position of a surface within its
+   !! cells, so
    !! the exact force is wrong there. Equation (Q.6).
    pure subroutine find_inside(space, field, tile, inside)
       type(space_t), intent(in) :: space

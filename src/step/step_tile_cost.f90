@@ -12,7 +12,7 @@ module step_tile_cost
 
 contains
 
-   !> Clock at the start of the work on a tile; it stands still where nobody measures [s].
+   !> Clock at the start of the work on a tile; 0 unless costs are measured [s].
    real(wp) function cost_clock(simulation) result(seconds)
       type(simulation_t), intent(in) :: simulation
 

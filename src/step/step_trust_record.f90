@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What a run knows about how far its results can be trusted: the worst values so far, their limits,
-!! and how they are told. The limits and their reasons stand in doc/theory/ledger.md.
+!! and the text of the report. doc/theory/ledger.md has the limits and their reasons.
 module step_trust_record
    use base_error, only: error_t
    use base_kinds, only: int64, wp
@@ -56,7 +56,7 @@ module step_trust_record
 
 contains
 
-   !> Is a value ok, to be looked at, or bad?
+   !> Is a value ok, to be checked, or bad?
    pure integer function verdict_of(entry, value) result(verdict)
       integer, intent(in) :: entry                   !! Index of the value
       real(wp), intent(in) :: value                  !! In its unit

@@ -10,7 +10,7 @@ module step_velocity_remap
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_move_nodes, only: record_push
    use step_node_sums, only: divide
-   use step_particles_to_nodes, only: find_places
+   use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_walls, only: take_held, walls_touch
    use transfer_affine, only: turn_only
@@ -99,7 +99,7 @@ contains
          associate (grid => simulation%space%grid, store => simulation%stores(index), &
             basis => simulation%scheme%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call basis%gather_values(grid, shape, term, shape%vector)
             call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
                shape%vector, 0, patch)
@@ -107,10 +107,11 @@ contains
       end do
    end subroutine spread_tile
 
-   !> The next term, y - S^+ S y, without what walls hold in this step; it is added to the sum. What
-   !! walls take away the particles do not get, so it is booked, with the velocity at the end of the
-   !! step. Equation (L.12) of doc/theory/ledger.md: that needs the same orthogonal projection for
-   !! all terms, so what walls hold does not depend on them.
+   !> The next term, y - S^+ S y, without the components that walls hold in this step; it is added
+   !! to
+   !! the sum. Particles do not get what walls remove, so it is recorded, with the velocity at the
+   !! end of the step. Equation (L.12) of doc/theory/ledger.md: this needs the same orthogonal
+   !! projection for all terms, so the held components do not depend on them.
    subroutine add_term(simulation, field, scratch, tile, sweep, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -163,7 +164,7 @@ contains
    end subroutine find_filtered
 
    !> Momentum of the new particle velocities, or of what they gain, to a second patch, at the old
-   !! places. The particles themselves get these velocities later.
+   !! positions. The particles themselves get these velocities later.
    subroutine scatter_again(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -226,7 +227,7 @@ contains
          associate (grid => simulation%space%grid, store => simulation%stores(index), &
             basis => simulation%scheme%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call basis%gather_values(grid, shape, push, shape%vector)
             if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, shape%vector)
             if (simulation%scheme%method%averages()) then
