@@ -42,7 +42,7 @@ module step_conduction
 
 contains
 
-   !> Conduct heat for one step. Particles are where they were when the forces were found.
+   !> Conduct heat for one step. Particles are at the positions at which the forces were computed.
    subroutine conduct_heat(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! Some material conducts
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -156,7 +156,7 @@ contains
       end associate
    end subroutine ensure_dual
 
-   !> Do something with every tile, ghosts included.
+   !> Call a procedure for every tile, ghosts included.
    subroutine each_tile(simulation, work)
       type(simulation_t), intent(inout) :: simulation
       interface
@@ -226,7 +226,7 @@ contains
       end associate
    end subroutine average_tile
 
-   !> Share of the cells of a tile in the node gradient of temperature.
+   !> Contribution of the cells of a tile to the node gradient of temperature.
    subroutine slope_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
@@ -243,7 +243,7 @@ contains
       end associate
    end subroutine slope_tile
 
-   !> A scalar as the first component of a vector, which the maps of velocities know.
+   !> A scalar as the first component of a vector, for the maps of velocities.
    pure subroutine as_vector(scalar, vector)
       real(wp), contiguous, intent(in) :: scalar(:, :) !! (1, node)
       real(wp), intent(out) :: vector(:, :)          !! (3, node)
@@ -252,7 +252,8 @@ contains
       vector(1, :) = scalar(1, :)
    end subroutine as_vector
 
-   !> What the particles of a tile hand to the nodes: heat, heat that nodes do not see: (A.14).
+   !> Contribution of the particles of a tile to the nodes: heat, and heat that nodes do not
+   !! resolve: (A.14).
    subroutine spread_flow(simulation, scratch, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -296,7 +297,7 @@ contains
       end do
    end subroutine spread_flow
 
-   !> Flow of heat of the particles of a tile, as if it were the first line of a stress.
+   !> Heat flow of the particles of a tile, stored as the first row of a stress.
    subroutine push_particles(simulation, scratch, index, tile, values, slope, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
@@ -337,8 +338,8 @@ contains
       end associate
    end subroutine push_particles
 
-   !> What the nodes do not see of the temperature of particles, as far as it fades in this step, in
-   !! the first column of the scratch vector [K]. The second of (A.15).
+   !> The part of the particle temperatures that nodes do not resolve and that decays in this step,
+   !! in the first column of the scratch vector [K]. The second of (A.15).
    subroutine find_hidden(simulation, scratch, index, tile, dt)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
@@ -402,7 +403,7 @@ contains
    end subroutine push_tile
 
    !> New temperatures of the particles of a tile. Heat that goes into or out of material without an
-   !! internal energy is recorded, so that the energy of the run stays whole. The first of (A.15).
+   !! internal energy is recorded, so that the energy balance closes. The first of (A.15).
    subroutine give_heat(simulation, scratch, tile, dt)
       type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -447,7 +448,7 @@ contains
    pure subroutine warm(specific_heat, tile, shape, recorded, store)
       real(wp), intent(in) :: specific_heat          !! [J/(kg K)]
       integer, intent(in) :: tile
-      !> What nodes give, and what fades, of each particle [K]
+      !> (particle) Change from the nodes, and the part that decays [K]
       type(shape_data_t), intent(in) :: shape
       real(wp), intent(out) :: recorded !! Heat of particles that carry no internal energy [J]
       type(store_t), intent(inout) :: store
@@ -467,11 +468,11 @@ contains
       end do
    end subroutine warm
 
-   !> Let the grains of a tile expand into their voids by what they were warmed.
+   !> Let the grains of a tile expand thermally into their voids.
    pure subroutine expand(expansion, tile, shape, store)
       real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
       integer, intent(in) :: tile
-      !> What nodes give, and what fades, of each particle [K]
+      !> (particle) Change from the nodes, and the part that decays [K]
       type(shape_data_t), intent(in) :: shape
       type(store_t), intent(inout) :: store
       integer :: p, q

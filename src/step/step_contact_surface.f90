@@ -3,7 +3,8 @@
 !! share. See doc/theory/contact.md.
 !!
 !! Particles give the nodes their outward areas, A_i = sum V_p grad S_i, which vanish inside of a
-!! body, and with the normals that follow how far they reach; both travel between ranks as patches.
+!! body, and then their extent along the normals of these areas. Both are exchanged between ranks as
+!! patches.
 module step_contact_surface
    use base_kinds, only: wp
    use mesh_patch, only: assemble, clear_patch, ensure_patch
@@ -25,7 +26,7 @@ module step_contact_surface
 
 contains
 
-   !> Outward areas of the bodies on the nodes, and how far they reach there.
+   !> Outward areas of the bodies on the nodes, and the extent of the bodies there.
    subroutine find_surfaces(simulation)
       type(simulation_t), intent(inout) :: simulation !! Fields have their masses
       integer :: fields, rows
@@ -79,7 +80,7 @@ contains
       !$omp end parallel do
    end subroutine find_meetings
 
-   !> Something of the particles to patches, and the patches of other ranks.
+   !> Scatter a quantity of the particles to patches, and receive the patches of other ranks.
    subroutine spread(simulation, work, patch)
       type(simulation_t), intent(inout) :: simulation
       interface
@@ -112,8 +113,8 @@ contains
       end do
    end subroutine spread
 
-   !> Outward areas of the particles of a tile: what they would push the nodes with under unit
-   !! pressure. With bonds also the mass of those that hold. Equation (C.1).
+   !> Outward areas of the particles of a tile: the node forces of unit pressure. With bonds, also
+   !! the mass of the particles whose bonds hold. Equation (C.1).
    subroutine spread_area(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -165,7 +166,7 @@ contains
       end do
    end subroutine hold
 
-   !> Areas of the nodes of all tiles; faces of the box are no surfaces.
+   !> Areas of the nodes of all tiles; boundaries of the domain are no surfaces.
    subroutine sum_areas(simulation)
       type(simulation_t), intent(inout) :: simulation
       integer :: tile
@@ -203,8 +204,8 @@ contains
       end associate
    end subroutine sum_tile
 
-   !> A guess of the common area of two fields at a node, outward from the first [m2]: the area of
-   !! one, of the other, or the mean of both. It changes its sign with the fields.
+   !> A candidate for the common area of two fields at a node, outward from the first [m2]: the area
+   !! of one, of the other, or the mean of both. It changes its sign with the fields.
    pure function guess_area(contact, tile, node, a, b, guess) result(area)
       type(contact_t), intent(in) :: contact
       integer, intent(in) :: tile
@@ -228,7 +229,7 @@ contains
       end associate
    end function guess_area
 
-   !> Row of the reach of field a towards b along the normal of a guess.
+   !> Row of the extent of field a towards b along a candidate normal.
    pure integer function reach_row(contact, a, b, guess) result(row)
       type(contact_t), intent(in) :: contact
       integer, intent(in) :: a, b                    !! Indices of two velocity fields
@@ -237,7 +238,7 @@ contains
       row = guesses*(size(contact%law, 1)*(a - 1) + b - 1) + guess
    end function reach_row
 
-   !> Its direction; nothing where it is too small to have one.
+   !> Its direction; zero where the area is too small to have one.
    pure function direction_of(space, area) result(normal)
       type(space_t), intent(in) :: space
       real(wp), intent(in) :: area(3)                !! [m2]
@@ -249,7 +250,7 @@ contains
          *space%grid%spacing**(space%grid%dimensions - 1)) normal = area/length
    end function direction_of
 
-   !> How far the particles of a tile reach towards each other field.
+   !> Extent of the particles of a tile towards each other field.
    subroutine spread_positions(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -280,7 +281,7 @@ contains
       end do
    end subroutine spread_positions
 
-   !> Guessed normals from one field to another at the nodes of a tile where both have mass.
+   !> Candidate normals from one field to another at the nodes of a tile where both have mass.
    subroutine find_normals(simulation, tile, a, b, guess, normal)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
@@ -300,7 +301,7 @@ contains
       end associate
    end subroutine find_normals
 
-   !> How far the particles of one field in a tile reach along the normals.
+   !> Extent of the particles of one field in a tile along the normals.
    subroutine reach_of_field(space, stores, fields, scratch, tile, field, normal, reach)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)

@@ -32,7 +32,7 @@ module step_diagnostics
       real(wp) :: energy = 0.0_wp                    !! Greatest energy of one particle [J]
    end type bounds_look_t
 
-   !> How particles lie to each other and in the cells.
+   !> Distances of neighbours, volumes in cells, and noise of pressures.
    type :: shapes_look_t
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
       real(wp) :: share = 0.0_wp                     !! Of the mass, with neighbours apart [1]
@@ -44,7 +44,7 @@ module step_diagnostics
       integer(int64) :: difference_identity = huge(1_int64) !! Whose pressure differs most
    end type shapes_look_t
 
-   !> Columns of what is found in a tile: sums, and greatest values from the ninth on.
+   !> Columns of the results of a tile: sums, and greatest values from the ninth on.
    integer, parameter :: far_mass = 1, seen_mass = 2, claimed = 3, occupied = 4, noise = 5, &
       sums = 8, longest = 9, differs = 10, columns = 10
 
@@ -81,7 +81,7 @@ contains
       look%energy = max(0.0_wp, all(4))
    end subroutine examine_bounds
 
-   !> The greatest values of a range of particles: square of the speed, energy per mass, the same
+   !> The greatest values of a range of particles: square of the speed, energy per mass, its
    !! negative, energy.
    pure subroutine find_bounds(store, first, last, least_energy, greatest)
       type(store_t), intent(in) :: store

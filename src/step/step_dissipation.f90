@@ -15,7 +15,7 @@ module step_dissipation
 
 contains
 
-   !> Record what artificial viscosity and plastic flow took.
+   !> Record the work of artificial viscosity and plastic flow.
    subroutine record_losses(ledger, material, state, deformation, count)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(material_t), intent(in) :: material       !! What can lose at all
@@ -36,7 +36,7 @@ contains
          losses(2) = sum(deformation%plastic_work(:count))
          call ledger%sums(plastic)%add(losses(2))
       end if
-      ! with an internal energy these are a part of it
+      ! with an internal energy this work is a part of it
       if (.not. allocated(state%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
    end subroutine record_losses
 
@@ -54,9 +54,9 @@ contains
          .and. method%transfer%flip_fraction() < 1.0_wp
    end function damps
 
-   !> Record the kinetic energy that the share of PIC took from the particles of a tile. With the
-   !! velocity c with which they moved they would have (v - (1 - f) c)/f without it, as FLIP gives
-   !! it: more by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
+   !> Record the kinetic energy that the PIC fraction removes from the particles of a tile. With the
+   !! advection velocity c, FLIP alone would give them the velocity (v - (1 - f) c)/f, which is
+   !! larger by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
    subroutine record_damping(ledger, store, tile, moved, keep)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(store_t), intent(in) :: store             !! The particles after the step
@@ -78,7 +78,7 @@ contains
       call record_damped(ledger, taken)
    end subroutine record_damping
 
-   !> Record energy that the share of PIC took.
+   !> Record energy that the PIC fraction removed.
    subroutine record_damped(ledger, energy)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       real(wp), intent(in) :: energy                 !! [J]

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The dual gradient on the nodes: weights of cells, volumes, forces of the node stress, and node
-!! gradients of velocities. Every tile adds the share of its cells, kept as packed patches.
+!! gradients of velocities. Every tile adds the contribution of its cells, kept as packed patches.
 module step_dual_gradient
    use base_kinds, only: wp
    use mesh_packed_patch, only: packed_patch_t
@@ -97,7 +97,7 @@ contains
          if (.not. nodes%lean) call keep_sums(nodes, tile, sums)
          if (simulation%scheme%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
-         ! with normalised sums they are known
+         ! with normalised sums the weights are known
          if (.not. allocated(simulation%scheme%normalises)) call &
             simulation%scheme%dual%cell_weights(grid, sums, &
             filled, around, nodes%weight(:, tile))
@@ -107,7 +107,7 @@ contains
       end associate
    end subroutine weigh_tile
 
-   !> Share of the cells of a tile in the volumes of the nodes.
+   !> Contribution of the cells of a tile to the volumes of the nodes.
    subroutine share_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -183,7 +183,7 @@ contains
       end do
    end subroutine normalise
 
-   !> Give back on the nodes the mean stress that was taken out of the particles.
+   !> Add on the nodes the mean stress that was subtracted from the particles.
    pure subroutine add_star(star, stress)
       real(wp), contiguous, intent(in) :: star(:, :)       !! (6, node) [Pa]
       real(wp), contiguous, intent(inout) :: stress(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
@@ -197,7 +197,7 @@ contains
       end do
    end subroutine add_star
 
-   !> Bound what nodes of small mass of a tile gain in the velocity that strains.
+   !> Bound the gain of nodes of small mass of a tile in the velocity that strains.
    pure subroutine calm_tile(simulation, field, tile, slot, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -216,7 +216,7 @@ contains
       end associate
    end subroutine calm_tile
 
-   !> Share of the cells of a tile in the node gradient of a velocity.
+   !> Contribution of the cells of a tile to the node gradient of a velocity.
    pure subroutine put_gradient(space, scheme, field, tile, velocity, gradient)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme

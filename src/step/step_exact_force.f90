@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The body force that makes a made-up solution true.
+!> The body force of a manufactured solution.
 module step_exact_force
    use base_kinds, only: wp
    use exact_solution, only: exact_t
@@ -15,7 +15,7 @@ module step_exact_force
 contains
 
    !> Record impulse, its moment and work of the body force, particle by particle. The particles are
-   !! where they were when they gave the force to the nodes, and the mean velocities are known.
+   !! at the positions at which they gave the force to the nodes, and the mean velocities are known.
    subroutine record_body_force(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The mean stress of the nodes that is taken out of the particles (`quadrature = 'control'`).
+!> The mean stress of the nodes that is subtracted from the particles (`quadrature = 'control'`).
 !! Equations (Q.2) and (Q.3) of doc/theory/quadratures.md.
 module step_mean_stress
    use base_kinds, only: wp
@@ -18,7 +18,7 @@ module step_mean_stress
 
 contains
 
-   !> Mean stress on the nodes inside of bodies; less towards their surfaces and none there.
+   !> Mean stress on the nodes inside of bodies, decreasing to zero at their surfaces.
    subroutine find_star(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -85,7 +85,7 @@ contains
    end subroutine scatter_tile
 
    !> Mean stress of the nodes of a tile, times the least fill of all nodes around: twice their
-   !! volume of particles over their own, at most 1. Nodes beyond the box do not count. Equation
+   !! volume of particles over their own, at most 1. Nodes beyond the domain are ignored. Equation
    !! (Q.2).
    subroutine divide_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How far the nodes of a tile would go in a step, and how far two of a cell apart.
+!> Displacement of the nodes of a tile in a step, and of neighbours relative to each other.
 module step_node_displacement
    use base_kinds, only: int64, wp
    use mesh_grid, only: lane_bit
@@ -16,7 +16,7 @@ module step_node_displacement
 
 contains
 
-   !> Does one node go farther over the bounds than another? Of equal ones the first of the grid
+   !> Does one node exceed the bounds by more than another? Of equal nodes the first of the grid
    !! counts.
    elemental logical function worse(reach, other) result(is_worse)
       type(reach_t), intent(in) :: reach             !! Is this one worse
@@ -42,7 +42,7 @@ contains
          .not. allocated(simulation%effects%contact)
    end function checks_displacement
 
-   !> How far the nodes of a tile would go that its particles see. Most tiles are so slow that their
+   !> Displacement of the nodes of a tile that its particles see. Most tiles are so slow that their
    !! greatest velocity decides, others move as rigid bodies. Equation (S.7) of
    !! doc/theory/time_step.md.
    pure subroutine examine_tile(simulation, field, tile, slot, dt, reach)
@@ -58,7 +58,7 @@ contains
       apart = strain_share*simulation%clock%guard%bounds%strain_max
       associate (velocity => field%nodes%strain(:, :, slot), grid => simulation%space%grid, &
          mass => field%nodes%mass(1, :, slot))
-         ! bounds for each component that hold whatever the other components are
+         ! bounds for each component that are sufficient for any other components
          if (slow_nodes(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
             *grid%spacing/dt)) return
          call examine_nodes(velocity, mass, far*grid%spacing/dt, reach)
@@ -93,7 +93,7 @@ contains
       end do
    end subroutine examine_nodes
 
-   !> Do all nodes with mass fly together, each component within a bound of that of the first?
+   !> Do all nodes with mass move together, each component within a bound of that of the first?
    pure logical function flies(velocity, mass, bound) result(together)
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: mass(:)    !! (node) [kg]
@@ -109,7 +109,7 @@ contains
       end do
    end function flies
 
-   !> The greatest difference of two neighbouring nodes of a cell with particles.
+   !> The greatest velocity difference of two neighbouring nodes of a cell with particles.
    pure subroutine examine_cells(simulation, tile, velocity, bound, reach)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile

@@ -1,14 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Normalised sums (`&method normalise`): the two parts of the dual gradient are averages over
-!! particles, which are divided by their own sums of the particles and carried by exact integrals.
+!! particles. They are divided by the sums of their weights and multiplied by exact integrals.
 !!
 !! Each edge of a cell and each node, direction by direction, has a factor: the integral of its
 !! weight over the sum of the weight times the volumes of the particles. Force, strain and work use
 !! the same factors, so the power of the force stays that of the stress and forces on nodes still
-!! add up to zero; and in full cells uniform stress makes no force, wherever the particles are.
-!! Towards free surfaces, and where material beyond the scope takes part, factors go to one.
-!! Equations
-!! (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
+!! add up to zero; and in full cells uniform stress makes no force, for any positions of the
+!! particles. Towards free surfaces, and where material beyond the scope takes part, factors go to
+!! one. Equations (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
 module step_normalised_sums
    use base_kinds, only: wp
    use ddmp_alpha, only: mean_alpha
@@ -40,17 +39,17 @@ module step_normalised_sums
    integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
-   !> Of the factors of a direction in their mean. Few particles of a cell that answer for all of it
-   !! are stiffer by this, and a step of 0.4 h/c holds for 1/0.4^2 [1]
+   !> Bound on the mean of the factors of a direction. A few particles that represent a whole cell
+   !! are stiffer by this factor, and a step of 0.4 h/c is stable up to 1/0.4^2 [1]
    real(wp), parameter :: stiffest = 6.0_wp
-   !> What the fill of nodes on closed faces counts. Half as many particles are around such a node,
-   !! so that it falls below a bound by chance more often [1]
+   !> Weight of the fill of nodes on closed boundaries. Half as many particles surround such a node,
+   !! so its fill is below a bound by chance more often [1]
    real(wp), parameter :: beside = 1.5_wp
    real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign material borne [1]
 
 contains
 
-   !> Materials whose sums are normalised; nothing is kept where there are none.
+   !> Select the materials whose sums are normalised; without any, nothing is allocated.
    subroutine choose_normalised(simulation)
       type(simulation_t), intent(inout) :: simulation !! With materials and method
       integer :: n
@@ -85,7 +84,7 @@ contains
       columns = merge(foreign - 1, foreign, all(scheme%normalises))
    end function plain_columns
 
-   !> Factors of all edges and nodes for the particles as they are.
+   !> Factors of all edges and nodes for the present particles.
    subroutine find_factors(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -139,8 +138,8 @@ contains
       end associate
    end subroutine find_factors
 
-   !> Cells whose nodes count as full, of a material without strength; others are not halved by the
-   !! place there is.
+   !> Cells whose nodes are all full, for a material without strength. For other materials the array
+   !! stays unallocated.
    subroutine find_full(space, scheme, field, index, full)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -209,8 +208,8 @@ contains
       end do
    end subroutine count_tile
 
-   !> How far the cells of a tile are full, and the factors of their edges. What the node part
-   !! leaves to the cell, where its cell counts less than in full, the edges take.
+   !> Fill of the cells of a tile, and the factors of their edges. Where a cell has a weight below
+   !! 1, the edges take the rest of the node part.
    subroutine judge_cells(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -230,7 +229,7 @@ contains
          nodes%normal(:3, :, tile) = sums(unblended + 1:unblended + 3, :)
          call grid%node_volume(coordinate, around)
          call simulation%scheme%dual%cell_weights(grid, sums, volume, around, weight)
-         ! by the fill alone, with the same density everywhere
+         ! from the fill alone, with the same density everywhere
          filled(mass, :) = around
          nodes%normal(5, :, tile) = 1.0_wp
          own = 1.0_wp
@@ -250,7 +249,7 @@ contains
          shares = 1.0_wp
          ring = 1.0_wp
          if (allocated(simulation%space%rigid)) then
-            ! of nodes in rigid regions the cells count that there are: others hold no particles
+            ! of nodes in rigid regions only existing cells count: others hold no particles
             call add_present(simulation%space, simulation%scheme, field, tile, around)
             if (allocated(simulation%space%rigid%held(tile)%node)) call cut_cells(grid, &
                coordinate, &
@@ -324,8 +323,8 @@ contains
       end associate
    end subroutine find_cell_factors
 
-   !> Half of a node is what lies on either side of it: inside of its radius that is less than half
-   !! of its volume, by a third of a cell over the radius.
+   !> The halves of a node are the volumes on either side of it: inside of its radius this is less
+   !! than half of its volume, by a third of a cell over the radius.
    pure subroutine count_inner(grid, coordinate, filled)
       type(grid_t), intent(in) :: grid               !! The grid, axisymmetric
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
@@ -358,9 +357,9 @@ contains
          field%nodes%present(:, :, tile))
    end subroutine add_present
 
-   !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
-   !! whole cell, and is compressed as fast as its walls approach each other, which is what the
-   !! integrals over the whole cell say.
+   !> Nodes in rigid regions count as full: the free part of a cut cell carries the pressure of the
+   !! whole cell and is compressed as fast as its walls approach each other, in agreement with the
+   !! integrals over the whole cell.
    pure subroutine fill_held(held, around, filled)
       type(held_t), intent(in) :: held               !! Nodes of the tile in rigid regions
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
@@ -403,8 +402,8 @@ contains
       end do
    end subroutine find_edges
 
-   !> What the node stress and the node gradient are multiplied by along each direction where the
-   !! cells around are full, and how far they are. Equation (Q.8).
+   !> Factors of the node stress and the node gradient along each direction where the cells around
+   !! are full, and how full these are. Equation (Q.8).
    subroutine judge_nodes(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -439,8 +438,8 @@ contains
       end associate
    end subroutine judge_nodes
 
-   !> Volume that must be full for nodes to count as such: that around them, of nodes in rigid
-   !! regions that of the cells that there are.
+   !> Volume that must be filled for a node to count as full: that around the node, for nodes in
+   !! rigid regions that of existing cells.
    pure subroutine find_due(space, field, tile, around, due)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field

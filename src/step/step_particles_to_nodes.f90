@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Particles to patches, tile by tile.
+!> Scatter particles to the patches of nodes, tile by tile.
 module step_particles_to_nodes
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
@@ -25,8 +25,8 @@ module step_particles_to_nodes
 
 contains
 
-   !> Mass, momentum and force of all particles to the patches of their tiles, and the patches of
-   !! other ranks.
+   !> Scatter mass, momentum and force of all particles to the patches of their tiles, and exchange
+   !! patches with other ranks.
    subroutine particles_to_nodes(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -53,7 +53,7 @@ contains
    end subroutine particles_to_nodes
 
    !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
-   !! these alone.
+   !! these nodes alone.
    subroutine find_boxes(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -83,8 +83,8 @@ contains
       end associate
    end subroutine find_boxes
 
-   !> Particles of this rank. Where its tiles have more nodes, their fields would be most of what is
-   !! in memory.
+   !> Number of particles of this rank. If its tiles have more nodes than this, node fields would
+   !! dominate the memory.
    pure integer(int64) function count_own(stores) result(particles)
       type(store_t), intent(in) :: stores(:)
       integer :: index
@@ -109,8 +109,8 @@ contains
       end associate
    end function may_be_lean
 
-   !> Allocate the packed patches of the motion. The memory of the node stress served for the node
-   !! gradient in the step before.
+   !> Allocate the packed patches of the motion. The node gradient of the previous step used the
+   !! memory of the node stress.
    pure subroutine ensure_motion(space, scheme, field)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -134,7 +134,7 @@ contains
       end associate
    end subroutine ensure_motion
 
-   !> Components of a vector that can be other than zero.
+   !> Components of a vector that can be nonzero.
    pure function vector_rows(grid) result(kept)
       type(grid_t), intent(in) :: grid
       logical :: kept(3)
@@ -213,7 +213,7 @@ contains
       end associate
    end subroutine scatter_store
 
-   !> The stress that particles of a tile push the nodes with, where it is not their own.
+   !> The stress that the particles of a tile scatter to the nodes, where it differs from their own.
    subroutine change_stress(space, scheme, field, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -285,8 +285,8 @@ contains
       end associate
    end subroutine add_body_force
 
-   !> Where the particles of a tile are, as basis and modified gradient see them, with the factors
-   !! of normalised sums of the velocity field.
+   !> Compute the shape data of the particles of a tile for basis and modified gradient, with the
+   !! factors of normalised sums of the velocity field.
    subroutine locate_particles(space, scheme, field, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -312,7 +312,7 @@ contains
       if (allocated(scratch%shape%factor)) deallocate (scratch%shape%factor)
    end subroutine locate_particles_plainly
 
-   !> Where the particles of a tile are.
+   !> Compute the shape data of the particles of a tile.
    subroutine locate_tile(space, scheme, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme

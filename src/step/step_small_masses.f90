@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Nodes of next to no mass: a bound on what they strain.
+!> Bounds the straining velocity of nodes of small mass.
 module step_small_masses
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -12,7 +12,8 @@ module step_small_masses
 
 contains
 
-   !> Does any node gain so much that its volume matters? Most tiles have none and need no volumes.
+   !> Does any node gain so much that the bound may apply? Most tiles have no such node and need no
+   !! volumes.
    pure logical function light_may_gain(grid, dt, acceleration) result(may)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: dt                     !! Time the forces act [s]

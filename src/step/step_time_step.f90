@@ -15,7 +15,7 @@ module step_time_step
 
 contains
 
-   !> Collect what the threads saw: the ledger, the next time step, NaN.
+   !> Collect the results of the threads: the ledger, the next time step, NaN.
    subroutine close_step(simulation, error)
       type(simulation_t), intent(inout) :: simulation
       type(error_t), allocatable, intent(out) :: error !! If a value is NaN
@@ -59,7 +59,7 @@ contains
       if (allocated(simulation%effects%conduction)) call limit_step(simulation, diffusivity)
    end subroutine close_step
 
-   !> Steepest velocity gradient that the threads saw, and whose it is.
+   !> Steepest velocity gradient of all threads, and the identity of its particle.
    subroutine find_rate(simulation, rate)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(out) :: rate                  !! On this rank [1/s]
@@ -95,8 +95,8 @@ contains
       simulation%clock%dt_next = dt
    end subroutine limit_step
 
-   !> Agree with the other ranks on the fastest signal and on what they request: the only time in a
-   !! step that all ranks wait for all.
+   !> Agree with the other ranks on the fastest signal and on what they request: the only point in a
+   !! step where all ranks wait for each other.
    subroutine agree(simulation, fastest, diffusivity, rate, retired)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]

@@ -68,7 +68,7 @@ contains
       end do
    end subroutine number_lattices
 
-   !> Note speeds and energies at the start of a run, by which later ones are judged. Collective.
+   !> Record speeds and energies at the start of a run, the reference for later ones. Collective.
    subroutine begin_trust(simulation)
       type(simulation_t), intent(inout) :: simulation !! In its first state
       type(bounds_look_t) :: look
@@ -134,9 +134,9 @@ contains
       end if
    end subroutine watch_trust
 
-   !> What is known at the end: with the last state, if it is one that a run could go on from. What
-   !! a checkpoint holds does not change, so that a run that goes on sees what it would have seen
-   !! without a break. Collective.
+   !> The record at the end, with the last state if a run could continue from it. The data of a
+   !! checkpoint do not change, so that a continued run gives the same record as an uninterrupted
+   !! one. Collective.
    subroutine final_trust(simulation, code, now, trust)
       type(simulation_t), intent(inout) :: simulation !! At its end; stays as it is
       integer, intent(in) :: code                    !! Exit code
@@ -166,7 +166,7 @@ contains
          now%entry(retired_mass)/simulation%balance%ledger%start%entry(mass)
    end subroutine final_trust
 
-   !> Take the worst of distances, volumes and pressures.
+   !> Update the worst values of distances, volumes and pressures.
    pure subroutine note_shapes(look, trust)
       type(shapes_look_t), intent(in) :: look        !! What was found
       type(trust_t), intent(inout) :: trust          !! The worst so far
@@ -180,8 +180,9 @@ contains
       if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
    end subroutine note_shapes
 
-   !> Take the worst of speeds and energies, over what can be explained. Equations (L.10) and (L.11)
-   !! of doc/theory/ledger.md. A manufactured solution may do anything.
+   !> Update the worst values of speeds and energies, relative to those that can be explained.
+   !! Equations (L.10) and (L.11) of doc/theory/ledger.md. Manufactured solutions have no such
+   !! limits.
    pure subroutine note_bounds(simulation, look, trust)
       type(simulation_t), intent(in) :: simulation
       type(bounds_look_t), intent(in) :: look        !! What was found
@@ -199,7 +200,7 @@ contains
       call take_worse(trust%worst(trust_heat), (look%cold - trust%least_energy)/scale)
    end subroutine note_bounds
 
-   !> Take a value of heat if it is worse than that before.
+   !> Update the worst value of heat.
    pure subroutine take_worse(worst, value)
       real(wp), intent(inout) :: worst               !! So far
       real(wp), intent(in) :: value                  !! Another one
@@ -208,7 +209,7 @@ contains
       if (max(value, -cold*value) > max(worst, -cold*worst)) worst = value
    end subroutine take_worse
 
-   !> Take the greatest work of walls and gravity so far. Collective.
+   !> Update the greatest work of walls and gravity so far. Collective.
    subroutine note_work(balance, machine, trust)
       type(conservation_t), intent(in) :: balance
       type(machine_t), intent(in) :: machine
@@ -284,7 +285,8 @@ contains
       end do
    end function greatest_wave_square
 
-   !> Warn of a speed or an energy that nothing explains, and of whose it is. Collective.
+   !> Warn of a speed or an energy without a physical cause, with the particle that has it.
+   !! Collective.
    subroutine warn_of_bounds(simulation, look, log)
       type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
       type(bounds_look_t), intent(in) :: look        !! What was found
@@ -352,7 +354,7 @@ contains
       end associate
    end subroutine warn_of_shapes
 
-   !> Say at the end which balances do not close, and what closes them. Collective.
+   !> Report at the end which balances do not close, with the remedy. Collective.
    subroutine warn_of_balance(method, now, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
       type(balance_t), intent(in) :: now             !! Its balance
@@ -363,7 +365,7 @@ contains
       call warn_of_momentum(method, trust, log)
    end subroutine warn_of_balance
 
-   !> Say at the end that energy is missing, and what keeps it. Collective.
+   !> Report at the end that energy is lost, with the remedy. Collective.
    subroutine warn_of_energy(method, now, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
       type(balance_t), intent(in) :: now             !! Its balance
@@ -397,7 +399,7 @@ contains
          "internal energy cannot take up what straining and transfers dissipate; "//remedy)
    end subroutine warn_of_energy
 
-   !> Say at the end that momentum is not conserved, and by what. Collective.
+   !> Report at the end that momentum is not conserved, with the error. Collective.
    subroutine warn_of_momentum(method, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
       type(trust_t), intent(in) :: trust             !! What is known at the end
@@ -441,7 +443,7 @@ contains
       call log%warn("warning: "//step_text(simulation%clock)//": "//who//": "//words)
    end subroutine warn_of_particle
 
-   !> A particle cannot have more than all the energy there is; with twice of it the run ends.
+   !> A particle cannot have more than the total energy; with twice the total energy the run stops.
    !! Collective.
    subroutine refuse_impossible(simulation, look, error)
       type(simulation_t), intent(in) :: simulation
@@ -466,7 +468,7 @@ contains
       call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text))
    end subroutine refuse_impossible
    !> Does a material have a temperature and no internal energy, beside others that have? Heat that
-   !! is conducted from one to the other is no part of the energy that the run knows of.
+   !! is conducted between them is not in the energy balance.
    pure logical function holds_heat(scheme, materials) result(yes)
       type(scheme_t), intent(in) :: scheme
       type(material_t), intent(in) :: materials(:)
