@@ -124,7 +124,7 @@ DECKS = {
     "expects-a-text-that-is-not-empty": ("plain", "'metal' /", "'metal'  packing = '' /", None),
     "misses-a-value-before-a-comma": ("plain", "'metal' /", "'metal'  velocity = 1,,3 /",
                                       "'metal'  velocity = 1, 0, 3 /"),
-    "places-are-counted-from-1": ("plain", "'metal' /", "'metal'  velocity(0) = 1 /",
+    "the-subscript-must-be-from-1": ("plain", "'metal' /", "'metal'  velocity(0) = 1 /",
                                   "'metal'  velocity(1) = 1 /"),
     "must-be-in-range": ("plain", "density = 2700", "density = -2700", None),
     "must-not-be-beyond": ("plain", "t_end = 1e-5", "t_end = 1e-5  max_steps = 99999999999",

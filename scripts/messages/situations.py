@@ -397,7 +397,7 @@ SITUATIONS = {
         "text": "The table `grains.csv`; a cell of the deck has 0.125 m x 0.125 m x 0.125 m = 0.00195 m3:",
         "language": "text", "shows": THREE.replace("1e-3", "8e-3"), "commands": [CHECK],
         "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
-    "there-points-begin-as-fresh-matter": {
+    "there-the-material-starts-undeformed": {
         "files": {"scene.nml": FURTHER, "first.nml": FIRST + "&output name = 'p'  kind = 'particles'  count = 1"
                   "  fields = 'default' 'stress' /\n"},
         "before": SNAPSHOT, "text": "The first run wrote:",
@@ -412,7 +412,7 @@ SITUATIONS = {
         "shows": TURNED.split("\n")[5], "commands": [CHECK],
         "right": TURNED.split("\n")[5].replace(*QUARTER),
         "right_files": {"scene.nml": TURNED.replace(*QUARTER)}},
-    "velocities-stand-before-the-places": {
+    "velocities-are-earlier-than-positions": {
         "files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .true. /\n",
                   "first.nml": STATE}, "before": LAST,
         "text": "The run that wrote the snapshot was without this line:", "shows": "&method paper = .true. /",

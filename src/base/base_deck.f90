@@ -45,8 +45,9 @@ module base_deck
       generic :: complain => complain_of_group, complain_of_place
       generic :: warn => warn_of_group, warn_of_place    !! The same for a warning
       !> Replace a default that depends on other keys by the value that is used.
-      generic :: settle => settle_numbers, settle_number, sort_integer, sort_integers, &
-         settle_switch, settle_text
+      generic :: set_default => set_default_numbers, set_default_number, set_default_integer, &
+         set_default_integers, &
+         set_default_switch, set_default_text
       procedure :: errors => deck_errors                 !! Number of errors so far
       procedure :: sound => deck_sound                   !! No error in groups of a kind
       procedure :: warnings => deck_warnings             !! Number of warnings so far
@@ -55,8 +56,9 @@ module base_deck
       procedure :: shown => deck_shown                   !! A number in the units of the deck
       procedure :: echo => deck_echo                     !! The deck with all values used, in SI
       procedure, private :: complain_of_group, complain_of_place, warn_of_group, warn_of_place
-      procedure, private :: settle_numbers, settle_number, sort_integer, sort_integers, &
-         settle_switch, settle_text
+      procedure, private :: set_default_numbers, set_default_number, set_default_integer, &
+         set_default_integers, &
+         set_default_switch, set_default_text
       procedure, private :: locate => deck_locate        !! Index of a group
       procedure, private :: slot => deck_slot            !! Indices of a group and a key
    end type deck_t
@@ -343,7 +345,7 @@ contains
    end function deck_slot
 
    !> Set the derived value of a key of numbers.
-   pure subroutine settle_numbers(self, group, place, key, value)
+   pure subroutine set_default_numbers(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
@@ -354,24 +356,24 @@ contains
       slot = self%slot(group, place, key, kind_real)
       if (slot(1) == 0) return
       associate (slot_value => self%groups(slot(1))%values(slot(2)))
-         call settle_value(slot_value, size(value))
+         call prepare_default(slot_value, size(value))
          slot_value%numbers = value
       end associate
-   end subroutine settle_numbers
+   end subroutine set_default_numbers
 
    !> Set the derived value of a key of one number.
-   pure subroutine settle_number(self, group, place, key, value)
+   pure subroutine set_default_number(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
       character(len=*), intent(in) :: key
       real(wp), intent(in) :: value                      !! Its value [SI]
 
-      call self%settle(group, place, key, [value])
-   end subroutine settle_number
+      call self%set_default(group, place, key, [value])
+   end subroutine set_default_number
 
    !> Set the derived value of a key of integers.
-   pure subroutine sort_integers(self, group, place, key, value)
+   pure subroutine set_default_integers(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
@@ -382,24 +384,24 @@ contains
       slot = self%slot(group, place, key, kind_integer)
       if (slot(1) == 0) return
       associate (slot_value => self%groups(slot(1))%values(slot(2)))
-         call settle_value(slot_value, size(value))
+         call prepare_default(slot_value, size(value))
          slot_value%integers = value
       end associate
-   end subroutine sort_integers
+   end subroutine set_default_integers
 
    !> Set the derived value of a key of one integer.
-   pure subroutine sort_integer(self, group, place, key, value)
+   pure subroutine set_default_integer(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
       character(len=*), intent(in) :: key
       integer, intent(in) :: value                       !! Its value
 
-      call self%settle(group, place, key, [value])
-   end subroutine sort_integer
+      call self%set_default(group, place, key, [value])
+   end subroutine set_default_integer
 
    !> Set the derived value of a switch.
-   pure subroutine settle_switch(self, group, place, key, value)
+   pure subroutine set_default_switch(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
@@ -410,13 +412,13 @@ contains
       slot = self%slot(group, place, key, kind_logical)
       if (slot(1) == 0) return
       associate (slot_value => self%groups(slot(1))%values(slot(2)))
-         call settle_value(slot_value, 1)
+         call prepare_default(slot_value, 1)
          slot_value%switches = [value]
       end associate
-   end subroutine settle_switch
+   end subroutine set_default_switch
 
    !> Set the derived value of a text.
-   pure subroutine settle_text(self, group, place, key, value)
+   pure subroutine set_default_text(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! The kind of the group, without &
       integer, intent(in) :: place                       !! Number among those of its kind
@@ -427,21 +429,21 @@ contains
       slot = self%slot(group, place, key, kind_text)
       if (slot(1) == 0) return
       associate (slot_value => self%groups(slot(1))%values(slot(2)))
-         call settle_value(slot_value, 1)
+         call prepare_default(slot_value, 1)
          allocate (slot_value%texts(1))
          slot_value%texts(1)%text = value
       end associate
-   end subroutine settle_text
+   end subroutine set_default_text
 
    !> Clear a value that was not given, before the derived one is set.
-   pure subroutine settle_value(value, places)
+   pure subroutine prepare_default(value, number_of_values)
       type(value_t), intent(inout) :: value
-      integer, intent(in) :: places                      !! Number of values
+      integer, intent(in) :: number_of_values            !! Number of values
 
-      value%settled = .true.
+      value%derived = .true.
       value%valid = .true.
       if (allocated(value%filled)) deallocate (value%filled)
       if (allocated(value%texts)) deallocate (value%texts)
-      allocate (value%filled(places), source=.true.)
-   end subroutine settle_value
+      allocate (value%filled(number_of_values), source=.true.)
+   end subroutine prepare_default
 end module base_deck

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checks that the schema alone asks for: owners, required keys, names, references.
+!> Checks that follow from the schema alone: owners, required keys, names, references.
 module base_deck_check
    use base_deck_group, only: group_t
    use base_deck_index, only: deck_index_t
@@ -191,7 +191,7 @@ contains
       type(key_t), intent(in) :: owner                   !! The key of the condition
       type(condition_t), intent(in) :: condition         !! What it should be
       type(value_t), intent(in) :: value                 !! What it is
-      logical, intent(in) :: same_group                  !! It stands in the group of the key
+      logical, intent(in) :: same_group                  !! Is it in the group of the key?
       character(len=:), allocatable, intent(inout) :: reason !! Why the condition does not hold
       character(len=:), allocatable :: place, word
       integer :: i

@@ -86,7 +86,7 @@ contains
          end if
          line = line//" "//word
       end do
-      if (.not. value%given .or. value%settled) line = line// &
+      if (.not. value%given .or. value%derived) line = line// &
          repeat(" ", max(comment_column - len(line) - 1, 1))//"! default"
       call buffer%line(line)
    end subroutine echo_key

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> From the pieces of a deck to groups with values: every unknown, repeated or wrong piece is told.
+!> Fills groups with the values of a deck, and reports every unknown, repeated or wrong assignment.
 module base_deck_fill
    use base_deck_define, only: definitions_t
    use base_deck_group, only: group_t
@@ -64,11 +64,11 @@ contains
       text = "unknown group &"//name//text
    end function unknown_group
 
-   !> A question behind a message, if there is something to ask.
+   !> A suggestion at the end of a message, empty if there is none.
    pure function meant(before, near, after) result(question)
-      character(len=*), intent(in) :: before             !! Stands before the suggestion
+      character(len=*), intent(in) :: before             !! Precedes the suggestion
       character(len=*), intent(in) :: near               !! The suggestion, may be empty
-      character(len=*), intent(in) :: after              !! Stands after the suggestion
+      character(len=*), intent(in) :: after              !! Follows the suggestion
       character(len=:), allocatable :: question
 
       question = ""
@@ -92,7 +92,7 @@ contains
       end do
    end subroutine start_group
 
-   !> Take the pieces of a block into its group.
+   !> Store the assignments of a block in its group.
    subroutine fill_group(rule, block, definitions, system, problems, group)
       type(group_rule_t), intent(in) :: rule             !! What is allowed in it
       type(block_t), intent(in) :: block                 !! What is written
@@ -163,10 +163,11 @@ contains
             return
          end if
          subscript = number_in(piece%subscript)
-         if (subscript < 0 .or. subscript > key%places) then
+         if (subscript < 0 .or. subscript > key%number_of_values) then
             value%valid = .false.
             call problems%error(file, piece%line, "&"//rule%name//": "//key%name// &
-               piece%subscript//"  <- places are counted from 1 to "//number(key%places))
+               piece%subscript//"  <- the subscript must be from 1 to "// &
+               number(key%number_of_values))
             return
          end if
          call convert(key, piece%tokens, subscript, system, value, complaint)
@@ -177,7 +178,7 @@ contains
       end associate
    end subroutine store
 
-   !> The number in brackets, 0 without brackets, -1 if there is no number.
+   !> The number in brackets, 0 without brackets, -1 for any other text in brackets.
    pure integer function number_in(subscript) result(place)
       character(len=*), intent(in) :: subscript          !! Such as (3), or empty
       integer :: status
@@ -191,7 +192,7 @@ contains
       if (status /= 0 .or. place == 0) place = -1
    end function number_in
 
-   !> A question behind a message if a key stands among the values.
+   !> A hint at the end of a message if one of the values is the name of a key.
    function lost_sign(rule, tokens) result(hint)
       type(group_rule_t), intent(in) :: rule             !! What is allowed
       type(token_t), intent(in) :: tokens(:)
@@ -225,7 +226,7 @@ contains
             if (star < 2 .or. star == len(raw)) cycle
             if (verify(raw(:star - 1), "0123456789") == 0 .and. &
                verify(raw(star + 1:), numeric) == 0) cycle
-            hint = "; expressions stand in braces: {"//raw//"}"
+            hint = "; write expressions in braces: {"//raw//"}"
          end associate
       end do
    end function lost_braces
@@ -238,7 +239,7 @@ contains
       text = shortened(as_written(tokens, longest_quotation), longest_quotation)
    end function written
 
-   !> Give defaults to all places that have no value, and tell of places that need one.
+   !> Give the default to all values that are not set, and report those that are required.
    subroutine fill_defaults(rule, problems, group)
       type(group_rule_t), intent(in) :: rule             !! What is allowed
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
@@ -268,14 +269,14 @@ contains
       end do
    end subroutine fill_defaults
 
-   !> Fill the places without a value with the default.
+   !> Set the values that are missing to the default.
    subroutine complete(key, default, value)
       type(key_t), intent(in) :: key
       type(value_t), intent(in) :: default
       type(value_t), intent(inout) :: value
       integer :: i
 
-      do i = 1, key%places
+      do i = 1, key%number_of_values
          if (value%filled(i)) cycle
          select case (key%kind)
          case (kind_real)
@@ -291,10 +292,10 @@ contains
       end do
    end subroutine complete
 
-   !> First place without a value that needs one, or 0.
+   !> Index of the first value that is missing, or 0.
    pure integer function first_missing(value, exact) result(place)
       type(value_t), intent(in) :: value
-      logical, intent(in) :: exact                       !! All places need one, not only gaps
+      logical, intent(in) :: exact !! Must all values be set, not only those before the last?
       integer :: i, last
 
       last = merge(size(value%filled), value%count(), exact)

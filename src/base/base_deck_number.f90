@@ -178,12 +178,12 @@ contains
          several = "texts in quotes"
       end select
       text = "expects "
-      if (key%places == 1) then
+      if (key%number_of_values == 1) then
          text = text//trim(one)
       else if (key%exact) then
-         text = text//number(key%places)//" "//trim(several)
+         text = text//number(key%number_of_values)//" "//trim(several)
       else
-         text = text//"up to "//number(key%places)//" "//trim(several)
+         text = text//"up to "//number(key%number_of_values)//" "//trim(several)
       end if
    end function expectation
 end module base_deck_number

@@ -28,7 +28,7 @@ contains
       type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
       type(problems_t), intent(inout) :: problems        !! Gets what is wrong
-      type(group_t), intent(inout) :: groups(:)          !! All groups, with room for one more
+      type(group_t), intent(inout) :: groups(:)          !! All groups, with capacity for one more
       integer, intent(inout) :: filled                   !! Number of groups
       character(len=:), allocatable :: choice, group, key, value
       integer :: place, rule, which
@@ -178,7 +178,7 @@ contains
       piece%key = rule%keys(place)%name
       piece%subscript = key(index(key//"(", "("):)
       if (rule%keys(place)%kind == kind_text .and. scan(value, "'""") == 0) then
-         call bare_texts(rule%keys(place)%places, value, piece%tokens)
+         call bare_texts(rule%keys(place)%number_of_values, value, piece%tokens)
       else
          call scan_value(value, piece)
       end if
@@ -199,8 +199,8 @@ contains
    end subroutine put
 
    !> Texts without quotes, with commas between them where there may be several.
-   subroutine bare_texts(places, value, tokens)
-      integer, intent(in) :: places                      !! Greatest number of values
+   subroutine bare_texts(number_of_values, value, tokens)
+      integer, intent(in) :: number_of_values            !! Greatest number of values
       character(len=*), intent(in) :: value              !! As written
       type(token_t), allocatable, intent(out) :: tokens(:)
       type(text_t), allocatable :: parts(:)
@@ -210,7 +210,7 @@ contains
       first = 1
       do
          comma = first + index(value(first:)//",", ",") - 1
-         if (places == 1) comma = len(value) + 1
+         if (number_of_values == 1) comma = len(value) + 1
          call append(parts, trim(adjustl(value(first:comma - 1))))
          first = comma + 1
          if (first > len(value)) exit

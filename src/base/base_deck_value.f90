@@ -19,7 +19,7 @@ module base_deck_value
       character(len=:), allocatable :: key               !! Its name
       logical :: given = .false.                         !! In the deck or on the command line
       logical :: valid = .true.                          !! No error so far
-      logical :: settled = .false.                       !! Derived from other keys
+      logical :: derived = .false.                       !! Derived from other keys
       integer :: line = 0                                !! Line of the key
       character(len=:), allocatable :: file              !! File of the key
       logical, allocatable :: filled(:)                  !! (place) Has a value
@@ -58,10 +58,10 @@ contains
       complaint = ""
       value%key = key%name
       if (.not. allocated(key%default)) then
-         allocate (value%filled(key%places), source=.false.)
+         allocate (value%filled(key%number_of_values), source=.false.)
          return
       end if
-      if (key%kind == kind_text .and. key%places == 1) then
+      if (key%kind == kind_text .and. key%number_of_values == 1) then
          allocate (words(1))
          words(1)%text = key%default
       else
@@ -80,28 +80,28 @@ contains
    subroutine convert(key, tokens, subscript, system, value, complaint)
       type(key_t), intent(in) :: key
       type(token_t), intent(in) :: tokens(:)             !! As written
-      integer, intent(in) :: subscript                   !! First place to fill, 0 = all
+      integer, intent(in) :: subscript                   !! First value to set, 0 = all
       integer, intent(in) :: system                      !! Units of numbers without a unit
       type(value_t), intent(inout) :: value              !! Gets the values
       character(len=:), allocatable, intent(out) :: complaint !! Empty without an error
       type(item_t), allocatable :: items(:)
-      integer :: first, i, places
+      integer :: first, i, number_of_values
 
       complaint = ""
       call allocate_values(key, value)
       first = max(subscript, 1)
-      places = key%places - first + 1
-      call expand_repeats(key, tokens, places, items, complaint)
+      number_of_values = key%number_of_values - first + 1
+      call expand_repeats(key, tokens, number_of_values, items, complaint)
       if (complaint == "" .and. size(items) == 0) complaint = expectation(key)
       if (complaint == "" .and. key%kind == kind_real) complaint = mixed_units(items)
-      do i = 1, min(size(items), places)
+      do i = 1, min(size(items), number_of_values)
          if (complaint /= "") exit
          call convert_item(key, items(i), system, first + i - 1, value, complaint)
       end do
       if (complaint == "") then
-         if (size(items) > places) then
+         if (size(items) > number_of_values) then
             complaint = too_many(key, subscript, tokens, items)
-         else if (key%exact .and. subscript == 0 .and. size(items) < places) then
+         else if (key%exact .and. subscript == 0 .and. size(items) < number_of_values) then
             complaint = expectation(key)//", not "//number(size(items))
          end if
       end if
@@ -110,18 +110,18 @@ contains
       if (complaint(1:1) /= " ") complaint = points_at//complaint
    end subroutine convert
 
-   !> The error if there are more values than places.
+   !> The error if there are more values than the key takes.
    function too_many(key, subscript, tokens, items) result(complaint)
       type(key_t), intent(in) :: key
-      integer, intent(in) :: subscript                   !! First place to fill, 0 = all
+      integer, intent(in) :: subscript                   !! First value to set, 0 = all
       type(token_t), intent(in) :: tokens(:)             !! As written
       type(item_t), intent(in) :: items(:)
       character(len=:), allocatable :: complaint
       integer :: i
 
       complaint = expectation(key)//", not "//number(size(items))
-      if (subscript > 0) complaint = expectation(key)//"; there is no place "// &
-         number(key%places + 1)
+      if (subscript > 0) complaint = expectation(key)//"; there is no value "// &
+         number(key%number_of_values + 1)
       do i = 1, size(tokens)
          if (.not. tokens(i)%quoted .and. index(tokens(i)%raw, "*") > 0) &
             complaint = expectation(key)
@@ -138,24 +138,28 @@ contains
       type(key_t), intent(in) :: key
       type(value_t), intent(inout) :: value              !! Gets the arrays unless it has them
 
-      if (.not. allocated(value%filled)) allocate (value%filled(key%places), source=.false.)
+      if (.not. allocated(value%filled)) allocate (value%filled(key%number_of_values), &
+         source=.false.)
       select case (key%kind)
       case (kind_real)
-         if (.not. allocated(value%numbers)) allocate (value%numbers(key%places), source=0.0_wp)
+         if (.not. allocated(value%numbers)) allocate (value%numbers(key%number_of_values), &
+            source=0.0_wp)
       case (kind_integer)
-         if (.not. allocated(value%integers)) allocate (value%integers(key%places), source=0)
+         if (.not. allocated(value%integers)) allocate (value%integers(key%number_of_values), &
+            source=0)
       case (kind_logical)
-         if (.not. allocated(value%switches)) allocate (value%switches(key%places), source=.false.)
+         if (.not. allocated(value%switches)) allocate (value%switches(key%number_of_values), &
+            source=.false.)
       case default
-         if (.not. allocated(value%texts)) allocate (value%texts(key%places))
+         if (.not. allocated(value%texts)) allocate (value%texts(key%number_of_values))
       end select
    end subroutine allocate_values
 
-   !> Resolve commas and repeat counts such as 3*0.0. Counts above the number of places are cut.
-   subroutine expand_repeats(key, tokens, places, items, complaint)
+   !> Resolve commas and repeat counts such as 3*0.0. Copies beyond the last value are left out.
+   subroutine expand_repeats(key, tokens, number_of_values, items, complaint)
       type(key_t), intent(in) :: key
       type(token_t), intent(in) :: tokens(:)             !! As written
-      integer, intent(in) :: places                      !! Number of places to fill
+      integer, intent(in) :: number_of_values            !! Number of values to set
       type(item_t), allocatable, intent(out) :: items(:)
       character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
       type(item_t) :: item
@@ -198,11 +202,11 @@ contains
          item%unit = ""
          if (key%kind == kind_real .and. .not. item%quoted) &
             call split_unit(item%text//"", item%text, item%unit)
-         do copies = 1, min(max(copies, 1), places + 1 - size(items))
+         do copies = 1, min(max(copies, 1), number_of_values + 1 - size(items))
             call add_item(items, item)
          end do
-         if (size(items) > places) call add_rest(key, items, tokens(i + 1:))
-         if (size(items) > places) exit
+         if (size(items) > number_of_values) call add_rest(key, items, tokens(i + 1:))
+         if (size(items) > number_of_values) exit
       end do
    end subroutine expand_repeats
 

@@ -14,7 +14,7 @@ module base_schema
    public :: condition_t, group_rule_t, key_t, schema_t
 
    integer, parameter, public :: kind_real = 1           !! Numbers
-   integer, parameter, public :: kind_integer = 2        !! Whole numbers
+   integer, parameter, public :: kind_integer = 2        !! Integers
    integer, parameter, public :: kind_logical = 3        !! .true. or .false.
    integer, parameter, public :: kind_text = 4           !! Texts in quotes
 
@@ -30,8 +30,8 @@ module base_schema
       character(len=:), allocatable :: group             !! Group it belongs to
       character(len=:), allocatable :: name              !! As in the deck
       integer :: kind = kind_real                        !! One of the constants above
-      integer :: places = 1                              !! Greatest number of values
-      logical :: exact = .true.                          !! All places must be filled
+      integer :: number_of_values = 1                    !! Greatest number of values
+      logical :: exact = .true.                          !! All values must be given
       character(len=:), allocatable :: doc               !! Its meaning
       character(len=:), allocatable :: unit_text         !! Unit of SI as text
       type(unit_t) :: unit                               !! The same to count with
@@ -63,12 +63,12 @@ module base_schema
    !> All groups.
    type :: schema_t
       type(group_rule_t), allocatable :: groups(:)       !! In the order of the echo
-      type(preset_t), allocatable :: presets(:)          !! Values that a deck may ask for by name
+      type(preset_t), allocatable :: presets(:) !! Sets of values that a deck selects by name
       character(len=:), allocatable :: fault             !! First mistake in a declaration
    contains
       procedure :: group => schema_group                 !! Declare a group
       procedure :: real => schema_real                   !! Declare a key of numbers
-      procedure :: integer => schema_integer             !! Declare a key of whole numbers
+      procedure :: integer => schema_integer             !! Declare a key of integers
       procedure :: logical => schema_logical             !! Declare a switch
       procedure :: text => schema_text                   !! Declare a key of texts
       procedure :: words => schema_words                 !! Allow more words for a key of texts
@@ -129,7 +129,7 @@ contains
       call self%add(key, group, name, doc, default, range, owner)
    end subroutine schema_real
 
-   !> Declare a key of whole numbers: name n for one, n(3) for three, n(:50) for up to fifty.
+   !> Declare a key of integers: name n for one, n(3) for three, n(:50) for up to fifty.
    subroutine schema_integer(self, group, name, doc, default, range, owner)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group it belongs to
@@ -233,7 +233,7 @@ contains
       key%name = name(:bracket - 1)
       key%exact = name(bracket + 1:bracket + 1) /= ":"
       if (.not. key%exact) bracket = bracket + 1
-      read (name(bracket + 1:len(name) - 1), *, iostat=status) key%places
+      read (name(bracket + 1:len(name) - 1), *, iostat=status) key%number_of_values
       if (status /= 0) call blame(self, "number of values of "//name)
    end subroutine set_name
 
@@ -379,7 +379,7 @@ contains
       end do
    end subroutine schema_require
 
-   !> Say why the range of a key is what it is, for whoever leaves it.
+   !> Give the reason for the range of a key, for the message about a value outside of it.
    subroutine schema_explain_range(self, group, name, hint)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group of the key

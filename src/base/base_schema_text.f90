@@ -13,7 +13,7 @@ module base_schema_text
    public :: explain, template
 
    character(len=*), parameter :: newline = new_line("a")
-   integer, parameter :: comment_column = 40             !! Where comments begin if there is room
+   integer, parameter :: comment_column = 40 !! First column of comments after short lines
 
 contains
 
@@ -153,11 +153,12 @@ contains
          one = "text"
       end select
       text = trim(one)
-      if (key%places > 1 .and. key%exact) text = number(key%places)//" "//text//"s"
-      if (.not. key%exact) text = "up to "//number(key%places)//" "//text//"s"
+      if (key%number_of_values > 1 .and. key%exact) text = &
+         number(key%number_of_values)//" "//text//"s"
+      if (.not. key%exact) text = "up to "//number(key%number_of_values)//" "//text//"s"
    end function kind_of
 
-   !> Default of a key as it would stand in a deck.
+   !> Default of a key as it is written in a deck.
    function literal(key) result(text)
       type(key_t), intent(in) :: key                     !! The key, with a default
       character(len=:), allocatable :: text
@@ -166,8 +167,8 @@ contains
       text = key%default
       if (key%kind /= kind_text) return
       allocate (words(0))
-      if (key%places > 1) call split(key%default, words)
-      if (key%places > 1) text = join(words, "', '")
+      if (key%number_of_values > 1) call split(key%default, words)
+      if (key%number_of_values > 1) text = join(words, "', '")
       text = "'"//text//"'"
    end function literal
 

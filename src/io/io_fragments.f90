@@ -133,7 +133,7 @@ contains
       call collect(communicator, rows, map%number)
    end subroutine find_fragments
 
-   !> Tell all ranks all cells. Collective.
+   !> Send the cells of all ranks to all ranks. Collective.
    subroutine learn_cells(communicator, grid, cells, sums, velocity_cut, map)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid

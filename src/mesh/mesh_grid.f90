@@ -99,18 +99,18 @@ contains
 
    !> Cells along a tile. The halo needs so many layers of cells before the next tile but one, so in
    !! a periodic direction the last tile must not be thinner than that.
-   pure integer function tile_width(cells, periodic, wish, least) result(width)
+   pure integer function tile_width(cells, periodic, preferred, least) result(width)
       integer, intent(in) :: cells                   !! Cells along the direction
       logical, intent(in) :: periodic                !! Is the direction periodic?
-      integer, intent(in) :: wish                    !! Preferred width
+      integer, intent(in) :: preferred               !! Preferred width
       integer, intent(in) :: least                   !! Layers that the halo needs
       integer :: trial, rest
 
-      width = max(min(wish, cells), min(least, cells))
+      width = max(min(preferred, cells), min(least, cells))
       if (.not. periodic) return
       do trial = 0, cells
          if (cells <= least) exit
-         width = max(wish, least) + merge(trial/2, -(trial/2), mod(trial, 2) == 0)
+         width = max(preferred, least) + merge(trial/2, -(trial/2), mod(trial, 2) == 0)
          if (width < least .or. width > cells) cycle
          rest = mod(cells, width)
          if (rest == 0 .or. rest >= least) return

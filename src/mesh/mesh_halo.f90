@@ -4,7 +4,7 @@
 !! A rank that has the patches of all tiles around its own can do all the work on the nodes that
 !! its particles see, so one exchange a transfer is enough, and no partial sum ever travels. Who
 !! gets what is worked out once for as long as tiles and cuts stay as they are; each rank around
-!! gets one message an exchange. Tiles that nobody else sees can be worked on while it travels.
+!! gets one message an exchange. Tiles that no other rank uses are worked on during the exchange.
 module mesh_halo
    use base_communicator, only: communicator_t, posted_t
    use base_kinds, only: int64, wp

@@ -156,14 +156,14 @@ contains
    end function levels_used
 
    !> Rotate three numbers to the left.
-   pure subroutine move_round(a, b, c, places)
+   pure subroutine move_round(a, b, c, shift)
       integer, intent(inout) :: a, b, c              !! Coordinates in bits
-      integer, intent(in) :: places                  !! 0 to 2
+      integer, intent(in) :: shift                   !! 0 to 2
       integer :: first, last
 
       first = a
       last = c
-      select case (places)
+      select case (shift)
       case (1)
          a = b
          b = last

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What faces and rigid regions ask of a shape, whatever it is made of.
+!> The functions of a shape that boundaries and rigid regions use.
 module mesh_point_set
    use base_kinds, only: wp
    implicit none

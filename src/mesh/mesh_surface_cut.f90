@@ -124,7 +124,7 @@ contains
       logical, intent(in) :: inside(0:, 0:, 0:)      !! Which of its points belong to the set
       integer, intent(in) :: cell(3)                 !! First point of the cell
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
-      integer, intent(inout) :: found                !! Pieces in it
+      integer, intent(inout) :: found                !! Number of facets in it
       integer, parameter :: orders(3, 6) = reshape([1, 2, 3, 1, 3, 2, 2, 1, 3, 2, 3, 1, 3, 1, 2, &
          3, 2, 1], [3, 6])
       integer :: corner(3, 0:3), n, number, order
@@ -166,14 +166,14 @@ contains
       end do
    end function in_order
 
-   !> The piece of the surface in a simplex, two of them where a tetrahedron is cut in a quadrangle.
+   !> The facet of the surface in a simplex, two facets where a tetrahedron is cut in a quadrangle.
    pure subroutine cut_simplex(set, lattice, corner, within, piece, found)
       class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice
       integer, contiguous, intent(in) :: corner(:, 0:) !! (3, corner) Its points
       logical, intent(in) :: within(0:)              !! Which of them belong to the set
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
-      integer, intent(inout) :: found                !! Pieces in it
+      integer, intent(inout) :: found                !! Number of facets in it
       real(wp) :: cut(3, 4), inner(3), outer(3)
       integer :: a, b, number
 
@@ -219,7 +219,7 @@ contains
    pure subroutine append(corner, piece, found)
       real(wp), intent(in) :: corner(:, :)           !! (3, corner) [m]
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
-      integer, intent(inout) :: found                !! Pieces in it
+      integer, intent(inout) :: found                !! Number of facets in it
       real(wp), allocatable :: longer(:, :, :)
 
       if (found == size(piece, 3)) then

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The direction out of rigid regions.
 !!
-!! It is asked of the sets of points alone, so it serves any shape and any set operation: the seam
+!! It uses only the test whether a point is inside, so it serves any shape and any set operation:
+!! the seam
 !! between two regions, and the side of a region that lies on a boundary of the domain, are no
 !! surface.
 module mesh_surface_normal
@@ -20,7 +21,7 @@ module mesh_surface_normal
    real(wp), parameter :: beside = 0.499999_wp       !! A position so near touches a wall [cells]
    integer, parameter :: most_rays = 124             !! That start from a position
    integer, parameter :: rounds = 12                 !! From a normal to a better one, at most
-   real(wp), parameter :: settled = 1.0e-9_wp        !! Change of a normal that is good enough
+   real(wp), parameter :: converged = 1.0e-9_wp      !! Change of a normal that is good enough
    real(wp), parameter :: within = 1.0e-6_wp         !! So far inside faces count [cells]
 
 contains
@@ -47,7 +48,7 @@ contains
          if (any(abs(inside - place) > 0.0_wp) .and. closed(walls, grid, below)) inside = below
          before = normal
          call improve(walls, grid, inside, normal, smooth)
-         if (.not. smooth .or. maxval(abs(normal - before)) < settled) exit
+         if (.not. smooth .or. maxval(abs(normal - before)) < converged) exit
       end do
    end subroutine find_surface_normal
 

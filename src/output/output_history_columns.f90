@@ -10,7 +10,7 @@ module output_history_columns
    use mesh_grid, only: grid_t
    use output_table_stream, only: heading_length
    use particle_store, only: store_t
-   use step_diagnostics, only: look_at_shapes, shapes_look_t
+   use step_diagnostics, only: examine_shapes, shapes_look_t
    use step_exact_error, only: error_columns, take_errors
    use step_ledger, only: balance_t, ledger_entries
    use step_simulation, only: simulation_t
@@ -202,7 +202,7 @@ contains
          if (columns%further(potential)) more(potential) = potential_energy(simulation)
          if (columns%further(runout)) more(runout) = reach(simulation)
          if (any(columns%further(stretch:))) then
-            call look_at_shapes(simulation, look)
+            call examine_shapes(simulation, look)
             more(stretch:) = [look%longest, look%share, look%overlap, look%difference]
          end if
          if (any(columns%further(height:tail + 2))) call find_ends(simulation, more(height), &

@@ -57,8 +57,9 @@ contains
       call schema%real("output", "velocity_cut", "cells are separate where their mean "// &
          "velocities differ by more; default: never", unit="m/s", range="> 0", &
          owner="kind = "//kind)
-      call schema%text("output", "matter", "what fragments are made of; intact: what has not "// &
-         "failed", default="all", words="all intact", owner="kind = "//kind)
+      call schema%text("output", "matter", &
+         "material that counts as part of a fragment; intact: "// &
+         "material that has not failed", default="all", words="all intact", owner="kind = "//kind)
    end subroutine fragments_declare
 
    !> Read the keys of the kind.

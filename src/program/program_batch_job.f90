@@ -119,7 +119,7 @@ contains
          "are efficient."//newline
       if (setup%command%job%scheduler == "pbs") then
          text = text//"# The limit below replaces wall_limit of the deck."
-      else if (setup%limits%ask_scheduler) then
+      else if (setup%limits%query_scheduler) then
          text = text//"# The run requests the end of the job from Slurm (wall_limit = 'slurm')."
       else if (setup%limits%wall_limit < real(job%seconds, wp)) then
          text = text//"# wall_limit of the deck ends the run before the job does."

@@ -52,7 +52,7 @@ contains
       self%time_begin = simulation%clock%time
       self%step_begin = simulation%clock%step
       self%wall_limit = limits%wall_limit
-      if (limits%ask_scheduler) then
+      if (limits%query_scheduler) then
          call job_seconds_left(simulation%machine%communicator, self%wall_limit, error)
          if (allocated(error)) return
          if (self%wall_limit >= no_job) call log%warn("warning: wall_limit = 'slurm' has no "// &

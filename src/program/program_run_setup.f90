@@ -18,7 +18,7 @@ module program_run_setup
    use program_expected_steps, only: expected_steps
    use program_material_point, only: declare_point, make_scene_optional
    use program_run_limits, only: limits_t, read_limits
-   use scene_body_placement, only: check_elastic, check_places, check_size, default_most_points
+   use scene_body_placement, only: check_elastic, check_placement, check_size, default_most_points
    use scene_deck_check, only: check_deck
    use scene_deck_schema, only: declare_deck
    use scene_particles, only: survey_t, take_survey
@@ -91,7 +91,7 @@ contains
          setup%simulation%space%grid, setup%bodies, setup%most_points, setup%command%force)
       if (allocated(setup%bodies) .and. setup%deck%sound("body")) then
          call take_survey(setup%simulation, setup%bodies, setup%survey)
-         call check_places(setup%deck, setup%simulation, setup%bodies, setup%survey)
+         call check_placement(setup%deck, setup%simulation, setup%bodies, setup%survey)
          ! a material with an error has no wave speed
          if (setup%deck%sound("material")) &
             call check_elastic(setup%deck, setup%simulation, setup%bodies)

@@ -12,7 +12,7 @@ module program_run_time_estimate
    use program_run_limits, only: read_limits
    use program_run_setup, only: read_setup, run_setup_t
    use program_trial_steps, only: run_trial, time_history_row, trial_t, warm_steps
-   use scene_body_placement, only: check_places
+   use scene_body_placement, only: check_placement
    use scene_first_state, only: make_first_state
    use scene_particles, only: take_survey
    use scene_setup, only: set_up_scene
@@ -181,7 +181,7 @@ contains
       call set_up_scene(small%deck, small%simulation, small%bodies, small%shapes, coarser)
       if (.not. allocated(small%bodies)) return
       call take_survey(small%simulation, small%bodies, small%survey)
-      call check_places(small%deck, small%simulation, small%bodies, small%survey)
+      call check_placement(small%deck, small%simulation, small%bodies, small%survey)
       call small%deck%verdict(error)
       if (allocated(error)) return
       call read_limits(small%deck, small%limits)

@@ -185,7 +185,7 @@ contains
       if (group%given("velocity_formula")) call group%list("velocity_formula", body%formula)
    end subroutine read_velocity
 
-   !> Particles at random places, no two of them near each other.
+   !> Particles at random positions with a least distance between them.
    subroutine pack_disks(deck, grid, index, body)
       type(deck_t), intent(in) :: deck
       type(grid_t), intent(in) :: grid

@@ -13,7 +13,7 @@ module scene_body_placement
    implicit none
    private
 
-   public :: check_elastic, check_places, check_size
+   public :: check_elastic, check_placement, check_size
 
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
    real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that bodies may reach; 1.6 GB of keys
@@ -45,7 +45,7 @@ contains
          tiles = product(merge(reach/real(grid%width, wp) + 1.0_wp, 1.0_wp, grid%active))
          if (identities > most_identities) then
             call deck%complain("body", n, "the grid has "//brief(identities)// &
-               " places for points, more than identities can count; take larger cells or "// &
+               " lattice points, more than there are identities; use larger cells or "// &
                "fewer ppc", "ppc")
             return
          else if (tiles > most_tiles) then
@@ -74,7 +74,7 @@ contains
 
    !> Bodies without points are errors; those that are cut, thin or on top of each other may be
    !! meant.
-   subroutine check_places(deck, simulation, bodies, survey)
+   subroutine check_placement(deck, simulation, bodies, survey)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: bodies(:)
@@ -95,7 +95,7 @@ contains
             call check_overlap(deck, simulation%space%grid, bodies, [n, other], pairs)
          end do
       end do
-   end subroutine check_places
+   end subroutine check_placement
 
    !> Warn of bodies that meet so fast that a material without yield strength or failure is strained
    !! beyond what a law of small elastic strains can mean.

@@ -47,12 +47,12 @@ contains
       call unit_of("m", length, known)
       corner(:, :, :) = corner*10.0_wp**nint(length%exponent(deck%system))
       call set_facets(facets, corner)
-      call look_at_surface(deck, group, facets)
+      call examine_surface(deck, group, facets)
       call holder%set(facets)
    end subroutine read_facets
 
    !> Warn of a surface that does not close.
-   subroutine look_at_surface(deck, group, facets)
+   subroutine examine_surface(deck, group, facets)
       type(deck_t), intent(inout) :: deck            !! Gets warnings
       type(group_t), intent(in) :: group
       type(facets_t), intent(in) :: facets           !! Its shape
@@ -69,5 +69,5 @@ contains
          "file")
       if (open_edges == 0 .and. facets%volume() < 0.0_wp) call deck%warn(group, &
          "all facets face inwards; what they enclose is taken all the same", "file")
-   end subroutine look_at_surface
+   end subroutine examine_surface
 end module scene_facets

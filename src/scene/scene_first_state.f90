@@ -21,7 +21,7 @@ module scene_first_state
 
 contains
 
-   !> Particles of the bodies in their first state, the first time step, the books opened.
+   !> Create the particles of the bodies in their first state, the first time step and the ledger.
    subroutine make_first_state(simulation, bodies, survey, shapes, error)
       type(simulation_t), intent(inout) :: simulation !! The run, gets particles
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities

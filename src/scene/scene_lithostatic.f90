@@ -3,7 +3,7 @@
 !!
 !! Along gravity the stress is the weight of what lies above without a gap, across it a share of
 !! that. Material whose pressure follows from its density has the density of its pressure: its
-!! particles keep their places and volumes and become heavier.
+!! particles keep their positions and volumes and become heavier.
 module scene_lithostatic
    use base_constants, only: xx, xy, xz, yy, yz, zz
    use base_deck, only: deck_t, group_t

@@ -7,7 +7,7 @@ module scene_method
    use ddmp_alpha, only: alpha_names
    use ddmp_catalogue, only: quadrature_names
    use ddmp_dual, only: surface_names
-   use scene_method_defaults, only: settle_method, unseen_usual
+   use scene_method_defaults, only: set_method_defaults, unseen_usual
    use step_method, only: method_t, position_of, stress_names
    use transfer_catalogue, only: basis_names, choose_velocity, velocity_names
    use transfer_velocity, only: velocity_t
@@ -25,7 +25,7 @@ contains
       integer :: n
 
       call schema%group("method", "numerical method")
-      call schema%text("method", "basis", "node functions; ddmp needs linear", default="linear")
+      call schema%text("method", "basis", "shape functions; ddmp needs linear", default="linear")
       call schema%words("method", "basis", basis_names)
       call schema%text("method", "transfer", "how velocities go between particles and nodes; "// &
          "default rflip with ddmp, flip with mpm", default="rflip")
@@ -112,7 +112,7 @@ contains
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
-      call settle_method(deck, stored, gases)
+      call set_method_defaults(deck, stored, gases)
       group = deck%group("run", 1)
       call group%get("method", word)
       group = deck%group("method", 1)

@@ -8,30 +8,30 @@ module scene_method_defaults
    implicit none
    private
 
-   public :: settle_method
+   public :: set_method_defaults
 
    !> Share of unseen node velocities in the strain where not all material is elastic [1]
    real(wp), parameter, public :: unseen_usual = 0.2_wp
 
 contains
 
-   !> Settle the defaults of &method that depend on other keys and on the material, and refuse keys
+   !> Set the defaults of &method that depend on other keys and on the material, and refuse keys
    !! that do not go together.
-   subroutine settle_method(deck, stored, gases)
+   subroutine set_method_defaults(deck, stored, gases)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Does all material give back all work?
       logical, intent(in) :: gases                   !! Is all material a gas?
 
-      call settle_defaults(deck)
-      if (stored) call settle_elastic(deck)
-      call settle_turn(deck)
+      call set_dependent_defaults(deck)
+      if (stored) call set_elastic_defaults(deck)
+      call set_turn_default(deck)
       call check_unseen(deck)
       call check_normalise(deck)
-      if (gases) call settle_split(deck)
-   end subroutine settle_method
+      if (gases) call set_split_default(deck)
+   end subroutine set_method_defaults
 
-   !> Settle the defaults that depend on other keys.
-   subroutine settle_defaults(deck)
+   !> Set the defaults that depend on other keys.
+   subroutine set_dependent_defaults(deck)
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: method, dimension, alpha
       logical :: paper, may
@@ -43,27 +43,27 @@ contains
       group = deck%group("method", 1)
       call group%get("paper", paper)
       if (method /= "ddmp") then
-         if (.not. group%given("transfer")) call deck%settle("method", 1, "transfer", "flip")
+         if (.not. group%given("transfer")) call deck%set_default("method", 1, "transfer", "flip")
          if (.not. group%given("stress_update")) &
-            call deck%settle("method", 1, "stress_update", trim(stress_names(stress_remapped)))
+            call deck%set_default("method", 1, "stress_update", trim(stress_names(stress_remapped)))
          return
       end if
       may = may_normalise(deck)
       if (.not. (group%given("normalise") .or. may)) &
-         call deck%settle("method", 1, "normalise", "none")
+         call deck%set_default("method", 1, "normalise", "none")
       if (paper) then
-         call settle_paper(deck, group)
+         call set_paper_defaults(deck, group)
          return
       end if
       call group%get("alpha", alpha)
-      if (.not. group%given("blend")) call deck%settle("method", 1, "blend", &
+      if (.not. group%given("blend")) call deck%set_default("method", 1, "blend", &
          trim(merge("smooth", "linear", alpha == "split" .and. dimension /= "axisymmetric")))
       if (.not. group%given("stress_update")) &
-         call deck%settle("method", 1, "stress_update", trim(stress_names(stress_after)))
-   end subroutine settle_defaults
+         call deck%set_default("method", 1, "stress_update", trim(stress_names(stress_after)))
+   end subroutine set_dependent_defaults
 
    !> With two velocities elastic material keeps all of its energy unless the deck says otherwise.
-   subroutine settle_elastic(deck)
+   subroutine set_elastic_defaults(deck)
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: update
       type(group_t) :: group
@@ -71,13 +71,14 @@ contains
       group = deck%group("method", 1)
       call group%get("stress_update", update)
       if (update /= stress_names(stress_average)) return
-      if (.not. group%given("flip")) call deck%settle("method", 1, "flip", 1.0_wp)
-      if (.not. group%given("unseen_strain")) call deck%settle("method", 1, "unseen_strain", 0.0_wp)
-   end subroutine settle_elastic
+      if (.not. group%given("flip")) call deck%set_default("method", 1, "flip", 1.0_wp)
+      if (.not. group%given("unseen_strain")) call deck%set_default("method", 1, "unseen_strain", &
+         0.0_wp)
+   end subroutine set_elastic_defaults
 
    !> With two velocities the rotation is that of the surroundings: that of single particles makes
    !! energy there.
-   subroutine settle_turn(deck)
+   subroutine set_turn_default(deck)
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: transfer, update, turn
       type(group_t) :: group
@@ -87,17 +88,17 @@ contains
       call group%get("stress_update", update)
       if (transfer /= "rflip" .or. update /= stress_names(stress_average)) return
       if (.not. group%given("turn_from")) then
-         call deck%settle("method", 1, "turn_from", "tiles")
+         call deck%set_default("method", 1, "turn_from", "tiles")
          return
       end if
       call group%get("turn_from", turn)
       if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' makes energy "// &
          "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
-   end subroutine settle_turn
+   end subroutine set_turn_default
 
    !> Gas expands without bound, and cells from which all particles have gone hold no volume. An
    !! exact solution needs whole particles.
-   subroutine settle_split(deck)
+   subroutine set_split_default(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
       character(len=:), allocatable :: normalise, solution
       type(group_t) :: group, exact
@@ -108,8 +109,8 @@ contains
       exact = deck%group("exact")
       call exact%get("solution", solution)
       if (normalise /= "none" .and. solution == "none") &
-         call deck%settle("method", 1, "split", .true.)
-   end subroutine settle_split
+         call deck%set_default("method", 1, "split", .true.)
+   end subroutine set_split_default
 
    !> Refuse a share of unseen velocities where no strain takes it.
    subroutine check_unseen(deck)
@@ -163,8 +164,8 @@ contains
          limiter == "none"
    end function may_normalise
 
-   !> Settle the keys that the scheme of LA-UR-11-06616 fixes, and refuse other values of them.
-   subroutine settle_paper(deck, group)
+   !> Set the keys that the scheme of LA-UR-11-06616 fixes, and refuse other values of them.
+   subroutine set_paper_defaults(deck, group)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group             !! &method
       character(len=13), parameter :: keys(6) = [character(len=13) :: "transfer", "alpha", &
@@ -181,13 +182,13 @@ contains
             if (word /= fixed(n)) call deck%complain(group, "paper = .true. needs "// &
                trim(keys(n))//" = '"//trim(fixed(n))//"'; remove one of the two", trim(keys(n)))
          else
-            call deck%settle("method", 1, trim(keys(n)), trim(fixed(n)))
+            call deck%set_default("method", 1, trim(keys(n)), trim(fixed(n)))
          end if
       end do
       do n = 1, 2
          associate (key => merge("flip   ", "alpha_0", n == 1))
             if (.not. group%given(trim(key))) then
-               call deck%settle("method", 1, trim(key), 1.0_wp)
+               call deck%set_default("method", 1, trim(key), 1.0_wp)
                cycle
             end if
             call group%get(trim(key), number)
@@ -195,5 +196,5 @@ contains
                "paper = .true. needs "//trim(key)//" = 1; remove one of the two", trim(key))
          end associate
       end do
-   end subroutine settle_paper
+   end subroutine set_paper_defaults
 end module scene_method_defaults

@@ -88,7 +88,7 @@ contains
       end associate
    end subroutine name_phases
 
-   !> Make empty stores for the materials, with the fields that they ask for.
+   !> Make empty stores for the materials, with the fields that they need.
    subroutine make_stores(simulation, traits)
       type(simulation_t), intent(inout) :: simulation
       type(traits_t), intent(in) :: traits !! Fields of particles besides those of materials

@@ -153,7 +153,7 @@ contains
       call choose_body(deck, group, points, meant)
       if (.not. deck%sound("body", group%place)) return
       place = pack([(n, n=1, size(meant))], meant)
-      call check_places(deck, grid, boundary, group, points, place)
+      call check_positions(deck, grid, boundary, group, points, place)
       if (.not. deck%sound("body", group%place)) return
       call check_sizes(deck, grid, group, points%list, place)
       allocate (row(size(place)), position(3, size(place)), volume(size(place)))
@@ -227,9 +227,9 @@ contains
       end if
    end function where_text
 
-   !> Refuse points outside of the grid and two at one place. Matter presses a little into closed
+   !> Refuse points outside of the grid and two at one position. Material moves a little into closed
    !! faces, so points of a snapshot may lie behind one.
-   subroutine check_places(deck, grid, boundary, group, points, place)
+   subroutine check_positions(deck, grid, boundary, group, points, place)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
@@ -279,7 +279,7 @@ contains
             place(order(n)))), "region")
          return
       end do
-   end subroutine check_places
+   end subroutine check_positions
 
    !> A place in the units of the deck.
    function place_text(deck, grid, x) result(text)
@@ -318,7 +318,7 @@ contains
          if (list%volume(place(n)) > (1.0_wp + little)*cell) large = large + 1
       end do
       if (large > 0) call deck%warn(group, number(large)//" of "//number(size(place))// &
-         " points are larger than a cell: their matter has gaps; take larger cells or more "// &
+         " points are larger than a cell: the material has gaps; use larger cells or more "// &
          "points", "region")
    end subroutine check_sizes
    !> True for fields that particles take from a snapshot besides place and volume. Who they are is
@@ -338,7 +338,7 @@ contains
       end select
    end function comes_from_file
 
-   !> Tell which fields that the particles carry are missing in a snapshot.
+   !> Report the fields of the particles that a snapshot lacks.
    subroutine compare_fields(deck, group, material, traits, points, stress)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group
@@ -346,15 +346,15 @@ contains
       type(traits_t), intent(in) :: traits           !! What the method wants of particles
       type(point_region_t), intent(in) :: points
       logical, intent(in) :: stress                  !! Is the stress wanted?
-      type(field_requests_t) :: wishes
+      type(field_requests_t) :: requests
       type(text_t), allocatable :: missing(:)
       integer :: n, k
 
       allocate (missing(0))
-      wishes = material%field_requests()
+      requests = material%field_requests()
       if (points%snapshot) then
          do n = 1, size(field_names)
-            if (.not. (wishes%has(trim(field_names(n))) .or. of_method(field_names(n)))) cycle
+            if (.not. (requests%has(trim(field_names(n))) .or. of_method(field_names(n)))) cycle
             if (.not. comes_from_file(trim(field_names(n)), stress)) cycle
             do k = size(points%list%fields), 1, -1
                if (points%list%fields(k)%text == field_names(n)) exit
@@ -374,7 +374,7 @@ contains
             "initial_stress")
       end do
       if (size(missing) > 0) call deck%warn(group, "'"//points%path//"' lacks "// &
-         join(missing, ", ")//"; there points begin as fresh matter", &
+         join(missing, ", ")//"; there the material starts undeformed", &
          "region")
 
    contains

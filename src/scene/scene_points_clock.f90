@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Begins the time steps of a run where those of the run that wrote its points ended.
 !!
-!! Velocities of a snapshot stand half of the last step before the places. The first forces must
+!! Velocities of a snapshot are half of the last step behind its positions. The first forces must
 !! lead from there to the middle of the first step: half a step alone, as at the start of other
 !! runs, would leave the velocities behind by half a kick for ever.
 module scene_points_clock
@@ -35,8 +35,7 @@ contains
       end associate
    end function has_clock
 
-   !> Warn of velocities of a snapshot that stand at other times than the steps of the run take them
-   !! for.
+   !> Warn of a snapshot whose velocities are of another time than the first step expects.
    subroutine check_clocks(deck, simulation, bodies, shapes)
       type(deck_t), intent(inout) :: deck            !! Gets warnings
       type(simulation_t), intent(in) :: simulation   !! Its method
@@ -52,14 +51,14 @@ contains
          lag = shapes(bodies(n)%region)%points%list%lag
          if (abs(lag - taken) <= little*max(lag, taken)) cycle
          call deck%warn("body", n, "the velocities of '"//shapes(bodies(n)%region)%points%path// &
-            "' stand "//brief(lag)//" s before the places, and the first step takes them for "// &
-            "those of "//brief(taken)//" s before: they will be off by what the forces do in "// &
-            "between; take snapshots of one run and time, and the same paper of &method", "region")
+            "' are "//brief(lag)//" s earlier than the positions, but the first step expects "// &
+            brief(taken)//" s; use snapshots of one run and one time, and the same paper of "// &
+            "&method", "region")
       end do
    end subroutine check_clocks
 
-   !> Step that the velocities of the bodies stand half of before their places: that of the first
-   !! snapshot; 0 if velocities stand at the times of places [s].
+   !> Twice the time by which the velocities of the bodies are behind their positions, from the
+   !! first snapshot; 0 if velocities and positions are of the same time [s].
    pure real(wp) function step_before(simulation, bodies, shapes) result(dt)
       type(simulation_t), intent(in) :: simulation   !! Its method
       type(body_t), intent(in) :: bodies(:)
@@ -75,8 +74,8 @@ contains
       end do
    end function step_before
 
-   !> Length of the step before the first one, and of the first one that the other run would have
-   !! taken, unless it is longer than a step may grow beyond what the particles alone tell.
+   !> Set the previous time step, and the first one to the next step of the run that wrote the
+   !! snapshot, unless this exceeds the allowed growth over the step that the particles permit.
    subroutine take_clock(simulation, bodies, shapes)
       type(simulation_t), intent(inout) :: simulation !! The run, its first step is known
       type(body_t), intent(in) :: bodies(:)

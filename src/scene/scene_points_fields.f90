@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> State of particles from the file that their places come from.
+!> State of particles from the file that their positions come from.
 module scene_points_fields
    use base_agreement, only: agree
    use base_error, only: error_t, exit_file, fail

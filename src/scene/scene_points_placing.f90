@@ -57,7 +57,7 @@ contains
          "other than 0", "rotate")
       if (leaves .or. .not. grid%axisymmetric) return
       if (placing%rotation(1, 1) < 1.0_wp - little) call deck%complain(group, "points are "// &
-         "rings round the axis, which cannot be turned; write rotate = 0 0 0", "rotate")
+         "rings around the axis, which cannot be turned; write rotate = 0 0 0", "rotate")
    end subroutine read_placing
 
    !> False for boxes along the coordinates that are turned by other than right angles.
@@ -71,7 +71,7 @@ contains
          keeps = all(min(abs(self%rotation), abs(1.0_wp - abs(self%rotation))) <= little)
    end function placing_keeps
 
-   !> Bring the points of a list to their places.
+   !> Move the points of a list to their positions.
    pure subroutine placing_move(self, grid, list)
       class(placing_t), intent(in) :: self           !! Where points go
       type(grid_t), intent(in) :: grid               !! Directions of the scene

@@ -32,7 +32,7 @@ module scene_regions
       type(shape_holder_t) :: shape                  !! Where it is
       type(point_region_t), allocatable :: points    !! Its points, if it is a list of them
       logical :: ready = .false.                     !! Is the shape built?
-      logical :: asked = .false.                     !! Is it being built?
+      logical :: in_progress = .false.               !! Is it being built?
    end type named_shape_t
 
 contains
@@ -206,11 +206,11 @@ contains
 
       if (shapes(index)%ready) return
       group = deck%group("region", index)
-      if (shapes(index)%asked) then
+      if (shapes(index)%in_progress) then
          call deck%complain(group, "the region is made of itself; name other regions", key="of")
          return
       end if
-      shapes(index)%asked = .true.
+      shapes(index)%in_progress = .true.
       call group%get("shape", word)
       select case (word)
       case ("union", "difference", "intersection")
@@ -240,7 +240,7 @@ contains
       else if (own_centre .and. allocated(shapes(index)%shape%shape)) then
          call keep_centre(shapes(index)%shape, scale, rotate, translate)
       end if
-      ! points are at their places already
+      ! points are at their positions already
       if (allocated(shapes(index)%shape%shape) .and. .not. allocated(shapes(index)%points)) &
          call shapes(index)%shape%shape%place(scale, rotate, translate)
       shapes(index)%ready = .true.

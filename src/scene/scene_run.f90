@@ -67,7 +67,7 @@ contains
          if (last > len(suffix)) then
             if (case_name(last - len(suffix) + 1:) == suffix) last = last - len(suffix)
          end if
-         call deck%settle("run", 1, "case", case_name(:last))
+         call deck%set_default("run", 1, "case", case_name(:last))
          return
       end if
       call run%get("case", case_name)
@@ -84,7 +84,7 @@ contains
 
       units = deck%group("units")
       call units%get("output_units", word)
-      if (word == "deck") call deck%settle("units", 1, "output_units", &
+      if (word == "deck") call deck%set_default("units", 1, "output_units", &
          trim(system_names(deck%system)))
    end subroutine set_output_units
 end module scene_run

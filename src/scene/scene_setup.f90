@@ -30,8 +30,9 @@ contains
 
    !> Build grid, faces, materials, method and bodies; particles come later. Errors go into the
    !! deck's list of problems. What does not depend on them is built and checked all the same, so
-   !! that one pass reports as much as can be known: bodies are then allocated if their places are
-   !! sound, and stores if nothing that they depend on has an error.
+   !! that one pass reports as much as can be known: bodies are then allocated if their positions
+   !! are
+   !! valid, and stores if nothing that they depend on has an error.
    subroutine set_up_scene(deck, simulation, bodies, shapes, coarser)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(simulation_t), intent(inout) :: simulation

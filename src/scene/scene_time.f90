@@ -21,7 +21,7 @@ module scene_time
       real(wp) :: dt_fixed = 0.0_wp                  !! The time step, 0 = the stable one [s]
       integer(int64) :: max_steps = huge(1_int64)    !! Steps after which the simulation ends
       real(wp) :: wall_limit = huge(1.0_wp)          !! Wall time after which it ends [s]
-      logical :: ask_scheduler = .false.             !! Is the wall time that of the Slurm job?
+      logical :: query_scheduler = .false.           !! Is the wall time that of the Slurm job?
       real(wp) :: kinetic_below = -1.0_wp            !! It ends at a kinetic energy below this [J]
       real(wp) :: rest_below = -1.0_wp               !! ... below this fraction of the greatest [1]
    end type time_limits_t
@@ -146,7 +146,7 @@ contains
       if (steps /= unset_integer) limits%max_steps = steps
       call group%get("wall_limit", word)
       if (is_clock(word)) limits%wall_limit = real(clock_seconds(word), wp)
-      limits%ask_scheduler = word == "slurm"
+      limits%query_scheduler = word == "slurm"
       call group%get("stop_when", word)
       if (word == "kinetic_below") call group%get("stop_value", limits%kinetic_below)
       if (word == "at_rest") call group%get("stop_value", limits%rest_below)

@@ -26,11 +26,11 @@ module scene_unit_warnings
       usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene", &
       "is heavier than osmium"), &
       usual_t("mg_c0         ", 20.0_wp, 5.0e4_wp, "is slower than a wave in soft foam", &
-      "is faster than any wave in matter"), &
+      "is faster than any wave in a material"), &
       usual_t("specific_heat ", 20.0_wp, 2.0e4_wp, "is less than that of any material", &
       "is more than that of hydrogen"), &
       usual_t("jc_a          ", 1.0e2_wp, 1.0e11_wp, "is softer than a gel", &
-      "is stronger than any matter"), &
+      "is stronger than any material"), &
       usual_t("scg_gp        ", 0.0_wp, 1.0e-7_wp, "", &
       "is that of a table per Mbar (6.52 is 6.52e-11)")]
    real(wp), parameter :: slowest = 0.3_wp, fastest = 5.0e4_wp !! Waves in materials [m/s]

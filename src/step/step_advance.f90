@@ -31,14 +31,14 @@ module step_advance
 contains
 
    !> Advance the simulation by one time step. The particles are sorted before and after.
-   subroutine advance(simulation, wish, error)
+   subroutine advance(simulation, dt_preferred, error)
       type(simulation_t), intent(inout) :: simulation
-      real(wp), intent(in) :: wish                   !! Time step, unless nodes move too far [s]
+      real(wp), intent(in) :: dt_preferred           !! Time step, unless nodes move too far [s]
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: dt
       integer :: n
 
-      dt = wish
+      dt = dt_preferred
       if (allocated(simulation%effects%exact)) simulation%effects%exact%force_time = &
          simulation%clock%time
       if (simulation%scheme%method%smooth_turn) call smooth_rotation(simulation)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Bounds of what particles may do in a run, and the search for those that leave them.
+!> Bounds on the state of particles, and the search for particles outside of them.
 module step_bounds
    use base_kinds, only: int64, wp
    use particle_store, only: store_t
@@ -57,8 +57,8 @@ module step_bounds
 
 contains
 
-   !> Particles of a tile that are not as they should be. A number that is none fails every
-   !! comparison, so it needs no test.
+   !> Number of particles of a tile with an invalid state. Comparisons with NaN are false, so NaN
+   !! needs no test.
    pure real(wp) function count_bad(store, tile, density, bounds) result(bad)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -74,9 +74,9 @@ contains
          bad = bad + count_inverted(first, last, store%state%deformation_gradient)
    end function count_bad
 
-   !> Bad velocities and volumes in a range, and one more if the sum of all stresses is no finite
-   !! number, which it is not if one of them is none. Each comparison counts for itself, which makes
-   !! vectors of it.
+   !> Number of velocities and volumes of a range that are out of bounds, and one more if the sum of
+   !! all stresses is not finite, as it is if any of them is NaN. Each comparison counts separately,
+   !! so that the loop vectorises.
    pure real(wp) function count_states(first, last, velocity, stress, volume, mass, fastest, &
       least, most) result(bad)
       integer, intent(in) :: first                   !! First particle of the range
@@ -105,7 +105,7 @@ contains
       if (.not. abs(load) <= huge(load)) bad = bad + 1.0_wp
    end function count_states
 
-   !> Particles of a range that have turned inside out.
+   !> Number of inverted particles in a range.
    pure real(wp) function count_inverted(first, last, f) result(bad)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -121,7 +121,7 @@ contains
       end do
    end function count_inverted
 
-   !> What is wrong with a particle, and the number that shows it.
+   !> The fault of a particle as text, with its value.
    pure subroutine fault_of(store, p, density, bounds, fault, value)
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
@@ -166,8 +166,8 @@ contains
    end subroutine fault_of
 
    !> Note the steepest velocity gradient of a tile if it is the steepest so far and may limit the
-   !! next step. Equal ones go to the lowest identity, so that the order of tiles does not matter.
-   !! Most tiles have none that matters, which counting in vectors tells.
+   !! next step. Of equal gradients the lowest identity counts, so that the order of tiles has no
+   !! effect. Most tiles have no such gradient; a vectorised count finds these tiles.
    pure subroutine find_steepest(gradient, identity, dt, matters, steepest, who)
       real(wp), contiguous, intent(in) :: gradient(:, :)    !! (particle, 9) dt du_k/dx_l [1]
       integer(int64), contiguous, intent(in) :: identity(:) !! (particle) Who they are
@@ -193,7 +193,7 @@ contains
       end do
    end subroutine find_steepest
 
-   !> Particles whose gradient has at least a norm.
+   !> Number of particles whose gradient has at least a given norm.
    pure real(wp) function count_steep(count, gradient, enough) result(steep)
       integer, intent(in) :: count                   !! Particles
       real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle, 9)
@@ -225,8 +225,8 @@ contains
       slow = fast < 0.5_wp
    end function slow_nodes
 
-   !> Velocity gradient from which on it may be what limits the next step, however the others come
-   !! out: the step before has grown as far as it may [1/s].
+   !> Least velocity gradient that can limit the next step, which is at most the previous step times
+   !! its allowed growth [1/s].
    pure real(wp) function steep_enough(bounds, growth, dt) result(rate)
       type(bounds_t), intent(in) :: bounds           !! What may happen
       real(wp), intent(in) :: growth                 !! Greatest ratio of two steps [1]

@@ -20,7 +20,7 @@ module step_conduction
    use step_heat_boundaries, only: hold_temperature, take_heat
    use step_ledger, only: dissipated
    use step_node_sums, only: divide
-   use step_particles_to_nodes, only: find_plain_places
+   use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: effects_t, scratch_t, simulation_t, space_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_scatter, only: dual_columns, motion_columns
@@ -28,7 +28,7 @@ module step_conduction
    implicit none
    private
 
-   public :: conduct_heat, conducts, matter_volume
+   public :: bulk_volume, conduct_heat, conducts
 
    integer, parameter :: capacity = 1                !! Row of heat capacity [J/K]
    integer, parameter :: content = 2                 !! Row of heat [J]
@@ -42,7 +42,7 @@ module step_conduction
 
 contains
 
-   !> Conduct heat for one step. Particles are where they were when the forces were found.
+   !> Conduct heat for one step. Particles are at the positions at which the forces were computed.
    subroutine conduct_heat(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! Some material conducts
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -132,14 +132,14 @@ contains
    end function conducts
 
    !> Volume [m3] that conducts: that of the material, without voids.
-   pure real(wp) function matter_volume(store, particle) result(volume)
+   pure real(wp) function bulk_volume(store, particle) result(volume)
       type(store_t), intent(in) :: store
       integer, intent(in) :: particle                !! Index of the particle
 
       volume = store%state%volume(particle)
       if (allocated(store%state%solid_fraction)) &
          volume = volume*store%state%solid_fraction(particle)
-   end function matter_volume
+   end function bulk_volume
 
    !> Allocate the fields of the dual gradient.
    subroutine ensure_dual(space, effects)
@@ -156,7 +156,7 @@ contains
       end associate
    end subroutine ensure_dual
 
-   !> Do something with every tile, ghosts included.
+   !> Call a procedure for every tile, ghosts included.
    subroutine each_tile(simulation, work)
       type(simulation_t), intent(inout) :: simulation
       interface
@@ -190,7 +190,7 @@ contains
             index)) cycle
          associate (store => simulation%stores(index), shape => scratch%shape, &
             specific_heat => simulation%materials(index)%heat%specific_heat)
-            call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+            call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                shape%values(p, capacity) = specific_heat*store%state%mass(q)
@@ -226,7 +226,7 @@ contains
       end associate
    end subroutine average_tile
 
-   !> Share of the cells of a tile in the node gradient of temperature.
+   !> Contribution of the cells of a tile to the node gradient of temperature.
    subroutine slope_tile(simulation, tile)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
@@ -243,7 +243,7 @@ contains
       end associate
    end subroutine slope_tile
 
-   !> A scalar as the first component of a vector, which the maps of velocities know.
+   !> A scalar as the first component of a vector, for the maps of velocities.
    pure subroutine as_vector(scalar, vector)
       real(wp), contiguous, intent(in) :: scalar(:, :) !! (1, node)
       real(wp), intent(out) :: vector(:, :)          !! (3, node)
@@ -252,7 +252,8 @@ contains
       vector(1, :) = scalar(1, :)
    end subroutine as_vector
 
-   !> What the particles of a tile hand to the nodes: heat, heat that nodes do not see: (A.14).
+   !> Contribution of the particles of a tile to the nodes: heat, and heat that nodes do not
+   !! resolve: (A.14).
    subroutine spread_flow(simulation, scratch, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -277,7 +278,7 @@ contains
             specific_heat => simulation%materials(index)%heat%specific_heat, &
             method => simulation%scheme%method, start => simulation%stores(index)%cell_start(:, &
                tile))
-            call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+            call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
             call push_particles(simulation, scratch, index, tile, values, slope, wide)
             call find_hidden(simulation, scratch, index, tile, dt)
             do p = 1, store%count(tile)
@@ -296,7 +297,7 @@ contains
       end do
    end subroutine spread_flow
 
-   !> Flow of heat of the particles of a tile, as if it were the first line of a stress.
+   !> Heat flow of the particles of a tile, stored as the first row of a stress.
    subroutine push_particles(simulation, scratch, index, tile, values, slope, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
@@ -323,7 +324,7 @@ contains
          allocate (volume(store%count(tile)), flux(store%count(tile), 6))
          flux = 0.0_wp
          do p = 1, store%count(tile)
-            volume(p) = matter_volume(store, store%first(tile) + p - 1)
+            volume(p) = bulk_volume(store, store%first(tile) + p - 1)
             do k = 1, 3
                flux(p, first_line(k)) = simulation%materials(index)%heat%conductivity &
                   *scratch%deformation%gradient(p, full_line(k))
@@ -337,8 +338,8 @@ contains
       end associate
    end subroutine push_particles
 
-   !> What the nodes do not see of the temperature of particles, as far as it fades in this step, in
-   !! the first column of the scratch vector [K]. The second of (A.15).
+   !> The part of the particle temperatures that nodes do not resolve and that decays in this step,
+   !! in the first column of the scratch vector [K]. The second of (A.15).
    subroutine find_hidden(simulation, scratch, index, tile, dt)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
@@ -355,7 +356,7 @@ contains
          rate = fade*dt*heat%conductivity/(heat%specific_heat*simulation%space%grid%spacing**2)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
-            shape%vector(p, 1) = min(fade_most, rate*matter_volume(store, q) &
+            shape%vector(p, 1) = min(fade_most, rate*bulk_volume(store, q) &
                /store%state%mass(q))*(store%state%temperature(q) - shape%values(p, 1))
          end do
       end associate
@@ -402,7 +403,7 @@ contains
    end subroutine push_tile
 
    !> New temperatures of the particles of a tile. Heat that goes into or out of material without an
-   !! internal energy is recorded, so that the energy of the run stays whole. The first of (A.15).
+   !! internal energy is recorded, so that the energy balance closes. The first of (A.15).
    subroutine give_heat(simulation, scratch, tile, dt)
       type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -412,7 +413,7 @@ contains
          simulation%space%grid%tile_nodes)
       real(wp) :: push(3, simulation%space%grid%tile_nodes), change(1, &
          simulation%space%grid%tile_nodes)
-      real(wp) :: booked
+      real(wp) :: recorded
       integer :: index
 
       associate (heat => simulation%effects%conduction)
@@ -428,33 +429,33 @@ contains
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0 .or. .not. conducts(simulation%materials, &
             index)) cycle
-         call find_plain_places(simulation%space, simulation%scheme, scratch, &
+         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, &
             simulation%stores(index), tile)
          call find_hidden(simulation, scratch, index, tile, dt)
          call simulation%scheme%method%basis%gather_values(simulation%space%grid, scratch%shape, &
             change, &
             scratch%shape%values)
          call warm(simulation%materials(index)%heat%specific_heat, tile, scratch%shape, &
-            booked, simulation%stores(index))
+            recorded, simulation%stores(index))
          if (allocated(simulation%materials(index)%voids)) call expand( &
             simulation%materials(index)%voids%expansion, tile, scratch%shape, &
             simulation%stores(index))
-         call scratch%ledger%sums(dissipated)%add(booked)
+         call scratch%ledger%sums(dissipated)%add(recorded)
       end do
    end subroutine give_heat
 
    !> Warm the particles of a tile.
-   pure subroutine warm(specific_heat, tile, shape, booked, store)
+   pure subroutine warm(specific_heat, tile, shape, recorded, store)
       real(wp), intent(in) :: specific_heat          !! [J/(kg K)]
       integer, intent(in) :: tile
-      !> What nodes give, and what fades, of each particle [K]
+      !> (particle) Change from the nodes, and the part that decays [K]
       type(shape_data_t), intent(in) :: shape
-      real(wp), intent(out) :: booked !! Heat of particles that carry no internal energy [J]
+      real(wp), intent(out) :: recorded !! Heat of particles that carry no internal energy [J]
       type(store_t), intent(inout) :: store
       real(wp) :: rise
       integer :: p, q
 
-      booked = 0.0_wp
+      recorded = 0.0_wp
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
          rise = shape%values(p, 1) - shape%vector(p, 1)
@@ -462,16 +463,16 @@ contains
          if (allocated(store%state%energy)) then
             store%state%energy(q) = store%state%energy(q) + specific_heat*rise
          else
-            booked = booked + specific_heat*store%state%mass(q)*rise
+            recorded = recorded + specific_heat*store%state%mass(q)*rise
          end if
       end do
    end subroutine warm
 
-   !> Let the grains of a tile expand into their voids by what they were warmed.
+   !> Let the grains of a tile expand thermally into their voids.
    pure subroutine expand(expansion, tile, shape, store)
       real(wp), intent(in) :: expansion              !! Thermal, of the volume [1/K]
       integer, intent(in) :: tile
-      !> What nodes give, and what fades, of each particle [K]
+      !> (particle) Change from the nodes, and the part that decays [K]
       type(shape_data_t), intent(in) :: shape
       type(store_t), intent(inout) :: store
       integer :: p, q

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Contact between bodies that have velocity fields of their own, on the nodes that several of them
-!! share. See doc/theory/contact.md. Each node is worked on by itself, on ghosts as well, so ranks
-!! do not matter.
+!! share. See doc/theory/contact.md. Each node is treated on its own, in ghost tiles as well, so the
+!! result does not depend on the number of ranks.
 module step_contact
    use base_kinds, only: wp
    use mesh_patch, only: assemble_greatest, ensure_patch
@@ -9,7 +9,7 @@ module step_contact
    use particle_store, only: store_t
    use step_contact_surface, only: direction_of, guess_area, reach_row
    use step_ledger, only: dissipated
-   use step_particles_to_nodes, only: find_plain_places
+   use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: effects_t, empty_mass, guesses, scheme_t, scratch_t, simulation_t, &
       space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
@@ -26,8 +26,8 @@ module step_contact
 
 contains
 
-   !> Let the bodies push each other at all nodes that they share: that changes their accelerations
-   !! and the velocities that strain.
+   !> Exchange contact forces between the bodies at all nodes that they share. This changes their
+   !! accelerations and the velocities that strain.
    subroutine touch_bodies(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! Surfaces are known
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
@@ -132,9 +132,9 @@ contains
       call give_push(simulation%fields, tile, node, who, mass, push, dt)
    end subroutine touch_node
 
-   !> How the fields at a node lie to each other. Of the guessed normals the one counts along which
-   !! two bodies are farthest apart: that of a plane between them, if there is one. At an edge the
-   !! area of a body is inclined, and along it the bodies would overlap.
+   !> Normals between the fields at a node. Of the candidate normals the one is used along which two
+   !! bodies are farthest apart: the normal of a plane between them, if there is one. At an edge the
+   !! outward area of a body is inclined, and along it the bodies would overlap.
    subroutine survey_node(simulation, tile, node, who, reach, area, normal, state)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
@@ -187,7 +187,7 @@ contains
          if (all(abs(direction) <= 0.0_wp)) cycle
          one = reach(reach_row(simulation%effects%contact, pair(1), pair(2), guess))
          other = reach(reach_row(simulation%effects%contact, pair(2), pair(1), guess))
-         ! not seen from here: functions that reach beyond a cell bring mass from farther away
+         ! not in contact here: with extended support, mass comes from farther away
          if (min(one, other) <= -huge(gap)) cycle
          if (-(one + other) <= wide) cycle
          wide = -(one + other)
@@ -208,8 +208,8 @@ contains
          held*simulation%fields(field)%nodes%mass(1, node, tile)
    end function holds
 
-   !> Give the fields at a node what pushes them. The work that the pushes take from all of them
-   !! together becomes heat, the same for each mass. Equation (C.6).
+   !> Apply the contact forces to the fields at a node. The kinetic energy that they dissipate
+   !! becomes heat, the same per mass for all fields. Equation (C.6).
    subroutine give_push(fields, tile, node, who, mass, push, dt)
       type(velocity_field_t), intent(inout) :: fields(:)
       integer, intent(in) :: tile
@@ -241,8 +241,8 @@ contains
       end do
    end subroutine give_push
 
-   !> Let the bonds of particles break whose nearest node broke in this step. The particles are
-   !! where they were when they gave their masses.
+   !> Let the bonds of particles break whose nearest node broke in this step. The particles are at
+   !! the positions at which they gave their masses to the nodes.
    subroutine break_bonds(simulation)
       type(simulation_t), intent(inout) :: simulation !! Bonds can break
       integer :: tile, field, index
@@ -273,8 +273,8 @@ contains
       type(store_t), intent(inout) :: store
       integer :: cell, p, q, node, upper(3)
 
-      call find_plain_places(space, scheme, scratch, store, tile)
-      ! the cells are counted from 0, and a name for a part of an array would count them from 1
+      call locate_particles_plainly(space, scheme, scratch, store, tile)
+      ! cells are counted from 0, but an array section would count them from 1
       associate (grid => space%grid)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)

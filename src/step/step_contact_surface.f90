@@ -3,14 +3,15 @@
 !! share. See doc/theory/contact.md.
 !!
 !! Particles give the nodes their outward areas, A_i = sum V_p grad S_i, which vanish inside of a
-!! body, and with the normals that follow how far they reach; both travel between ranks as patches.
+!! body, and then their extent along the normals of these areas. Both are exchanged between ranks as
+!! patches.
 module step_contact_surface
    use base_kinds, only: wp
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_particles_to_nodes, only: find_plain_places
+   use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: contact_t, effects_t, empty_mass, guesses, scratch_t, simulation_t, &
       space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
@@ -25,7 +26,7 @@ module step_contact_surface
 
 contains
 
-   !> Outward areas of the bodies on the nodes, and how far they reach there.
+   !> Outward areas of the bodies on the nodes, and the extent of the bodies there.
    subroutine find_surfaces(simulation)
       type(simulation_t), intent(inout) :: simulation !! Fields have their masses
       integer :: fields, rows
@@ -40,7 +41,7 @@ contains
          call ensure_patch(contact%area, rows, number, simulation%space%tiles%all)
          call sum_areas(simulation)
          call ensure_patch(contact%reach, guesses*fields**2, number, simulation%space%tiles%own)
-         call spread(simulation, spread_places, contact%reach)
+         call spread(simulation, spread_positions, contact%reach)
       end associate
       call simulation%machine%timer%stop(simulation%machine%phase%contact)
    end subroutine find_surfaces
@@ -79,7 +80,7 @@ contains
       !$omp end parallel do
    end subroutine find_meetings
 
-   !> Something of the particles to patches, and the patches of other ranks.
+   !> Scatter a quantity of the particles to patches, and receive the patches of other ranks.
    subroutine spread(simulation, work, patch)
       type(simulation_t), intent(inout) :: simulation
       interface
@@ -112,8 +113,8 @@ contains
       end do
    end subroutine spread
 
-   !> Outward areas of the particles of a tile: what they would push the nodes with under unit
-   !! pressure. With bonds also the mass of those that hold. Equation (C.1).
+   !> Outward areas of the particles of a tile: the node forces of unit pressure. With bonds, also
+   !! the mass of the particles whose bonds hold. Equation (C.1).
    subroutine spread_area(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -133,7 +134,8 @@ contains
             associate (store => simulation%stores(index), grid => simulation%space%grid, &
                basis => simulation%scheme%method%basis, pushed => scratch%pushed, &
                start => simulation%stores(index)%cell_start(:, tile))
-               call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+               call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, &
+                  tile)
                call pushed%copy(store%first(tile), store%count(tile), store%position, &
                   store%state%volume, store%state%stress)
                call pushed%make_unit(store%count(tile))
@@ -164,7 +166,7 @@ contains
       end do
    end subroutine hold
 
-   !> Areas of the nodes of all tiles; faces of the box are no surfaces.
+   !> Areas of the nodes of all tiles; boundaries of the domain are no surfaces.
    subroutine sum_areas(simulation)
       type(simulation_t), intent(inout) :: simulation
       integer :: tile
@@ -202,8 +204,8 @@ contains
       end associate
    end subroutine sum_tile
 
-   !> A guess of the common area of two fields at a node, outward from the first [m2]: the area of
-   !! one, of the other, or the mean of both. It changes its sign with the fields.
+   !> A candidate for the common area of two fields at a node, outward from the first [m2]: the area
+   !! of one, of the other, or the mean of both. It changes its sign with the fields.
    pure function guess_area(contact, tile, node, a, b, guess) result(area)
       type(contact_t), intent(in) :: contact
       integer, intent(in) :: tile
@@ -227,7 +229,7 @@ contains
       end associate
    end function guess_area
 
-   !> Row of the reach of field a towards b along the normal of a guess.
+   !> Row of the extent of field a towards b along a candidate normal.
    pure integer function reach_row(contact, a, b, guess) result(row)
       type(contact_t), intent(in) :: contact
       integer, intent(in) :: a, b                    !! Indices of two velocity fields
@@ -236,7 +238,7 @@ contains
       row = guesses*(size(contact%law, 1)*(a - 1) + b - 1) + guess
    end function reach_row
 
-   !> Its direction; nothing where it is too small to have one.
+   !> Its direction; zero where the area is too small to have one.
    pure function direction_of(space, area) result(normal)
       type(space_t), intent(in) :: space
       real(wp), intent(in) :: area(3)                !! [m2]
@@ -248,8 +250,8 @@ contains
          *space%grid%spacing**(space%grid%dimensions - 1)) normal = area/length
    end function direction_of
 
-   !> How far the particles of a tile reach towards each other field.
-   subroutine spread_places(simulation, scratch, tile, patch)
+   !> Extent of the particles of a tile towards each other field.
+   subroutine spread_positions(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: tile
@@ -277,9 +279,9 @@ contains
             end do
          end do
       end do
-   end subroutine spread_places
+   end subroutine spread_positions
 
-   !> Guessed normals from one field to another at the nodes of a tile where both have mass.
+   !> Candidate normals from one field to another at the nodes of a tile where both have mass.
    subroutine find_normals(simulation, tile, a, b, guess, normal)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
@@ -299,7 +301,7 @@ contains
       end associate
    end subroutine find_normals
 
-   !> How far the particles of one field in a tile reach along the normals.
+   !> Extent of the particles of one field in a tile along the normals.
    subroutine reach_of_field(space, stores, fields, scratch, tile, field, normal, reach)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Looks at all particles for what balances cannot show: how far neighbours are apart, whether the
+!> Examines all particles for errors that balances cannot show: how far neighbours are apart,
+!! whether the
 !! volumes of particles fit into the cells, whether pressures follow those of the nodes, and the
 !! greatest speed and energy. Sums are exact and sums of tiles are in the order of particles, so all
 !! numbers are the same for any ranks and threads.
@@ -15,7 +16,7 @@ module step_diagnostics
    implicit none
    private
 
-   public :: bounds_look_t, find_greatest, look_at_bounds, look_at_shapes, shapes_look_t
+   public :: bounds_look_t, examine_bounds, examine_shapes, find_greatest, shapes_look_t
 
    integer, parameter, public :: measure_speed = 1   !! Square of the speed [m2/s2]
    integer, parameter, public :: measure_heat = 2    !! Carried energy per mass [J/kg]
@@ -31,7 +32,7 @@ module step_diagnostics
       real(wp) :: energy = 0.0_wp                    !! Greatest energy of one particle [J]
    end type bounds_look_t
 
-   !> How particles lie to each other and in the cells.
+   !> Distances of neighbours, volumes in cells, and noise of pressures.
    type :: shapes_look_t
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
       real(wp) :: share = 0.0_wp                     !! Of the mass, with neighbours apart [1]
@@ -43,14 +44,14 @@ module step_diagnostics
       integer(int64) :: difference_identity = huge(1_int64) !! Whose pressure differs most
    end type shapes_look_t
 
-   !> Columns of what is found in a tile: sums, and greatest values from the ninth on.
+   !> Columns of the results of a tile: sums, and greatest values from the ninth on.
    integer, parameter :: far_mass = 1, seen_mass = 2, claimed = 3, occupied = 4, noise = 5, &
       sums = 8, longest = 9, differs = 10, columns = 10
 
 contains
 
    !> Greatest speed, energies of particles. Collective.
-   subroutine look_at_bounds(space, stores, machine, least_energy, look)
+   subroutine examine_bounds(space, stores, machine, least_energy, look)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(inout) :: machine
@@ -78,9 +79,9 @@ contains
       look%heat = all(2)
       look%cold = -all(3)
       look%energy = max(0.0_wp, all(4))
-   end subroutine look_at_bounds
+   end subroutine examine_bounds
 
-   !> The greatest values of a range of particles: square of the speed, energy per mass, the same
+   !> The greatest values of a range of particles: square of the speed, energy per mass, its
    !! negative, energy.
    pure subroutine find_bounds(store, first, last, least_energy, greatest)
       type(store_t), intent(in) :: store
@@ -191,7 +192,7 @@ contains
    end function lowest_of
 
    !> Distances of neighbours, volumes, pressures. Collective.
-   subroutine look_at_shapes(simulation, look)
+   subroutine examine_shapes(simulation, look)
       type(simulation_t), intent(in) :: simulation   !! Between two steps
       type(shapes_look_t), intent(out) :: look       !! What is found
       real(wp), allocatable :: found(:, :)
@@ -204,7 +205,7 @@ contains
       allocate (found(columns, simulation%space%tiles%own), source=0.0_wp)
       allocate (who(longest:differs, simulation%space%tiles%own), source=huge(1_int64))
       !$omp parallel default(none) shared(simulation, found, who)
-      call look_at_some(simulation, found, who)
+      call examine_sample(simulation, found, who)
       !$omp end parallel
       do n = 1, sums
          call sum%clear()
@@ -237,10 +238,10 @@ contains
       end if
       look%longest_identity = identity(longest)
       look%difference_identity = identity(differs)
-   end subroutine look_at_shapes
+   end subroutine examine_shapes
 
    !> The tiles of one thread, with scratch space of its own.
-   subroutine look_at_some(simulation, found, who)
+   subroutine examine_sample(simulation, found, who)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(inout) :: found(:, :)         !! (column, tile)
       integer(int64), intent(inout) :: who(longest:, :) !! (column, tile) Particles of the greatest
@@ -265,9 +266,9 @@ contains
                   call add_to_nodes(grid, coordinate, store, tile, material%density, &
                      is_loose(material), patch)
                   total = total + patch
-                  call look_at_noise(simulation%space, store, tile, alone, patch, found(:, tile), &
+                  call examine_noise(simulation%space, store, tile, alone, patch, found(:, tile), &
                      who(:, tile))
-                  if (is_solid(material)) call look_at_lengths(simulation%space, &
+                  if (is_solid(material)) call examine_lengths(simulation%space, &
                      simulation%balance, table, store, tile, &
                      found(:, tile), who(:, tile))
                end associate
@@ -277,10 +278,10 @@ contains
          end associate
       end do
       !$omp end do
-   end subroutine look_at_some
+   end subroutine examine_sample
 
    !> Pressures of a store in a tile.
-   pure subroutine look_at_noise(space, store, tile, alone, patch, found, who)
+   pure subroutine examine_noise(space, store, tile, alone, patch, found, who)
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -301,10 +302,10 @@ contains
       if (all(5) > found(differs)) who(differs) = huge(1_int64)
       found(differs) = all(5)
       who(differs) = min(who(differs), store%identity(p))
-   end subroutine look_at_noise
+   end subroutine examine_noise
 
    !> Distances of neighbours of a store in a tile.
-   pure subroutine look_at_lengths(space, balance, table, store, tile, found, who)
+   pure subroutine examine_lengths(space, balance, table, store, tile, found, who)
       type(space_t), intent(in) :: space
       type(conservation_t), intent(in) :: balance
       type(neighbour_table_t), intent(inout) :: table !! Scratch space
@@ -326,7 +327,7 @@ contains
          found(longest) = length(p)
          who(longest) = min(who(longest), store%identity(store%first(tile) + p - 1))
       end do
-   end subroutine look_at_lengths
+   end subroutine examine_lengths
 
    !> Are particles of a material tied to their neighbours? In fluids and loose grains they are not.
    pure logical function is_solid(material) result(solid)

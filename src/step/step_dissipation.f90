@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What artificial viscosity, plastic flow and the share of PIC take from motion in a step, in the
-!! books.
+!> Records the kinetic energy that artificial viscosity, plastic flow and the PIC fraction dissipate
+!! in a step.
 module step_dissipation
    use base_kinds, only: wp
    use constitutive_state, only: deformation_t, material_state_t
@@ -15,7 +15,7 @@ module step_dissipation
 
 contains
 
-   !> Record what artificial viscosity and plastic flow took.
+   !> Record the work of artificial viscosity and plastic flow.
    subroutine record_losses(ledger, material, state, deformation, count)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(material_t), intent(in) :: material       !! What can lose at all
@@ -36,25 +36,27 @@ contains
          losses(2) = sum(deformation%plastic_work(:count))
          call ledger%sums(plastic)%add(losses(2))
       end if
-      ! with an internal energy these are a part of it
+      ! with an internal energy this work is a part of it
       if (.not. allocated(state%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
    end subroutine record_losses
 
-   !> Does the share of PIC take kinetic energy that nothing takes up, and that can be told?
-   pure logical function damps(method, carries) result(told)
+   !> Does the PIC fraction dissipate kinetic energy that is not recorded elsewhere, and can this
+   !! loss
+   !! be measured?
+   pure logical function damps(method, carries) result(measurable)
       type(method_t), intent(in) :: method           !! Its transfer
       logical, intent(in) :: carries                 !! Does some material carry an internal energy?
 
-      ! with musl the strain sees it, so what it takes is not lost
-      told = .not. carries .and. (method%averages() .or. .not. method%remaps()) &
+      ! with musl the strain uses the damped velocity, so this energy is not lost
+      measurable = .not. carries .and. (method%averages() .or. .not. method%remaps()) &
          .and. method%leapfrog .and. method%transfer%sweeps() == 0 &
          .and. method%transfer%flip_fraction() > 0.0_wp &
          .and. method%transfer%flip_fraction() < 1.0_wp
    end function damps
 
-   !> Record the kinetic energy that the share of PIC took from the particles of a tile. With the
-   !! velocity c with which they moved they would have (v - (1 - f) c)/f without it, as FLIP gives
-   !! it: more by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
+   !> Record the kinetic energy that the PIC fraction removes from the particles of a tile. With the
+   !! advection velocity c, FLIP alone would give them the velocity (v - (1 - f) c)/f, which is
+   !! larger by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
    subroutine record_damping(ledger, store, tile, moved, keep)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(store_t), intent(in) :: store             !! The particles after the step
@@ -76,7 +78,7 @@ contains
       call record_damped(ledger, taken)
    end subroutine record_damping
 
-   !> Record energy that the share of PIC took.
+   !> Record energy that the PIC fraction removed.
    subroutine record_damped(ledger, energy)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       real(wp), intent(in) :: energy                 !! [J]

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The dual gradient on the nodes: weights of cells, volumes, forces of the node stress, and node
-!! gradients of velocities. Every tile adds the share of its cells, kept as packed patches.
+!! gradients of velocities. Every tile adds the contribution of its cells, kept as packed patches.
 module step_dual_gradient
    use base_kinds, only: wp
    use mesh_packed_patch, only: packed_patch_t
@@ -59,7 +59,8 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine dual_fields
 
-   !> Allocate the fields of the dual gradient, but for pieces whose boxes are not known yet.
+   !> Allocate the fields of the dual gradient, except packed patches whose bounds are not known
+   !! yet.
    pure subroutine ensure_dual(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -96,7 +97,7 @@ contains
          if (.not. nodes%lean) call keep_sums(nodes, tile, sums)
          if (simulation%scheme%repacks) nodes%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
-         ! with normalised sums they are known
+         ! with normalised sums the weights are known
          if (.not. allocated(simulation%scheme%normalises)) call &
             simulation%scheme%dual%cell_weights(grid, sums, &
             filled, around, nodes%weight(:, tile))
@@ -106,7 +107,7 @@ contains
       end associate
    end subroutine weigh_tile
 
-   !> Share of the cells of a tile in the volumes of the nodes.
+   !> Contribution of the cells of a tile to the volumes of the nodes.
    subroutine share_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -182,7 +183,7 @@ contains
       end do
    end subroutine normalise
 
-   !> Give back on the nodes the mean stress that was taken out of the particles.
+   !> Add on the nodes the mean stress that was subtracted from the particles.
    pure subroutine add_star(star, stress)
       real(wp), contiguous, intent(in) :: star(:, :)       !! (6, node) [Pa]
       real(wp), contiguous, intent(inout) :: stress(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
@@ -196,7 +197,7 @@ contains
       end do
    end subroutine add_star
 
-   !> Bound what nodes of small mass of a tile gain in the velocity that strains.
+   !> Bound the gain of nodes of small mass of a tile in the velocity that strains.
    pure subroutine calm_tile(simulation, field, tile, slot, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -215,7 +216,7 @@ contains
       end associate
    end subroutine calm_tile
 
-   !> Share of the cells of a tile in the node gradient of a velocity.
+   !> Contribution of the cells of a tile to the node gradient of a velocity.
    pure subroutine put_gradient(space, scheme, field, tile, velocity, gradient)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -231,7 +232,8 @@ contains
       call gradient%put(space%grid, field%nodes%weighted, tile, 1, patch)
    end subroutine put_gradient
 
-   !> Sum of the pieces of a node gradient, divided by the volumes of the nodes. Equation (M.6) of
+   !> Sum of the packed patches of a node gradient, divided by the volumes of the nodes. Equation
+   !! (M.6) of
    !! doc/theory/method.md.
    subroutine node_gradient(space, field, tile, pieces, gradient)
       type(space_t), intent(in) :: space

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How far a run is from the exact solution that it should follow.
+!> Error of a run against its exact solution.
 module step_exact_error
    use base_error, only: error_t
    use base_exact_sum, only: exact_sum_t
@@ -100,7 +100,7 @@ contains
       end do
    end subroutine sum_tile
 
-   !> Put the extremes into the state of a checkpoint.
+   !> Write the extremes to the state of a checkpoint.
    subroutine save_errors(simulation, state)
       type(simulation_t), intent(in) :: simulation
       type(state_t), intent(inout) :: state          !! Of the checkpoint
@@ -110,7 +110,7 @@ contains
          simulation%effects%exact%greatest_motion])
    end subroutine save_errors
 
-   !> Take them from a checkpoint, if it has them.
+   !> Read them from a checkpoint, if it has them.
    subroutine load_errors(simulation, state)
       type(simulation_t), intent(inout) :: simulation
       type(state_t), intent(in) :: state             !! Of the checkpoint

@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The body force that makes a made-up solution true.
+!> The body force of a manufactured solution.
 module step_exact_force
    use base_kinds, only: wp
    use exact_solution, only: exact_t
    use omp_lib, only: omp_get_thread_num
    use step_ledger, only: cross, external_work, impulse, torque
-   use step_particles_to_nodes, only: find_places
+   use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, velocity_field_t
    implicit none
    private
@@ -15,7 +15,7 @@ module step_exact_force
 contains
 
    !> Record impulse, its moment and work of the body force, particle by particle. The particles are
-   !! where they were when they gave the force to the nodes, and the mean velocities are known.
+   !! at the positions at which they gave the force to the nodes, and the mean velocities are known.
    subroutine record_body_force(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -25,13 +25,13 @@ contains
       !$omp parallel do default(none) shared(simulation, field, dt) private(tile) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%space%tiles%own
-         call book_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
+         call record_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
       end do
       !$omp end parallel do
    end subroutine record_body_force
 
    !> One tile.
-   subroutine book_tile(simulation, field, scratch, tile, dt)
+   subroutine record_tile(simulation, field, scratch, tile, dt)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -51,7 +51,7 @@ contains
          if (.not. allocated(simulation%effects%exact%material(index)%solution)) cycle
          associate (store => simulation%stores(index), &
             solution => simulation%effects%exact%material(index)%solution)
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call simulation%scheme%method%basis%gather_values(simulation%space%grid, &
                scratch%shape, carry, &
                scratch%shape%vector)
@@ -76,5 +76,5 @@ contains
          call scratch%ledger%sums(torque + k - 1)%add(turn(k))
       end do
       call scratch%ledger%sums(external_work)%add(work)
-   end subroutine book_tile
+   end subroutine record_tile
 end module step_exact_force

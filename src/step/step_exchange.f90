@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Patches on their way between ranks. What goes to other ranks is made first and sent; the other
-!! tiles are worked on while it travels. Packing is timed apart from waiting.
+!> Exchange of patches between ranks. Patches for other ranks are computed first and sent; the inner
+!! tiles are computed during the exchange. Packing is timed apart from waiting.
 module step_exchange
    use base_kinds, only: wp
    use step_simulation, only: simulation_t, velocity_field_t
@@ -14,7 +14,7 @@ module step_exchange
 
 contains
 
-   !> Own tiles of a part, to be worked on now.
+   !> Own tiles of a part, to be computed now.
    subroutine next_tiles(simulation, part, tiles)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: part                    !! The edge first
@@ -29,7 +29,7 @@ contains
       end if
    end subroutine next_tiles
 
-   !> After the edge send its patches, after the inner tiles receive those of other ranks.
+   !> Send the patches after the edge tiles, and receive those of other ranks after the inner tiles.
    subroutine pass_patches(simulation, part, patch)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: part                    !! What is done

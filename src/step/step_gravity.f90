@@ -16,7 +16,7 @@ module step_gravity
 
 contains
 
-   !> Let gravity be its mean over the time in which the forces of a step act.
+   !> Set gravity to its mean over the time in which the forces of a step act.
    pure subroutine act_gravity(scheme, effects, clock)
       type(scheme_t), intent(in) :: scheme
       type(effects_t), intent(inout) :: effects
@@ -29,7 +29,7 @@ contains
          effects%gravity = effects%shaking%mean(from, clock%kick)
    end subroutine act_gravity
 
-   !> Let gravity be that of the present time.
+   !> Set gravity to its value at the present time.
    pure subroutine update_gravity(simulation)
       type(simulation_t), intent(inout) :: simulation
 

@@ -1,21 +1,21 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Volumes of loose material from what the nodes see (`volume_from = 'grid'` of a material).
+!> Volumes of loose material from the fill of the nodes (`volume_from = 'grid'` of a material).
 !!
-!! The volume of a particle follows the velocity gradient. Where material comes apart and together
-!! again the gradient jumps between particles, and what it adds to a volume while a gap opens is not
-!! what it takes away while it closes: gaps that bear pressure are left, beside particles that stay
-!! too large. The fill of a node, the volume of the particles around it over its own, knows of both.
-!! Where it is below 1 pressed particles grow, at most to their volume without pressure, and so let
-!! the gap close; where it is above 1 loose ones shrink, at most to that volume. Grains are never
-!! pressed by this. At the surface of bodies a fill below 1 says nothing, unless material thins out
-!! towards a closed face.
+!! The volume of a particle follows the velocity gradient. Where material separates and joins again,
+!! the gradient jumps between particles. The volume that it adds while a gap opens differs from the
+!! volume that it removes while the gap closes: gaps that support pressure remain, beside particles
+!! that are too large. The fill of a node, the volume of the particles around it over its own, shows
+!! both errors. Where it is below 1, compressed particles grow, at most to their volume without
+!! pressure, and so the gap closes. Where it is above 1, loose particles shrink, at most to that
+!! volume. Grains are never compressed by this. At the surface of bodies a fill below 1 has no
+!! meaning, unless material thins out towards a closed boundary.
 !!
-!! Particles of a cell share one gradient, so a pressed one keeps voids of a loose one beside it
-!! open. They even out: what one grows the other shrinks.
+!! Particles of a cell share one gradient, so a compressed particle keeps the voids of a loose
+!! neighbour open. Volume is therefore exchanged between them, with the same sum.
 !!
-!! A volume that remembers where it comes from is the remedy of A. P. Tampubolon and others, ACM
-!! Trans. Graph. 36 (2017) 105 for particles that carry an elastic strain; here, where the density
-!! gives the pressure, it is the gaps that have to be found.
+!! A volume with a history is the remedy of A. P. Tampubolon and others, ACM Trans. Graph. 36 (2017)
+!! 105 for particles that carry an elastic strain; here the density gives the pressure, so the gaps
+!! must be found.
 module step_grid_volumes
    use base_kinds, only: wp
    use material_type, only: material_t
@@ -28,14 +28,14 @@ module step_grid_volumes
 
    public :: excess_fill, repack
 
-   !> Particles that lie irregularly make the fill waver. What is this near to 1 counts as 1: with
-   !! less, grains would be packed until the lowest of all fills is 1, and the mean above it.
+   !> Irregular particle positions make the fill fluctuate. A fill this near to 1 counts as 1: with
+   !! a smaller tolerance grains would be packed until the lowest fill is 1 and the mean above it.
    real(wp), parameter :: noise = 5.0e-2_wp
 
 contains
 
-   !> Fill of the nodes of a tile above 1, or below it where no surface is near; without the noise.
-   !! Equation (Y.28) of doc/theory/strength.md.
+   !> Fill of the nodes of a tile above 1, or below 1 where no surface is near, beyond the tolerance
+   !! for noise. Equation (Y.28) of doc/theory/strength.md.
    pure subroutine excess_fill(grid, boundary, coordinate, filled, counted, excess)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
@@ -59,8 +59,8 @@ contains
       call boundary%see_gaps(grid, coordinate, noise, filled, around, excess)
    end subroutine excess_fill
 
-   !> Let the particles of a tile grow and shrink. What pressed ones lose of their elastic energy is
-   !! recorded, where they carry no internal energy that would keep it. Equation (Y.29).
+   !> Let the particles of a tile grow and shrink. The elastic energy that compressed particles lose
+   !! is recorded if they carry no internal energy to keep it. Equation (Y.29).
    pure subroutine repack(store, tile, material, excess, ledger)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
@@ -76,7 +76,7 @@ contains
       associate (state => store%state)
          loose = state%mass(first:last)/material%density
          if (allocated(state%plastic_dilation)) then
-            ! Not with vectors: their exponentials differ in the last bits from those of the rest.
+            ! Not vectorised: vector exponentials differ in the last bits from scalar ones.
             !GCC$ novector
             do p = 1, size(loose)
                loose(p) = loose(p)*exp(state%plastic_dilation(first + p - 1))
@@ -98,8 +98,8 @@ contains
          call ledger%sums(dissipated)%add(sum(before - after))
    end subroutine repack
 
-   !> Let pressed particles of each cell take volume from loose ones, until one of both is none. All
-   !! give and take in proportion to what they have and lack.
+   !> Move volume from loose to compressed particles of each cell, until no particle is loose or
+   !! none is compressed. All particles take part in proportion to their excess or deficit.
    pure subroutine even_out(start, first, loose, volume)
       integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
       integer, intent(in) :: first                   !! First particle of the tile

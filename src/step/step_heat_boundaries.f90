@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Faces of the box that are held at a temperature.
+!> Boundaries of the domain that are held at a temperature.
 module step_heat_boundaries
    use base_kinds, only: wp
    use step_ledger, only: external_work, ledger_t
@@ -11,7 +11,7 @@ module step_heat_boundaries
 
 contains
 
-   !> Give the nodes of a tile on such faces the temperature of their face.
+   !> Set the nodes of a tile on such boundaries to the temperature of the boundary.
    pure subroutine hold_temperature(space, effects, tile)
       type(space_t), intent(in) :: space
       type(effects_t), intent(inout) :: effects
@@ -23,8 +23,8 @@ contains
       where (held >= 0.0_wp) effects%conduction%temperature(1, :, tile) = held
    end subroutine hold_temperature
 
-   !> Heat that reaches nodes on such faces goes into the face, or comes out of it; the tile books
-   !! the share of its own particles.
+   !> Heat that nodes on such boundaries exchange with the boundary; the tile records the part of
+   !! its own particles.
    pure subroutine take_heat(space, effects, ledger, tile, heat, change)
       type(space_t), intent(in) :: space
       type(effects_t), intent(in) :: effects

@@ -2,14 +2,14 @@
 !> Artificial heat flux in shocks, against walls that are too hot (W. F. Noh, J. Comput. Phys. 72
 !! (1987) 78): the flux of internal energy k grad e with k = flux h sqrt(rho q), where q is the
 !! artificial viscosity. As q is rho h D (q2 h D + q1 c) this is the flux of Noh with the speed of
-!! the viscosity, sqrt(q/rho), in place of a linear and a quadratic one, and none in expansion.
+!! the viscosity, sqrt(q/rho), in place of a linear and a quadratic one, and zero in expansion.
 !!
 !! Energies of a material go to the nodes weighted with mass, and flow along the edges of the cells
 !! from node to node, so the sum is kept to round-off. Conductances of edges are positive and a node
-!! gives at most the energy that it has. The particles around a node get what it gains by
-!! their mass and give what it loses by their energy: none gives more than it has. Energy below
-!! zero, as cold matter in tension has, does not flow. Materials do not heat each other, and no flux
-!! crosses surfaces and faces. Equation (M.23) of doc/theory/method.md.
+!! gives at most the energy that it has. The particles around a node share its gain by mass and its
+!! loss by energy, so no particle gives more than it has. Energy below zero, as in cold material in
+!! tension, does not flow. Materials do not heat each other, and no flux crosses surfaces and
+!! boundaries. Equation (M.23) of doc/theory/method.md.
 module step_heat_flux
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -18,7 +18,7 @@ module step_heat_flux
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_node_sums, only: divide
-   use step_particles_to_nodes, only: find_plain_places
+   use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: empty_mass, scheme_t, scratch_t, simulation_t, space_t
    implicit none
    private
@@ -30,7 +30,7 @@ module step_heat_flux
 
 contains
 
-   !> Let the energy of all materials that carry one flow for one step.
+   !> Apply the flux for one step to all materials that carry an internal energy.
    subroutine smear_heat(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! With artificial viscosity
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -78,7 +78,7 @@ contains
       end associate
    end function flows
 
-   !> Fill the patches of all own tiles, and bring those that other ranks hold.
+   !> Fill the patches of all own tiles, and receive those of other ranks.
    subroutine each_own(simulation, index, dt, work, patch)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: index                   !! Index of the material and of its store
@@ -124,7 +124,7 @@ contains
       integer :: p, q
 
       associate (store => simulation%stores(index), shape => scratch%shape)
-         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
          do p = 1, store%count(tile)
             q = store%first(tile) + p - 1
             shape%values(p, mass) = store%state%mass(q)
@@ -158,7 +158,7 @@ contains
       integer :: low(4), p, cell, direction, edges, edge, high
 
       associate (store => simulation%stores(index), grid => simulation%space%grid)
-         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                conductance = conductance_of(simulation%space, simulation%scheme, &
@@ -179,7 +179,7 @@ contains
       end associate
    end subroutine spread_conductance
 
-   !> The share of the flux that each node of a tile lets pass: it gives no more than it has.
+   !> Limiter of the flux at each node of a tile: a node gives at most the energy that it has.
    subroutine find_passed(simulation, tile, dt)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
@@ -213,7 +213,7 @@ contains
       call divide(simulation%effects%heat_flux%total(:, :, tile), mass, energy)
       associate (store => simulation%stores(index), grid => simulation%space%grid, &
          share => simulation%effects%heat_flux%total(passed, :, tile))
-         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
          do cell = 0, grid%tile_cells - 1
             do p = store%cell_start(cell, tile) + 1, store%cell_start(cell + 1, tile)
                conductance = conductance_of(simulation%space, simulation%scheme, &
@@ -295,7 +295,7 @@ contains
       change = 0.0_wp
       associate (total => simulation%effects%heat_flux%total(:, :, tile))
          do node = 1, size(change, 2)
-            ! by mass what is gained, by energy what is lost
+            ! gains by mass, losses by energy
             if (flow(1, node) > 0.0_wp) then
                change(1, node) = dt*flow(1, node)/total(mass, node)
             else if (flow(1, node) < 0.0_wp) then
@@ -304,7 +304,7 @@ contains
          end do
       end associate
       associate (store => simulation%stores(index), shape => scratch%shape)
-         call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+         call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
          call simulation%scheme%method%basis%gather_values(simulation%space%grid, shape, change, &
             shape%values)
          do p = 1, store%count(tile)

@@ -68,7 +68,7 @@ module step_ledger
       ledger_entry_t("retired_mass", "kg", .true.), &
       ledger_entry_t("damped", "J", .true.)]
 
-   ! places of entries in the list
+   ! indices of entries in the list
    !> Mass in the box.
    integer, parameter, public :: mass = findloc(ledger_entries%name, "mass", dim=1)
    !> First of three components of momentum.
@@ -120,7 +120,7 @@ module step_ledger
       findloc(ledger_entries%name, "removed_particles", dim=1)
    !> Mass of those that had left their bounds.
    integer, parameter, public :: retired_mass = findloc(ledger_entries%name, "retired_mass", dim=1)
-   !> Kinetic energy that the PIC fraction took where no internal energy gains it.
+   !> Kinetic energy removed by the PIC fraction that no internal energy gains.
    integer, parameter, public :: damped = findloc(ledger_entries%name, "damped", dim=1)
    !> Number of entries that accumulate.
    integer, parameter :: running = count(ledger_entries%accumulates)
@@ -345,7 +345,7 @@ contains
       if (abs(whole) > 0.0_wp) quotient = part/whole
    end function ratio
 
-   !> Put the running sums of all ranks into the state of a checkpoint.
+   !> Write the running sums of all ranks to the state of a checkpoint.
    subroutine ledger_save(self, communicator, state)
       class(ledger_t), intent(in) :: self
       type(communicator_t), intent(in) :: communicator
@@ -367,7 +367,7 @@ contains
       call state%set("ledger_scales", [self%momentum_scale, self%angular_scale])
    end subroutine ledger_save
 
-   !> Take the running sums from a checkpoint; rank 0 holds them all.
+   !> Read the running sums from a checkpoint; rank 0 holds them all.
    subroutine ledger_load(self, communicator, state, error)
       class(ledger_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator

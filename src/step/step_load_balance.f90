@@ -13,7 +13,7 @@ module step_load_balance
 
    integer(int64), parameter :: measured_steps = 4   !! Before loads are compared
 
-   !> When tiles move between ranks; never until the deck allows it.
+   !> Conditions for moving tiles between ranks; never unless the deck allows it.
    type :: balancing_t
       logical :: allowed = .false.                   !! May they move at all?
       integer(int64) :: every = 1                    !! Steps between two comparisons
@@ -22,7 +22,7 @@ module step_load_balance
 
 contains
 
-   !> Have the work on tiles measured in the few steps before loads are compared.
+   !> Switch on the measurement of work on tiles in the few steps before loads are compared.
    subroutine watch_costs(simulation, balancing)
       type(simulation_t), intent(inout) :: simulation
       type(balancing_t), intent(in) :: balancing     !! When
@@ -40,8 +40,7 @@ contains
       simulation%machine%cost_key = simulation%space%tiles%key(:simulation%space%tiles%own)
    end subroutine watch_costs
 
-   !> The work measured so far for the tiles that there are now; both lists of tiles ascend. New
-   !! tiles have none.
+   !> The measured work, for the present tiles; both lists of tiles ascend. New tiles have none.
    pure subroutine carry_costs(space, machine, cost)
       type(space_t), intent(in) :: space
       type(machine_t), intent(in) :: machine
@@ -62,8 +61,8 @@ contains
       end do
    end subroutine carry_costs
 
-   !> Compare the work of the ranks in a step that was measured, and cut the curve anew if it
-   !! differs too much.
+   !> Compare the work of the ranks in a step that was measured, and partition the Hilbert curve
+   !! again if it differs too much.
    subroutine balance_ranks(simulation, balancing)
       type(simulation_t), intent(inout) :: simulation !! Particles in order
       type(balancing_t), intent(in) :: balancing     !! When
@@ -101,8 +100,8 @@ contains
       call sort_particles(simulation)
    end subroutine balance_ranks
 
-   !> Work of each tile in nanoseconds. Tiles that came into being since it was measured get the
-   !! mean work of their particles.
+   !> Work of each tile in nanoseconds. Tiles created since the measurement get the mean work per
+   !! particle.
    subroutine weigh_tiles(simulation, weight)
       type(simulation_t), intent(in) :: simulation   !! Measured
       integer(int64), allocatable, intent(out) :: weight(:) !! (own tile) [ns], 1 or more
@@ -127,7 +126,7 @@ contains
       end do
    end subroutine weigh_tiles
 
-   !> Let all particles of a tile look for their new rank.
+   !> Mark all particles of a tile for migration to their new rank.
    pure subroutine send_tile(store, tile)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile

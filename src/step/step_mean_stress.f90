@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The mean stress of the nodes that is taken out of the particles (`quadrature = 'control'`).
+!> The mean stress of the nodes that is subtracted from the particles (`quadrature = 'control'`).
 !! Equations (Q.2) and (Q.3) of doc/theory/quadratures.md.
 module step_mean_stress
    use base_kinds, only: wp
@@ -7,7 +7,7 @@ module step_mean_stress
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_particles_to_nodes, only: find_places
+   use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: empty_mass, scratch_t, simulation_t, velocity_field_t
    implicit none
    private
@@ -18,7 +18,7 @@ module step_mean_stress
 
 contains
 
-   !> Mean stress on the nodes inside of bodies; less towards their surfaces and none there.
+   !> Mean stress on the nodes inside of bodies, decreasing to zero at their surfaces.
    subroutine find_star(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -65,7 +65,7 @@ contains
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             do p = 1, store%count(tile)
                q = store%first(tile) + p - 1
                scratch%shape%values(p, 1) = store%state%volume(q)
@@ -85,7 +85,7 @@ contains
    end subroutine scatter_tile
 
    !> Mean stress of the nodes of a tile, times the least fill of all nodes around: twice their
-   !! volume of particles over their own, at most 1. Nodes beyond the box do not count. Equation
+   !! volume of particles over their own, at most 1. Nodes beyond the domain are ignored. Equation
    !! (Q.2).
    subroutine divide_tile(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation

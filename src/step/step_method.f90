@@ -19,15 +19,15 @@ module step_method
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
    integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
-   !> By half of what particles bring to the nodes, by half of what they take from there (usavg)
+   !> Half with the velocities before the nodes are moved, half with those after it (usavg)
    integer, parameter, public :: stress_average = 4
    character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
       "musl", "usavg"]
 
-   !> Choices of the numerical method.
+   !> Parameters of the numerical method.
    type :: method_t
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
-      class(basis_t), allocatable :: basis           !! Node functions
+      class(basis_t), allocatable :: basis           !! Shape functions
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
       character(len=:), allocatable :: normalise     !! Whose sums are normalised: gases, ...
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
@@ -51,18 +51,18 @@ module step_method
       procedure :: differing => method_differing     !! Is the force of stress differences?
       procedure :: band_width => method_band_width   !! Width of a crack across a cell
       procedure :: margin => method_margin           !! Layers of nodes that particles reach
-      procedure :: request => method_request         !! Asks for what particles must carry
+      procedure :: request => method_request !! Requests the fields that particles must carry
       procedure :: kick => method_kick               !! Time over which the forces act
       procedure :: lag => method_lag                 !! Time by which velocities are behind
    end type method_t
 
 contains
 
-   !> Choose node functions and gradient; words that are not known give the linear ones.
+   !> Choose shape functions and gradient; unknown words give the linear ones.
    subroutine method_choose(self, dual, basis, quadrature)
       class(method_t), intent(inout) :: self
       logical, intent(in) :: dual                    !! Dual domain gradient?
-      character(len=*), intent(in) :: basis          !! Word of the node functions
+      character(len=*), intent(in) :: basis          !! Word of the shape functions
       character(len=*), intent(in) :: quadrature     !! Word of the rule of the dual gradient
 
       self%dual = dual
@@ -74,12 +74,12 @@ contains
       call choose_quadrature(quadrature, self%quadrature)
       if (.not. allocated(self%quadrature)) call choose_quadrature("point", self%quadrature)
       self%quadrature%alpha = alpha_split
-      ! boxes on all ways: force without mass at free surfaces would be lost
+      ! domains in all transfers: else force on nodes without mass at free surfaces would be lost
       if (quadrature == "sub_points") call choose_basis("cpgimp", self%basis)
    end subroutine method_choose
 
    !> Width in cells of the band that a crack opens across an edge of the grid; that of the dual
-   !! gradient is what a bar needs (test/verify/crack).
+   !! gradient is measured with a bar (test/verify/crack).
    pure real(wp) function method_band_width(self) result(width)
       class(method_t), intent(in) :: self
 
@@ -87,7 +87,7 @@ contains
       if (.not. self%dual) width = self%basis%band_width()
    end function method_band_width
 
-   !> True if a mean stress of the nodes is taken out of the particles.
+   !> True if a mean stress of the nodes is subtracted from the particles.
    pure logical function method_controlled(self) result(controlled)
       class(method_t), intent(in) :: self
 
@@ -95,7 +95,7 @@ contains
       if (allocated(self%quadrature)) controlled = self%quadrature%controlled()
    end function method_controlled
 
-   !> True if the force of each node is corrected for how the particles lie.
+   !> True if the force of each node is corrected for the positions of the particles.
    pure logical function method_differing(self) result(differing)
       class(method_t), intent(in) :: self
 
@@ -103,21 +103,21 @@ contains
       if (allocated(self%quadrature)) differing = self%quadrature%differing()
    end function method_differing
 
-   !> Are particles strained before the force acts, with the velocities at their new places?
+   !> Are particles strained before the force acts, with the velocities at their new positions?
    pure logical function method_strains_first(self) result(first)
       class(method_t), intent(in) :: self
 
       first = self%stress == stress_before
    end function method_strains_first
 
-   !> Are new velocities of particles, or what they gain, mapped to the nodes for the strain?
+   !> Are new velocities of particles, or their changes, mapped to the nodes for the strain?
    pure logical function method_remaps(self) result(remaps)
       class(method_t), intent(in) :: self
 
       remaps = self%stress == stress_remapped .or. self%stress == stress_average
    end function method_remaps
 
-   !> Is the strain of a step half of the velocity at its begin and half of that at its end?
+   !> Does the strain of a step use the mean of the velocities at its begin and end?
    pure logical function method_averages(self) result(averages)
       class(method_t), intent(in) :: self
 
@@ -132,7 +132,7 @@ contains
       if (allocated(self%quadrature)) margin = max(margin, self%quadrature%margin())
    end function method_margin
 
-   !> Ask for what particles must carry.
+   !> Request the fields that particles must carry.
    pure subroutine method_request(self, traits)
       class(method_t), intent(in) :: self
       type(traits_t), intent(inout) :: traits        !! Fields of the stores
@@ -148,7 +148,7 @@ contains
       if (allocated(self%quadrature)) call self%quadrature%request(traits)
    end subroutine method_request
 
-   !> Place of a word in a list, 0 if it is not there.
+   !> Index of a word in a list, 0 if it is not in the list.
    pure integer function position_of(word, list) result(position)
       character(len=*), intent(in) :: word           !! Word of the deck
       character(len=*), intent(in) :: list(:)        !! Where to look
@@ -161,8 +161,8 @@ contains
 
    !> Time over which the forces of a step act [s].
    !!
-   !! Position and stress stand at the times of the steps, velocities half a step before: forces
-   !! lead from the middle of the last step to the middle of this one, and the velocity there moves
+   !! Position and stress are at the times of the steps, velocities half a step before: forces
+   !! accelerate from the middle of the last step to the middle of this one, and that velocity moves
    !! and strains through the whole step (leapfrog), which is of second order. The scheme of
    !! LA-UR-11-06616 has the velocity at the time of the position.
    pure real(wp) function method_kick(self, last, dt) result(kick)

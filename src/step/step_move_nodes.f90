@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What happens on the nodes in a step. Every tile, own or ghost, works on all its nodes; nodes that
-!! several tiles share get the same bits on each of them.
+!> Updates the nodes in a step. Every tile, own or ghost, updates all its nodes; nodes that several
+!! tiles share get the same bits in each tile.
 module step_move_nodes
    use base_kinds, only: wp
    use mesh_packed_patch, only: move_packed_patches
@@ -9,7 +9,7 @@ module step_move_nodes
    use step_dissipation, only: damps, record_damped
    use step_dual_gradient, only: calm_tile, find_volumes, put_gradient
    use step_ledger, only: cross, external_work, impulse, ledger_t, torque
-   use step_node_displacement, only: look_at_tile, worse
+   use step_node_displacement, only: examine_tile, worse
    use step_node_sums, only: divide, ensure_sums, find_sums, slots
    use step_particles_to_nodes, only: vector_rows
    use step_simulation, only: clock_t, effects_t, empty_mass, machine_t, reach_t, scheme_t, &
@@ -26,13 +26,13 @@ module step_move_nodes
 contains
 
    !> Velocity and acceleration of the nodes, the velocity that strains the particles, and its node
-   !! gradient. Without a time step the nodes stay as they were: the velocity before the step
+   !! gradient. With a time step of zero the nodes do not change: the velocity before the step
    !! strains.
    subroutine move_nodes(simulation, field, dt, whole)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
-      !> Time step, if it is to be told how far the nodes go and their fields are not kept [s]
+      !> Time step, present if node displacements are examined and node fields are not kept [s]
       real(wp), intent(in), optional :: whole
       integer :: tile
       real(wp) :: began
@@ -42,7 +42,7 @@ contains
       call stand_walls(simulation, dt)
       simulation%scratch%reach = reach_t()
       field%nodes%acting = dt
-      if (books_later(simulation%space, simulation%scheme, simulation%effects)) call &
+      if (records_later(simulation%space, simulation%scheme, simulation%effects)) call &
          ensure_later(simulation%space, field)
       !$omp parallel do default(none) shared(simulation, field, dt, whole) private(tile, began) &
       !$omp schedule(static)
@@ -60,10 +60,10 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine move_nodes
 
-   !> Is the work of walls and gravity recorded with the velocity that strains, which `musl` knows
-   !! after the particles have got theirs? Where material carries its energy, that is made with the
-   !! velocities of the forces, and so is the work.
-   pure logical function books_later(space, scheme, effects) result(later)
+   !> Is the work of walls and gravity recorded with the velocity that strains, which `musl`
+   !! computes after the particles have got theirs? If materials carry internal energy, energy and
+   !! work both use the velocities of the forces.
+   pure logical function records_later(space, scheme, effects) result(later)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(effects_t), intent(in) :: effects
@@ -72,9 +72,9 @@ contains
       later = scheme%method%remaps() .and. .not. scheme%carries_energy
       if (later) later = allocated(effects%gravity) .or. allocated(space%rigid) &
          .or. any([(space%boundary%acts_on(face), face=1, 6)])
-   end function books_later
+   end function records_later
 
-   !> Allocate what is recorded later.
+   !> Allocate the fields for work that is recorded later.
    subroutine ensure_later(space, field)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(inout) :: field
@@ -86,7 +86,7 @@ contains
       end associate
    end subroutine ensure_later
 
-   !> Keep what the particles of a tile will see, and tell how far its nodes go.
+   !> Keep the fields that the particles of a tile will see, and examine how far its nodes go.
    subroutine keep_seen(simulation, field, scratch, tile, whole)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -101,12 +101,12 @@ contains
          call nodes%seen(1)%put(grid, nodes%touched, tile, 1, nodes%velocity(:, :, slot))
          call nodes%seen(2)%put(grid, nodes%touched, tile, 1, nodes%acceleration(:, :, slot))
          if (.not. present(whole)) return
-         call look_at_tile(simulation, field, tile, slot, whole, reach)
+         call examine_tile(simulation, field, tile, slot, whole, reach)
          if (worse(reach, scratch%reach)) scratch%reach = reach
       end associate
    end subroutine keep_seen
 
-   !> Put back what the particles of a tile see, if it is kept as packed patches.
+   !> Restore the fields that the particles of a tile see, if they are kept as packed patches.
    subroutine recall_seen(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -119,7 +119,7 @@ contains
          call nodes%seen(1)%get(grid, nodes%touched, tile, nodes%velocity(:, :, slot))
          call nodes%seen(2)%get(grid, nodes%touched, tile, nodes%acceleration(:, :, slot))
          if (simulation%scheme%method%dual) call find_volumes(simulation, field, tile, slot)
-         ! with the same numbers as before, so to the same bits where the particles see it
+         ! with the same input as before, so with the same bits on the nodes that particles see
          nodes%strain(:, :, slot) = nodes%velocity(:, :, slot) &
             + nodes%acting*nodes%acceleration(:, :, slot)
          call calm_tile(simulation, field, tile, slot, nodes%acting)
@@ -151,7 +151,7 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine start_nodes
 
-   !> The second part, after contact: books and gradients.
+   !> The second part, after contact: ledger and gradients.
    subroutine finish_nodes(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -165,7 +165,7 @@ contains
       do tile = 1, simulation%space%tiles%all
          began = cost_clock(simulation)
          if (dt > 0.0_wp .and. tile <= simulation%space%tiles%own) &
-            call book_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
+            call record_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
          call finish_tile(simulation, field, tile, dt)
          call record_cost(simulation, tile, began)
       end do
@@ -173,8 +173,8 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
    end subroutine finish_nodes
 
-   !> Record what walls and gravity did to the nodes of a tile, at the velocity after contact.
-   subroutine book_tile(simulation, field, scratch, tile, dt)
+   !> Record the work of walls and gravity on the nodes of a tile, at the velocity after contact.
+   subroutine record_tile(simulation, field, scratch, tile, dt)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
@@ -187,10 +187,10 @@ contains
          call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, tile), &
             centre)
       end associate
-   end subroutine book_tile
+   end subroutine record_tile
 
-   !> Allocate what moves and strains the particles. The node stress is no longer needed, so
-   !! the gradient takes its memory.
+   !> Allocate the fields that move and strain the particles. The node stress is no longer needed,
+   !! so the gradient uses its memory.
    subroutine ensure_moved(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -277,8 +277,8 @@ contains
       end associate
    end subroutine finish_tile
 
-   !> Impose the walls and record what they and gravity do. A tile records its own particles'
-   !! share of each node, so that all shares add up to the node.
+   !> Impose the walls and record the work of walls and gravity. A tile records the part of its own
+   !! particles at each node, so that all parts add up to the node.
    subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -302,7 +302,7 @@ contains
          damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
             brought = velocity
       if (ruled) call impose_walls(simulation, tile, dt, velocity, acceleration, push, work)
-      if (allocated(brought)) call book_stopped(simulation%space, simulation%scheme, field, &
+      if (allocated(brought)) call record_stopped(simulation%space, simulation%scheme, field, &
          scratch%ledger, tile, &
          velocity - brought, velocity + dt*acceleration)
       if (keeps) field%nodes%taken(:, :, tile) = field%nodes%taken(:, :, tile) - velocity
@@ -315,7 +315,7 @@ contains
          return
       end if
       if (allocated(field%nodes%push)) then
-         ! contact and musl will change the velocities with which it works
+         ! contact and musl change the velocities for this work later
          field%nodes%push(:, :, tile) = push
          return
       end if
@@ -323,10 +323,10 @@ contains
          velocity + 0.5_wp*dt*acceleration, work)
    end subroutine constrain_tile
 
-   !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
-   !! of which all that this share takes is recorded: so that much of it is no work. Equation (L.13)
-   !! of doc/theory/ledger.md.
-   subroutine book_stopped(space, scheme, field, ledger, tile, change, velocity)
+   !> The energy that walls remove through the PIC fraction is counted twice, in the work of the
+   !! walls and in the recorded loss of the PIC fraction. The second is corrected here. Equation
+   !! (L.13) of doc/theory/ledger.md.
+   subroutine record_stopped(space, scheme, field, ledger, tile, change, velocity)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
@@ -343,9 +343,9 @@ contains
          stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
       end do
       call record_damped(ledger, (1.0_wp - scheme%method%transfer%flip_fraction())*stopped)
-   end subroutine book_stopped
+   end subroutine record_stopped
 
-   !> Record impulse, its moment, and work of a push on the nodes of a tile.
+   !> Record impulse, its moment, and work of a velocity increment of the nodes of a tile.
    subroutine record_push(space, field, ledger, tile, push, velocity, more)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
@@ -364,7 +364,7 @@ contains
       corner = space%grid%tile_corner(space%tiles%coordinate(:, tile))
       call field%nodes%motion(1)%get(space%grid, field%nodes%touched, tile, own)
       do node = 1, size(push, 2)
-         ! faces push few of the nodes
+         ! boundaries act on few of the nodes
          if (.not. abs(push(1, node)) + abs(push(2, node)) + abs(push(3, node)) > 0.0_wp) cycle
          if (.not. own(1, node) > 0.0_wp) cycle
          part = own(1, node)*push(:, node)
@@ -381,11 +381,12 @@ contains
       call ledger%sums(external_work)%add(work)
    end subroutine record_push
 
-   !> Book what faces and gravity did to the nodes of a tile at the mean of the velocity before the
-   !! step and the one that strains: with the strain of `musl` the stress works with that, and the
-   !! kinetic energy of particles grows by the product of the forces with it. Equation (L.7) of
+   !> Record the work of boundaries and gravity on the nodes of a tile at the mean of the velocity
+   !! before the step and the one that strains: with the strain of `musl` the stress works with this
+   !! mean, and the kinetic energy of particles grows by its product with the forces. Equation (L.7)
+   !! of
    !! doc/theory/ledger.md.
-   subroutine book_strained(simulation, field, scratch, tile, mapped)
+   subroutine record_strained(simulation, field, scratch, tile, mapped)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
@@ -406,22 +407,22 @@ contains
                centre)
             return
          end if
-         ! particles get the gain of a node with the velocities that it had without the faces
+         ! particles get the gain of a node with the velocities that it had without the boundaries
          gain = simulation%clock%kick*nodes%acceleration(:, :, tile) - share*nodes%taken(:, :, tile)
          work = 0.5_wp*sum(gain*(nodes%taken(:, :, tile) + mapped - nodes%strain(:, :, tile)), &
             dim=1)
          call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, tile), &
             centre, work)
          if (damps(simulation%scheme%method, simulation%scheme%carries_energy)) call &
-            book_stopped(simulation%space, simulation%scheme, &
+            record_stopped(simulation%space, simulation%scheme, &
             field, &
             scratch%ledger, tile, -nodes%taken(:, :, tile), 0.5_wp*(nodes%velocity(:, :, tile) &
             + nodes%taken(:, :, tile) + mapped))
       end associate
-   end subroutine book_strained
+   end subroutine record_strained
 
-   !> Node velocities from the momentum that was mapped a second time, or from that before and what
-   !! was gained, as the velocity that strains the particles, where no other body may change it.
+   !> Node velocities from the momentum that was mapped a second time, or from the previous momentum
+   !! and the gain. It is the velocity that strains the particles, unless contact changes it.
    subroutine remap_nodes(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -438,7 +439,7 @@ contains
          associate (strain => field%nodes%strain(:, :, tile))
             call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%extra, tile, &
                momentum)
-            ! linear velocity fields bring the mass along, in front
+            ! with linear velocity fields the mass precedes the momentum
             strain = momentum(size(momentum, 1) - 2:, :)
             call divide(field%nodes%mass(:, :, tile), 1, strain)
             if (simulation%scheme%method%averages()) call add_gained(simulation%scheme, &
@@ -448,10 +449,11 @@ contains
             call stop_at_walls(simulation, tile, strain, none)
             call keep_at_walls(simulation, field, tile, strain)
             if (.not. allocated(field%nodes%taken) .or. tile > simulation%space%tiles%own) cycle
-            ! what was gained is added to a velocity that walls have changed already
+            ! the gain is added to a velocity that walls have changed already
             if (simulation%scheme%method%averages()) &
                mapped = mapped + field%nodes%taken(:, :, tile)
-            call book_strained(simulation, field, simulation%scratch(omp_get_thread_num()), tile, &
+            call record_strained(simulation, field, simulation%scratch(omp_get_thread_num()), &
+               tile, &
                mapped)
          end associate
       end do
@@ -460,8 +462,8 @@ contains
       call strain_nodes(simulation%space, simulation%scheme, simulation%machine, field)
    end subroutine remap_nodes
 
-   !> The velocity of the nodes of a tile at the end of a step, from what particles gained and a
-   !! share of what they did not take. Equation (T.14) of doc/theory/transfers.md.
+   !> The velocity of the nodes of a tile at the end of a step, from the gain of the particles and a
+   !! fraction of the gain that they did not take. Equation (T.14) of doc/theory/transfers.md.
    pure subroutine add_gained(scheme, clock, field, tile, velocity)
       type(scheme_t), intent(in) :: scheme
       type(clock_t), intent(in) :: clock
@@ -475,7 +477,7 @@ contains
       end associate
    end subroutine add_gained
 
-   !> Node gradient of the velocity that strains the particles, which was mapped anew.
+   !> Node gradient of the velocity that strains the particles, which was mapped again.
    subroutine strain_nodes(space, scheme, machine, field)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How far the nodes of a tile would go in a step, and how far two of a cell apart.
+!> Displacement of the nodes of a tile in a step, and of neighbours relative to each other.
 module step_node_displacement
    use base_kinds, only: int64, wp
    use mesh_grid, only: lane_bit
@@ -9,14 +9,14 @@ module step_node_displacement
    implicit none
    private
 
-   public :: asks, look_at_tile, worse
+   public :: checks_displacement, examine_tile, worse
 
    real(wp), parameter :: part_moved = 0.5_wp        !! Cells that a node may go, or more if cfl is
    real(wp), parameter :: strain_share = 2.0_wp      !! Strain between nodes over strain_max
 
 contains
 
-   !> Does one node go farther over the bounds than another? Of equal ones the first of the grid
+   !> Does one node exceed the bounds by more than another? Of equal nodes the first of the grid
    !! counts.
    elemental logical function worse(reach, other) result(is_worse)
       type(reach_t), intent(in) :: reach             !! Is this one worse
@@ -26,23 +26,26 @@ contains
          reach%number < other%number .and. reach%excess >= other%excess)
    end function worse
 
-   !> Is the step that comes to be looked at? Where particles have been strained before the force,
-   !! or see the gain of nodes however light, a shorter step does not help; a step that the deck
-   !! fixes stays; and with contact bonds may have broken, so the step cannot be repeated.
-   pure logical function asks(simulation) result(asked)
+   !> Are the node displacements of the coming step checked? Where particles have been strained
+   !! before the force, or see the velocity gain of nodes of any mass, a shorter step does not help;
+   !! a step that the deck fixes is kept; and with contact, bonds may have broken, so the step
+   !! cannot
+   !! be repeated.
+   pure logical function checks_displacement(simulation) result(checked)
       type(simulation_t), intent(in) :: simulation
 
       associate (method => simulation%scheme%method)
-         asked = method%remaps() .or. (method%dual .and. &
+         checked = method%remaps() .or. (method%dual .and. &
             method%stress == stress_after)
       end associate
-      asked = asked .and. simulation%clock%guard%bounds%dt_free .and. &
+      checked = checked .and. simulation%clock%guard%bounds%dt_free .and. &
          .not. allocated(simulation%effects%contact)
-   end function asks
+   end function checks_displacement
 
-   !> How far the nodes of a tile would go that its particles see. Most tiles are so slow that their
-   !! greatest velocity tells, others fly as a whole. Equation (S.7) of doc/theory/time_step.md.
-   pure subroutine look_at_tile(simulation, field, tile, slot, dt, reach)
+   !> Displacement of the nodes of a tile that its particles see. Most tiles are so slow that their
+   !! greatest velocity decides, others move as rigid bodies. Equation (S.7) of
+   !! doc/theory/time_step.md.
+   pure subroutine examine_tile(simulation, field, tile, slot, dt, reach)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
@@ -55,12 +58,12 @@ contains
       apart = strain_share*simulation%clock%guard%bounds%strain_max
       associate (velocity => field%nodes%strain(:, :, slot), grid => simulation%space%grid, &
          mass => field%nodes%mass(1, :, slot))
-         ! bounds for each component that hold whatever the other components are
+         ! bounds for each component that are sufficient for any other components
          if (slow_nodes(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
             *grid%spacing/dt)) return
-         call look_at_places(velocity, mass, far*grid%spacing/dt, reach)
+         call examine_nodes(velocity, mass, far*grid%spacing/dt, reach)
          if (.not. flies(velocity, mass, apart/sqrt(12.0_wp)*grid%spacing/dt)) &
-            call look_at_cells(simulation, tile, velocity, apart*grid%spacing/dt, reach)
+            call examine_cells(simulation, tile, velocity, apart*grid%spacing/dt, reach)
       end associate
       reach%moved = reach%moved*dt/simulation%space%grid%spacing
       reach%strain = reach%strain*dt/simulation%space%grid%spacing
@@ -71,10 +74,10 @@ contains
          reach%number = reach%place(1) + (grid%cells(1) + 1_int64)*(reach%place(2) &
             + (grid%cells(2) + 1_int64)*reach%place(3))
       end associate
-   end subroutine look_at_tile
+   end subroutine examine_tile
 
    !> The fastest node with mass.
-   pure subroutine look_at_places(velocity, mass, bound, reach)
+   pure subroutine examine_nodes(velocity, mass, bound, reach)
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: mass(:)    !! (node) [kg]
       real(wp), intent(in) :: bound                  !! Speed at which a node goes too far [m/s]
@@ -88,9 +91,9 @@ contains
          if (.not. speed > reach%excess*bound) cycle
          reach = reach_t(excess=speed/bound, moved=speed, node=node)
       end do
-   end subroutine look_at_places
+   end subroutine examine_nodes
 
-   !> Do all nodes with mass fly together, each component within a bound of that of the first?
+   !> Do all nodes with mass move together, each component within a bound of that of the first?
    pure logical function flies(velocity, mass, bound) result(together)
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: mass(:)    !! (node) [kg]
@@ -106,8 +109,8 @@ contains
       end do
    end function flies
 
-   !> The greatest difference of two neighbouring nodes of a cell with particles.
-   pure subroutine look_at_cells(simulation, tile, velocity, bound, reach)
+   !> The greatest velocity difference of two neighbouring nodes of a cell with particles.
+   pure subroutine examine_cells(simulation, tile, velocity, bound, reach)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
@@ -132,7 +135,7 @@ contains
             end do
          end do
       end associate
-   end subroutine look_at_cells
+   end subroutine examine_cells
 
    !> Are there particles in a cell of a tile?
    pure logical function filled(simulation, tile, cell) result(some)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Sums over the particles around the nodes of a tile, and where they are kept.
+!> Sums over the particles around the nodes of a tile, and their storage.
 module step_node_sums
    use base_kinds, only: wp
    use mesh_patch, only: ensure_patch
@@ -11,7 +11,7 @@ module step_node_sums
 
 contains
 
-   !> Places for the fields of tiles that are worked on.
+   !> Number of buffers for the fields of the tiles in work.
    pure integer function slots(simulation, field) result(number)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
@@ -32,8 +32,8 @@ contains
       end associate
    end subroutine ensure_sums
 
-   !> Find the sums of the nodes of a tile: mass, momentum where the velocity will be, force where
-   !! the acceleration will be.
+   !> Find the sums of the nodes of a tile: mass, momentum in the array of the velocity, force in
+   !! the array of the acceleration.
    pure subroutine find_sums(space, field, tile, slot)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(inout) :: field
@@ -76,7 +76,7 @@ contains
       real(wp), contiguous, intent(in) :: by(:, :)         !! (component, node)
       integer, intent(in) :: row                           !! Component that divides
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
-      integer, parameter :: most = 64                      ! nodes at a time: no memory is asked for
+      integer, parameter :: most = 64                      ! nodes at a time: needs no allocation
       real(wp) :: inverse(most)
       integer :: node, before, nodes
 
@@ -86,7 +86,7 @@ contains
             inverse(node) = merge(1.0_wp/max(by(row, before + node), empty_mass), 0.0_wp, &
                by(row, before + node) > empty_mass)
          end do
-         ! numbers that the compiler knows make the components one vector
+         ! constant sizes let the compiler vectorise over components
          select case (size(values, 1))
          case (3)
             call multiply_nodes(3, nodes, inverse, values(:, before + 1:before + nodes))
@@ -99,7 +99,7 @@ contains
       end do
    end subroutine divide
 
-   !> Multiply the components of nodes by a number of each node.
+   !> Multiply the components of nodes by a factor of each node.
    pure subroutine multiply_nodes(components, nodes, factor, values)
       integer, intent(in) :: components              !! Numbers a node
       integer, intent(in) :: nodes                   !! Nodes of the tile

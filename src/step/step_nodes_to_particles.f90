@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Nodes to particles, tile by tile: work, strain and stress, velocity and position. A tile stays in
-!! cache from the first to the last of these.
+!! cache throughout.
 module step_nodes_to_particles
    use base_kinds, only: int64, wp
    use constitutive_kinematics, only: centre_backward, centre_gradient
@@ -18,7 +18,7 @@ module step_nodes_to_particles
    use step_method, only: method_t, stress_before
    use step_move_nodes, only: recall_seen
    use step_offending_particle, only: tile_bounds
-   use step_particles_to_nodes, only: find_places, nodes_seen
+   use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_pressure_relaxation, only: normalised, relax_pressures
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
@@ -35,14 +35,14 @@ module step_nodes_to_particles
 
    public :: gather_parts_t, nodes_to_particles
 
-   !> Which parts of the way back to the particles are to be done.
+   !> Which parts of the transfer to the particles are to be done.
    type :: gather_parts_t
       logical :: work = .false.                      !! Work of the stress of the force
       logical :: strain = .false.                    !! Strain and stress
       logical :: motion = .false.                    !! Particle velocities, positions and cells
    end type gather_parts_t
 
-   !> Node fields of one tile that the particles see. What is not called for is not allocated.
+   !> Node fields of one tile that the particles see. Fields that are not needed are not allocated.
    type :: view_t
       real(wp), allocatable :: centre(:, :)          !! (3, node) Mid-step velocity [m/s]
       real(wp), allocatable :: push(:, :) !! (3, node) Adds to what a particle keeps [m/s]
@@ -56,7 +56,7 @@ module step_nodes_to_particles
       real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
       real(wp), allocatable :: moments(:, :)         !! (9, node) Its moments [m2/s]
       real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
-      real(wp), allocatable :: excess(:, :)          !! (1, node) Fill less 1, for loose matter [1]
+      real(wp), allocatable :: excess(:, :) !! (1, node) Fill less 1, for loose material [1]
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
       logical :: slow = .false.                      !! Is no gradient that steep?
       logical :: moved = .false.                     !! Have the particles moved already?
@@ -65,7 +65,7 @@ module step_nodes_to_particles
 
 contains
 
-   !> Give the particles what the nodes hold.
+   !> Transfer the node fields to the particles.
    subroutine nodes_to_particles(simulation, field, parts, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -81,8 +81,8 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%gather)
    end subroutine nodes_to_particles
 
-   !> The tiles of one thread. Its view keeps its memory from tile to tile: getting it anew costs as
-   !! much as all else where a tile has a particle or two.
+   !> The tiles of one thread. The view keeps its memory from tile to tile: allocating it again
+   !! costs as much as the transfer itself for a tile of one or two particles.
    subroutine gather_some(simulation, field, parts, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -106,7 +106,7 @@ contains
       end associate
    end subroutine gather_some
 
-   !> Allocate the rates at which particles grow. Other velocity fields keep theirs.
+   !> Allocate the growth rates of particles. Those of other velocity fields are kept.
    pure subroutine ensure_opening(stores)
       type(store_t), intent(inout) :: stores(:)      !! The particles of the velocity field
       integer :: index
@@ -138,7 +138,7 @@ contains
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile) + spare)
             if (parts%work .and. allocated(store%state%energy)) &
                call add_work(simulation, scratch, store, tile, view)
@@ -165,8 +165,8 @@ contains
       end do
    end subroutine gather_tile
 
-   !> Look for particles that have left their bounds or are to go since they failed, and take them
-   !! out if the deck says so. What is left limits the next step.
+   !> Find particles that are out of bounds or have failed, and remove them if the deck says so. The
+   !! remaining particles limit the next step.
    subroutine judge_particles(simulation, scratch, index, tile, fastest, steepest)
       type(simulation_t), intent(inout) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -229,8 +229,8 @@ contains
          call node_gradient(simulation%space, field, tile, field%nodes%earlier, view%earlier)
    end subroutine look
 
-   !> Which velocity gradients matter for the next step, and whether the nodes can have such. Only
-   !! where gradients are those of functions between nodes their velocities alone tell.
+   !> Find which velocity gradients can limit the next step, and whether any node gradient is that
+   !! steep. Node velocities alone decide this only where gradients are those of shape functions.
    subroutine look_steep(simulation, field, view)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
@@ -247,7 +247,8 @@ contains
    end subroutine look_steep
 
    !> The node fields that move the particles of a tile, and those of the kinetic energy that the
-   !! way to the nodes and back loses. Without leapfrog (M.21) of doc/theory/method.md moves them.
+   !! transfers to the nodes and back lose. Without leapfrog, equation (M.21) of
+   !! doc/theory/method.md moves them.
    subroutine look_motion(space, scheme, field, tile, dt, view)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -287,7 +288,7 @@ contains
       end associate
    end subroutine look_motion
 
-   !> Heat from the kinetic energy that the way to the nodes and back loses.
+   !> Heat from the kinetic energy that the transfers to the nodes and back lose.
    subroutine add_heat(space, scheme, scratch, store, tile, view)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -362,8 +363,8 @@ contains
    end subroutine move_particles
 
    !> Do linear velocity fields come from the strain of the step? The modified gradient is less
-   !! noisy than that of the cell, and after the step it is that of the new velocities. With
-   !! normalised sums it is not: there a linear field has no uniform gradient.
+   !! noisy than that of the cell, and after the step it is the gradient of the new velocities. With
+   !! normalised sums it is not used: there the modified gradient of a linear field is not uniform.
    pure logical function strained(simulation, index) result(renewed)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Index of the material and of its store
@@ -374,7 +375,7 @@ contains
    end function strained
 
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
-   !! what nodes lose in kinetic energy particles gain: (T.8) of doc/theory/transfers.md.
+   !! particles gain the kinetic energy that nodes lose: (T.8) of doc/theory/transfers.md.
    subroutine add_work(simulation, scratch, store, tile, view)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -425,7 +426,7 @@ contains
       end associate
    end subroutine find_gradient
 
-   !> Strain the particles of a tile and let their material answer.
+   !> Strain the particles of a tile and update the stress of their material.
    subroutine strain_particles(simulation, field, scratch, index, tile, view, dt, fastest)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field

@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Normalised sums (`&method normalise`): the two parts of the dual gradient are averages over
-!! particles, which are divided by their own sums of the particles and carried by exact integrals.
+!! particles. They are divided by the sums of their weights and multiplied by exact integrals.
 !!
 !! Each edge of a cell and each node, direction by direction, has a factor: the integral of its
 !! weight over the sum of the weight times the volumes of the particles. Force, strain and work use
 !! the same factors, so the power of the force stays that of the stress and forces on nodes still
-!! add up to zero; and in full cells uniform stress makes no force, wherever the particles are.
-!! Towards free surfaces, and where matter beyond the scope takes part, factors go to one. Equations
-!! (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
+!! add up to zero; and in full cells uniform stress makes no force, for any positions of the
+!! particles. Towards free surfaces, and where material beyond the scope takes part, factors go to
+!! one. Equations (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
 module step_normalised_sums
    use base_kinds, only: wp
    use ddmp_alpha, only: mean_alpha
@@ -18,7 +18,7 @@ module step_normalised_sums
    use mesh_wall, only: node_place
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_particles_to_nodes, only: find_plain_places
+   use step_particles_to_nodes, only: locate_particles_plainly
    use step_pressure_relaxation, only: evens_pressure
    use step_simulation, only: empty_mass, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
@@ -39,17 +39,17 @@ module step_normalised_sums
    integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
-   !> Of the factors of a direction in their mean. Few particles of a cell that answer for all of it
-   !! are stiffer by this, and a step of 0.4 h/c holds for 1/0.4^2 [1]
+   !> Bound on the mean of the factors of a direction. A few particles that represent a whole cell
+   !! are stiffer by this factor, and a step of 0.4 h/c is stable up to 1/0.4^2 [1]
    real(wp), parameter :: stiffest = 6.0_wp
-   !> What the fill of nodes on closed faces counts. Half as many particles are around such a node,
-   !! so that it falls below a bound by chance more often [1]
+   !> Weight of the fill of nodes on closed boundaries. Half as many particles surround such a node,
+   !! so its fill is below a bound by chance more often [1]
    real(wp), parameter :: beside = 1.5_wp
    real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign material borne [1]
 
 contains
 
-   !> Materials whose sums are normalised; nothing is kept where there are none.
+   !> Select the materials whose sums are normalised; without any, nothing is allocated.
    subroutine choose_normalised(simulation)
       type(simulation_t), intent(inout) :: simulation !! With materials and method
       integer :: n
@@ -84,7 +84,7 @@ contains
       columns = merge(foreign - 1, foreign, all(scheme%normalises))
    end function plain_columns
 
-   !> Factors of all edges and nodes for the particles as they are.
+   !> Factors of all edges and nodes for the present particles.
    subroutine find_factors(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -115,7 +115,7 @@ contains
          end do
          call simulation%machine%timer%stop(simulation%machine%phase%scatter)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
-         ! their places do not depend on how long the forces will act; all tiles are known by now
+         ! positions of walls do not depend on how long the forces act; all tiles are known by now
          if (allocated(simulation%space%rigid)) call stand_walls(simulation, 0.0_wp)
          call ensure_weights(nodes%weight, simulation%space%grid%tile_cells, &
             simulation%space%tiles%all)
@@ -138,8 +138,8 @@ contains
       end associate
    end subroutine find_factors
 
-   !> Cells whose nodes count as full, of a material without strength; others are not halved by the
-   !! place there is.
+   !> Cells whose nodes are all full, for a material without strength. For other materials the array
+   !! stays unallocated.
    subroutine find_full(space, scheme, field, index, full)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -183,7 +183,7 @@ contains
          first = simulation%stores(index)%first(tile)
          associate (store => simulation%stores(index), grid => simulation%space%grid, &
             shape => scratch%shape, start => simulation%stores(index)%cell_start(:, tile))
-            call find_plain_places(simulation%space, simulation%scheme, scratch, store, tile)
+            call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
             shape%values(:count, 1) = store%state%mass(first:first + count - 1)
             call scatter_values(grid, start, shape%local, 1, shape%values, mass - 1, patch)
             shape%values(:count, 1) = store%state%volume(first:first + count - 1)
@@ -208,8 +208,8 @@ contains
       end do
    end subroutine count_tile
 
-   !> How far the cells of a tile are full, and the factors of their edges. What the node part
-   !! leaves to the cell, where its cell counts less than in full, the edges take.
+   !> Fill of the cells of a tile, and the factors of their edges. Where a cell has a weight below
+   !! 1, the edges take the rest of the node part.
    subroutine judge_cells(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -229,7 +229,7 @@ contains
          nodes%normal(:3, :, tile) = sums(unblended + 1:unblended + 3, :)
          call grid%node_volume(coordinate, around)
          call simulation%scheme%dual%cell_weights(grid, sums, volume, around, weight)
-         ! by the fill alone, with the same density everywhere
+         ! from the fill alone, with the same density everywhere
          filled(mass, :) = around
          nodes%normal(5, :, tile) = 1.0_wp
          own = 1.0_wp
@@ -249,13 +249,13 @@ contains
          shares = 1.0_wp
          ring = 1.0_wp
          if (allocated(simulation%space%rigid)) then
-            ! of nodes in rigid regions the cells count that there are: others hold no particles
+            ! of nodes in rigid regions only existing cells count: others hold no particles
             call add_present(simulation%space, simulation%scheme, field, tile, around)
             if (allocated(simulation%space%rigid%held(tile)%node)) call cut_cells(grid, &
                coordinate, &
                simulation%space%rigid, tile, simulation%scheme%method%quadrature%smooth, shares, &
                   ring)
-            ! nodes must not carry more than there is room for
+            ! cells of a node must not have more weight than their free volume
             do cell = 1, size(full)
                weight(cell) = min(weight(cell), minval(shares(:, cell)))
             end do
@@ -266,8 +266,8 @@ contains
       end associate
    end subroutine judge_cells
 
-   !> How far cells are full: from half of the room around their nodes on, as the weights of cells
-   !! of doc/theory/method.md in a plane are.
+   !> How far cells are full: from half of the volume around their nodes on, like the weights of
+   !! cells of doc/theory/method.md in a plane.
    subroutine find_fill(space, scheme, tile, around, volumes, full)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -323,8 +323,8 @@ contains
       end associate
    end subroutine find_cell_factors
 
-   !> Half of a node is what lies on either side of it: inside of its radius that is less than half
-   !! of its volume, by a third of a cell over the radius.
+   !> The halves of a node are the volumes on either side of it: inside of its radius this is less
+   !! than half of its volume, by a third of a cell over the radius.
    pure subroutine count_inner(grid, coordinate, filled)
       type(grid_t), intent(in) :: grid               !! The grid, axisymmetric
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
@@ -357,9 +357,9 @@ contains
          field%nodes%present(:, :, tile))
    end subroutine add_present
 
-   !> Nodes in rigid regions count as full: what a wall leaves of a cell carries the pressure of the
-   !! whole cell, and is compressed as fast as its walls approach each other, which is what the
-   !! integrals over the whole cell say.
+   !> Nodes in rigid regions count as full: the free part of a cut cell carries the pressure of the
+   !! whole cell and is compressed as fast as its walls approach each other, in agreement with the
+   !! integrals over the whole cell.
    pure subroutine fill_held(held, around, filled)
       type(held_t), intent(in) :: held               !! Nodes of the tile in rigid regions
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
@@ -368,9 +368,10 @@ contains
       if (allocated(held%node)) filled(held%node) = around(held%node)
    end subroutine fill_held
 
-   !> Factors of the edges of a cell from their sums. Less material than room may be a free surface;
-   !! more material than room is wrong in any case. Equation (Q.7).
-   ! gate: long kernel because an edge is told by all that takes part in its integral
+   !> Factors of the edges of a cell from their sums. Less material than volume may be a free
+   !! surface;
+   !! more material than volume is always an error. Equation (Q.7).
+   ! gate: long kernel because an edge needs all quantities of its integral
    pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
       real(wp), intent(in) :: own                    !! How far its material is in the scope, 0 to 1
@@ -401,8 +402,8 @@ contains
       end do
    end subroutine find_edges
 
-   !> What the node stress and the node gradient are multiplied by along each direction where the
-   !! cells around are full, and how far they are. Equation (Q.8).
+   !> Factors of the node stress and the node gradient along each direction where the cells around
+   !! are full, and how full these are. Equation (Q.8).
    subroutine judge_nodes(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -437,8 +438,8 @@ contains
       end associate
    end subroutine judge_nodes
 
-   !> Volume that must be full for nodes to count as such: that around them, of nodes in rigid
-   !! regions that of the cells that there are.
+   !> Volume that must be filled for a node to count as full: that around the node, for nodes in
+   !! rigid regions that of existing cells.
    pure subroutine find_due(space, field, tile, around, due)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field

@@ -60,8 +60,8 @@ contains
       text = step_text(simulation%clock)//": "//text//new_line("a")//replay_text(simulation)
    end subroutine name_bad
 
-   !> How to get the state before the last step, which is not kept: it would double the memory, and
-   !! the same bits come again.
+   !> How to get the state before the last step. It is not kept, as this would double the memory; a
+   !! repeated run gives the same bits.
    function replay_text(simulation) result(text)
       type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable :: text
@@ -73,7 +73,7 @@ contains
          ", and with --restart if there is a checkpoint"
    end function replay_text
 
-   !> Text on the particle that makes the time step as short as it is. Collective.
+   !> Text on the particle that limits the time step. Collective.
    subroutine name_limiting(simulation, text)
       type(simulation_t), intent(in) :: simulation   !! Between two steps
       character(len=:), allocatable, intent(out) :: text !! Step, time, particle, and its speeds
@@ -148,7 +148,7 @@ contains
       end do
    end subroutine find_bad
 
-   !> Where a particle is whose identity is known.
+   !> Find a particle by its identity.
    pure subroutine find_identity(stores, found)
       type(store_t), intent(in) :: stores(:)
       type(found_t), intent(inout) :: found
@@ -229,7 +229,7 @@ contains
       text = trim(line)
    end function step_text
 
-   !> Who a particle is and where.
+   !> Identity, body and position of a particle as text.
    function particle_text(simulation, found) result(text)
       type(simulation_t), intent(in) :: simulation
       type(found_t), intent(in) :: found
@@ -288,7 +288,7 @@ contains
       text = trim(line)
    end function fault_text
 
-   !> Give the text of the one rank that has one to all.
+   !> Send the text of the one rank that has one to all.
    subroutine spread(simulation, text)
       type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable, intent(inout) :: text !! Own in, that of all out

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Particles to patches, tile by tile.
+!> Scatter particles to the patches of nodes, tile by tile.
 module step_particles_to_nodes
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
@@ -17,15 +17,16 @@ module step_particles_to_nodes
    implicit none
    private
 
-   public :: find_places, find_plain_places, nodes_seen, particles_to_nodes, tensor_rows, &
+   public :: locate_particles, locate_particles_plainly, nodes_seen, particles_to_nodes, &
+      tensor_rows, &
       vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
 
 contains
 
-   !> Mass, momentum and force of all particles to the patches of their tiles, and the patches of
-   !! other ranks.
+   !> Scatter mass, momentum and force of all particles to the patches of their tiles, and exchange
+   !! patches with other ranks.
    subroutine particles_to_nodes(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -52,7 +53,7 @@ contains
    end subroutine particles_to_nodes
 
    !> Nodes that the particles of own tiles touch. Where particles are few, node fields are kept for
-   !! these alone.
+   !! these nodes alone.
    subroutine find_boxes(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -82,8 +83,8 @@ contains
       end associate
    end subroutine find_boxes
 
-   !> Particles of this rank. Where its tiles have more nodes, their fields would be most of what is
-   !! in memory.
+   !> Number of particles of this rank. If its tiles have more nodes than this, node fields would
+   !! dominate the memory.
    pure integer(int64) function count_own(stores) result(particles)
       type(store_t), intent(in) :: stores(:)
       integer :: index
@@ -94,7 +95,7 @@ contains
       end do
    end function count_own
 
-   !> Does nobody but the plain step request the fields of all nodes?
+   !> Does no effect need the fields of all nodes beyond the step itself?
    pure logical function may_be_lean(scheme, effects) result(lean)
       type(scheme_t), intent(in) :: scheme
       type(effects_t), intent(in) :: effects
@@ -108,8 +109,8 @@ contains
       end associate
    end function may_be_lean
 
-   !> Allocate the packed patches of the motion. The memory of the node stress served for the node
-   !! gradient in the step before.
+   !> Allocate the packed patches of the motion. The node gradient of the previous step used the
+   !! memory of the node stress.
    pure subroutine ensure_motion(space, scheme, field)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -133,7 +134,7 @@ contains
       end associate
    end subroutine ensure_motion
 
-   !> Components of a vector that can be other than zero.
+   !> Components of a vector that can be nonzero.
    pure function vector_rows(grid) result(kept)
       type(grid_t), intent(in) :: grid
       logical :: kept(3)
@@ -188,7 +189,7 @@ contains
          method => simulation%scheme%method, shape => scratch%shape, &
          start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile), state => simulation%stores(index)%state)
-         call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+         call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
          if (allocated(store%affine)) then
             call method%basis%scatter_affine(grid, shape, first, state%mass, store%velocity, &
                store%affine, patch)
@@ -212,7 +213,7 @@ contains
       end associate
    end subroutine scatter_store
 
-   !> The stress that particles of a tile push the nodes with, where it is not their own.
+   !> The stress that the particles of a tile scatter to the nodes, where it differs from their own.
    subroutine change_stress(space, scheme, field, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -284,9 +285,9 @@ contains
       end associate
    end subroutine add_body_force
 
-   !> Where the particles of a tile are, as basis and modified gradient see them, with the factors
-   !! of normalised sums of the velocity field.
-   subroutine find_places(space, scheme, field, scratch, store, tile)
+   !> Compute the shape data of the particles of a tile for basis and modified gradient, with the
+   !! factors of normalised sums of the velocity field.
+   subroutine locate_particles(space, scheme, field, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
@@ -297,10 +298,10 @@ contains
       call locate_tile(space, scheme, scratch, store, tile)
       if (allocated(scheme%normalises)) &
          scratch%shape%factor = field%nodes%factor(:, :, tile)
-   end subroutine find_places
+   end subroutine locate_particles
 
-   !> The same without factors, for what has its own sums or concerns all velocity fields.
-   subroutine find_plain_places(space, scheme, scratch, store, tile)
+   !> The same without factors, for effects with sums of their own or of all velocity fields.
+   subroutine locate_particles_plainly(space, scheme, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -309,9 +310,9 @@ contains
 
       call locate_tile(space, scheme, scratch, store, tile)
       if (allocated(scratch%shape%factor)) deallocate (scratch%shape%factor)
-   end subroutine find_plain_places
+   end subroutine locate_particles_plainly
 
-   !> Where the particles of a tile are.
+   !> Compute the shape data of the particles of a tile.
    subroutine locate_tile(space, scheme, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme

@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Pressure differences that nodes do not see, between the particles of a cell.
+!> Relaxes pressure differences between the particles of a cell that nodes do not resolve.
 !!
-!! With normalised sums the volumes of a closed box stay right in sum, and each particle is
-!! strained by more or less than the mean of its neighbours, as it lies. Nodes do not see what
-!! differs between particles of a cell beyond a slope, so nothing brings it back. In matter without
-!! strength waves would, within the time that a signal needs for a cell: particles of higher
-!! pressure expand against lower ones, with the same sum of volumes and of energies. Entropy can
-!! only grow by it, and a linear field of pressure stays as it is.
-!! Equations (Q.11) and (Q.12) of doc/theory/quadratures.md.
+!! With normalised sums the total volume of a closed box is right, but each particle is strained by
+!! more or less than the mean of its neighbours, depending on its position. Nodes do not resolve
+!! differences between particles of a cell beyond a slope, so nothing restores them. In material
+!! without strength, waves would do so within the time that a signal needs for a cell: particles of
+!! higher pressure expand against those of lower pressure, with the same sums of volume and energy.
+!! Entropy can only grow by this, and a linear pressure field does not change. Equations (Q.11) and
+!! (Q.12) of doc/theory/quadratures.md.
 module step_pressure_relaxation
    use base_kinds, only: wp
    use particle_store, only: store_t
@@ -19,13 +19,13 @@ module step_pressure_relaxation
    public :: evens_pressure, normalised, relax_pressures
 
    real(wp), parameter :: most = 0.05_wp             !! Of a volume or an energy in a step [1]
-   !> Share of a difference that goes in the time that a signal needs for a cell [1]
+   !> Fraction of a difference that decays in the time that a signal needs for a cell [1]
    real(wp), parameter :: pace = 0.2_wp
 
 contains
 
-   !> Are the pressures of the particles of a material in a cell brought nearer to each other? They
-   !! are if it is without strength, carries energy and has normalised sums.
+   !> Are the pressures of the particles of a material in a cell relaxed? They are if it is without
+   !! strength, carries energy and has normalised sums.
    pure logical function evens_pressure(scheme, stores, index) result(yes)
       type(scheme_t), intent(in) :: scheme
       type(store_t), intent(in) :: stores(:)
@@ -45,14 +45,14 @@ contains
       if (allocated(simulation%scheme%normalises)) yes = simulation%scheme%normalises(index)
    end function normalised
 
-   !> Bring the pressures of the particles of a material in a tile nearer to the mean of their cell
-   !! and the slope that nodes see.
+   !> Relax the pressures of the particles of a material in a tile towards the mean of their cell
+   !! and the slope of the node values.
    subroutine relax_pressures(simulation, field, index, tile, local, speed, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
+      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: slope(3)
@@ -75,13 +75,13 @@ contains
    end subroutine relax_pressures
 
    !> The particles of one cell.
-   ! gate: long kernel because material is told by four of its fields
+   ! gate: long kernel because a material has four fields here
    pure subroutine relax_cell(before, low, high, local, speed, slope, rate, mass, volume, energy, &
       stress)
       integer, intent(in) :: before                  !! Particles before those of the tile
       integer, intent(in) :: low                     !! First particle of the cell, in the tile
       integer, intent(in) :: high                    !! Last one
-      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Places in cells
+      real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: slope(3)               !! Of the pressure that nodes see, a cell [Pa]
       real(wp), intent(in) :: rate                   !! Share of a step over that speed [s/m]
@@ -105,13 +105,13 @@ contains
       mean = sum(soft*excess)/whole
       excess = excess - mean
       seen = seen - sum(soft*seen)/whole
-      ! of what nodes see that which particles have
+      ! the part of the node slope that the particles have
       share = sum(soft*seen**2)
       if (share > 0.0_wp) excess = excess &
          - seen*min(1.0_wp, max(0.0_wp, sum(soft*seen*excess)/share))
       share = 1.0_wp - exp(-rate*maxval(speed(low:high)))
       steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
-      ! what expands pays with its own energy, of which thin gas beside a shock has little
+      ! an expanding particle loses its own energy, of which thin gas beside a shock has little
       do p = low, high
          q = before + p
          if (excess(p)*mean > 0.0_wp) steepest = max(steepest, soft(p)*excess(p)*mean &

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Takes particles out of a run whose going on would spoil it, or that have failed, and records what
-!! they had. They are forgotten when their tile is put in order.
+!> Removes particles that are out of bounds or have failed, and records their mass, momentum and
+!! energy. Their memory is released when their tile is sorted.
 module step_remove_particles
    use base_error, only: error_t, exit_physics, fail
    use base_exact_sum, only: exact_sum_t
@@ -19,8 +19,8 @@ module step_remove_particles
 
 contains
 
-   !> Take the particles out of a tile that have left their bounds. Those with a number that is none
-   !! stay and stop the run: it has spoiled their neighbours.
+   !> Remove the particles of a tile that have left their bounds. Those with a NaN stay and stop the
+   !! run: the NaN has already reached their neighbours.
    subroutine retire_tile(materials, stores, clock, scratch, index, tile, sound)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(inout) :: stores(:)
@@ -49,7 +49,7 @@ contains
       end associate
    end subroutine retire_tile
 
-   !> Take the particles out of a tile that have failed.
+   !> Remove the failed particles of a tile.
    subroutine erode_tile(materials, stores, scratch, index, tile)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(inout) :: stores(:)
@@ -67,7 +67,7 @@ contains
       end associate
    end subroutine erode_tile
 
-   !> Record a particle and let it be forgotten.
+   !> Record a particle and mark it for removal.
    subroutine take_out(ledger, material, store, tile, p)
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       type(material_t), intent(in) :: material       !! Its material
@@ -83,7 +83,7 @@ contains
       store%unsorted(tile) = .true.
    end subroutine take_out
 
-   !> Fastest signal and motion of the particles of a tile that are left [m/s].
+   !> Fastest signal and motion of the remaining particles of a tile [m/s].
    pure real(wp) function fastest_left(store, tile, wave_speed) result(fastest)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -99,7 +99,7 @@ contains
       end do
    end function fastest_left
 
-   !> Has more been taken out than the deck allows? Collective.
+   !> Has more mass been removed than the deck allows? Collective.
    subroutine check_retired(clock, balance, machine, error)
       type(clock_t), intent(in) :: clock
       type(conservation_t), intent(in) :: balance

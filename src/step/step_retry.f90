@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Looks at the nodes before they move any particle: a step in which they would go too far is done
-!! again with a shorter time.
+!> Examines the node displacements before any particle moves: a step in which nodes would go too far
+!! is repeated with a shorter time step.
 module step_retry
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
    use step_bounds, only: rule_retry
    use step_ledger, only: external_work, impulse, torque
-   use step_node_displacement, only: asks, look_at_tile, worse
+   use step_node_displacement, only: checks_displacement, examine_tile, worse
    use step_node_sums, only: renew_sums
    use step_offending_particle, only: spread, step_text
    use step_simulation, only: reach_t, simulation_t, velocity_field_t
@@ -20,9 +20,9 @@ module step_retry
 
 contains
 
-   !> Would a node go too far in the step, or two of a cell too far apart? Then all is put back to
-   !! where the nodes are to be moved again, and the step is shorter. Collective. Equation (S.7) of
-   !! doc/theory/time_step.md.
+   !> Would a node move too far in the step, or two nodes of a cell too far apart? Then the state
+   !! before the nodes moved is restored, and the step is repeated with a shorter time step.
+   !! Collective. Equation (S.7) of doc/theory/time_step.md.
    subroutine judge_nodes(simulation, dt, again, error)
       type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
       real(wp), intent(inout) :: dt                  !! Time step [s]
@@ -33,7 +33,7 @@ contains
       integer :: n
 
       again = .false.
-      if (.not. asks(simulation)) return
+      if (.not. checks_displacement(simulation)) return
       do n = 1, size(simulation%fields)
          call find_worst(simulation, simulation%fields(n), dt, reach)
          if (worse(reach, worst)) worst = reach
@@ -60,7 +60,8 @@ contains
       call put_back(simulation)
    end subroutine judge_nodes
 
-   !> Sums of the nodes as before they moved, and ledger without what walls and gravity did then.
+   !> Restore the sums of the nodes before they moved, and remove the work of walls and gravity from
+   !! the ledger.
    subroutine put_back(simulation)
       type(simulation_t), intent(inout) :: simulation
       integer :: thread, k, n
@@ -80,7 +81,7 @@ contains
       end do
    end subroutine put_back
 
-   !> The node of this rank that goes farthest over the bounds.
+   !> The node of this rank that exceeds the bounds most.
    subroutine find_worst(simulation, field, dt, worst)
       type(simulation_t), intent(in) :: simulation   !! Its nodes just moved
       type(velocity_field_t), intent(in) :: field
@@ -90,7 +91,7 @@ contains
       integer :: tile, thread
 
       if (field%nodes%lean) then
-         ! the threads looked when they moved the nodes
+         ! the threads examined the nodes when they moved them
          do thread = 0, ubound(simulation%scratch, 1)
             if (worse(simulation%scratch(thread)%reach, worst)) &
                worst = simulation%scratch(thread)%reach
@@ -101,7 +102,7 @@ contains
       mine = reach_t()
       !$omp do schedule(static)
       do tile = 1, simulation%space%tiles%own
-         call look_at_tile(simulation, field, tile, tile, dt, reach)
+         call examine_tile(simulation, field, tile, tile, dt, reach)
          if (worse(reach, mine)) mine = reach
       end do
       !$omp end do
@@ -111,8 +112,7 @@ contains
       !$omp end parallel
    end subroutine find_worst
 
-   !> Say which node goes too far in any step that is long enough. Of equal ones the first of the
-   !! grid is named. Collective.
+   !> Report the node that moves too far. Of equal nodes the first of the grid is named. Collective.
    subroutine name_node(simulation, dt, excess, worst, error)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: dt                     !! Time step that was tried [s]

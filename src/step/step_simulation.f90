@@ -34,20 +34,20 @@ module step_simulation
       nodes_t, phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
 
-   !> Nodes with less mass or volume than this are empty: below any share of any mass, and what it
-   !> divides stays finite.
+   !> Nodes with less mass or volume than this are empty: it is below any fraction of any mass, and
+   !! quotients by it stay finite.
    real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 
-   !> Node fields, all as patches of tiles: (component, node, tile). What the method does not need
-   !! is
-   !! not allocated.
+   !> Node fields, all as patches of tiles: (component, node, tile). Fields that the method does not
+   !! need are not allocated.
    type :: nodes_t
       !> Nodes to which tiles add motion, and those of their cells with a weight
       type(node_boxes_t) :: touched, weighted
-      !> Pieces of mass, momentum, force, with the dual gradient volume; and of stress times volume
+      !> Packed patches of mass, momentum, force, with the dual gradient volume; and of stress times
+      !! volume
       type(packed_patch_t) :: motion(2)
-      !> Are the sums and velocities of a tile kept only while it is worked on? Then they are those
-      !! of a thread, and of what the particles see pieces are kept: velocity and acceleration
+      !> Are the sums and velocities of a tile kept only while the tile is in work? Then they belong
+      !! to a thread, and packed patches of velocity and acceleration are kept for the particles
       logical :: lean = .false.
       type(packed_patch_t) :: seen(2)
       real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
@@ -81,8 +81,9 @@ module step_simulation
       !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
       !! of two, of the velocity before the step [m3/s]
       type(packed_patch_t) :: gradient, middle, earlier
-      !> (3) What walls and gravity add to the velocities, where it is recorded later: with contact,
-      !! and with musl; there also what faces take of the velocities before the step [m/s]
+      !> (3) Velocity increments from walls and gravity that are recorded later: with contact, and
+      !! with musl; with musl also those that boundaries remove from the velocities before the step
+      !! [m/s]
       real(wp), allocatable :: push(:, :, :), taken(:, :, :)
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
    contains
@@ -108,7 +109,7 @@ module step_simulation
       !! hold [kg]
       real(wp), allocatable :: outward(:, :, :)
       real(wp), allocatable :: area(:, :, :)         !! The sums of these
-      !> Patch (guess, field, field): farthest place towards another field [m]
+      !> Patch (candidate normal, field, field): farthest position towards another field [m]
       real(wp), allocatable :: reach(:, :, :)
       logical, allocatable :: meets(:)               !! (tile) Are there nodes of several fields?
       logical, allocatable :: broken(:, :, :)        !! (field, node, tile) Does a bond break now?
@@ -135,7 +136,7 @@ module step_simulation
       real(wp), allocatable :: total(:, :, :)        !! (3) Sums of the content, limit of the flux
    end type heat_flux_t
 
-   !> How far nodes would go in a step: that which goes farthest over the bounds.
+   !> The node that would exceed the bounds on displacement most in a step.
    type :: reach_t
       real(wp) :: excess = 0.0_wp                    !! Over the bounds, the worst of both [1]
       real(wp) :: moved = 0.0_wp                     !! Displacement of that node over a cell [1]
@@ -150,7 +151,7 @@ module step_simulation
       type(shape_data_t) :: shape !! Particles of the tile as the basis sees them
       type(pushed_stress_t) :: pushed !! Their stress, if changed on its way to nodes
       type(deformation_t) :: deformation             !! Step of the particles of the tile
-      !> (particle, 9) Half of the strain with the velocity before the step, if it counts [1]
+      !> (particle, 9) Half of the strain with the velocity before the step, if needed [1]
       real(wp), allocatable :: earlier(:, :)
       type(ledger_t) :: ledger                       !! Sums of this thread
       type(stage_clock_t) :: laps                           !! Times of effects
@@ -162,15 +163,15 @@ module step_simulation
       integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
    end type scratch_t
 
-   !> What ranks ask of all; agreed at the end of each step.
+   !> What one rank requests of all ranks; agreed at the end of each step.
    type :: requests_t
       real(wp) :: leave = 0.0_wp                     !! Number of a signal, 0 = none
       real(wp) :: line = 0.0_wp                      !! 1 = a line of progress
       real(wp) :: checkpoint = 0.0_wp                !! 1 = a checkpoint
-      real(wp) :: present = -1.0_wp                  !! 1 = it has particles, -1 = nobody counted
+      real(wp) :: present = -1.0_wp                  !! 1 = it has particles, -1 = not counted
    end type requests_t
 
-   !> How evenly the ranks work: greatest over mean work in the steps that were measured.
+   !> Load balance: greatest over mean work of the ranks in the steps that were measured.
    type :: load_t
       integer :: looks = 0                           !! Steps measured
       integer :: cuts = 0                            !! Times that the curve was cut anew
@@ -189,7 +190,7 @@ module step_simulation
       integer :: effect(effect_count) = 0           !! Of those of material, 0 = off
    end type phases_t
 
-   !> Where things are: the grid, what bounds it, and its tiles.
+   !> The domain: the grid, its boundaries and rigid regions, and its tiles.
    type :: space_t
       type(grid_t) :: grid
       type(boundary_t) :: boundary                   !! Six boundaries of the domain
@@ -223,7 +224,7 @@ module step_simulation
       real(wp), allocatable :: turn(:, :, :)
    end type effects_t
 
-   !> Time, and what limits its steps.
+   !> Time, and the limits of its steps.
    type :: clock_t
       integer(int64) :: step = 0                     !! Steps done
       real(wp) :: time = 0.0_wp                      !! [s]
@@ -235,13 +236,13 @@ module step_simulation
       integer(int64) :: updates = 0                  !! Particle updates of this rank
    end type clock_t
 
-   !> Conservation and trust.
+   !> The ledger, and the record of how far results can be trusted.
    type :: conservation_t
       type(ledger_t) :: ledger                       !! Mass, momentum and energy
       type(trust_t) :: trust                         !! How far results can be trusted
    end type conservation_t
 
-   !> Ranks, their times, and how evenly they work.
+   !> Ranks, timers, and load balance.
    type :: machine_t
       type(communicator_t) :: communicator
       type(timer_t) :: timer                         !! Wall time by phase
@@ -253,7 +254,7 @@ module step_simulation
       real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
    end type machine_t
 
-   !> A simulation: all that a step changes.
+   !> A simulation: everything that a step changes.
    type :: simulation_t
       type(space_t) :: space
       type(material_t), allocatable :: materials(:)
@@ -270,7 +271,7 @@ module step_simulation
 
 contains
 
-   !> Where the fields of a tile are: its own place, or that of the thread which works on it.
+   !> Index of the fields of a tile: its own, or that of the thread that works on it.
    integer function nodes_slot(self, tile) result(slot)
       class(nodes_t), intent(in) :: self
       integer, intent(in) :: tile
@@ -279,16 +280,16 @@ contains
       if (self%lean) slot = 1 + omp_get_thread_num()
    end function nodes_slot
 
-   !> Note how evenly the ranks worked in a step.
+   !> Record the load balance of a step.
    pure subroutine load_look(self, step, ratio)
       class(load_t), intent(inout) :: self
       integer(int64), intent(in) :: step             !! Steps done
       real(wp), intent(in) :: ratio                  !! Greatest over mean work [1]
-      integer(int64), parameter :: settled = 100
+      integer(int64), parameter :: starting_steps = 100
 
       self%looks = self%looks + 1
       self%last = ratio
       self%total = self%total + ratio
-      if (step > settled) self%greatest = max(self%greatest, ratio)
+      if (step > starting_steps) self%greatest = max(self%greatest, ratio)
    end subroutine load_look
 end module step_simulation

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Nodes of next to no mass: a bound on what they strain.
+!> Bounds the straining velocity of nodes of small mass.
 module step_small_masses
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -12,7 +12,8 @@ module step_small_masses
 
 contains
 
-   !> Does any node gain so much that its volume matters? Most tiles have none and need no volumes.
+   !> Does any node gain so much that the bound may apply? Most tiles have no such node and need no
+   !! volumes.
    pure logical function light_may_gain(grid, dt, acceleration) result(may)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
@@ -22,10 +23,10 @@ contains
          + acceleration(3, :)**2)) > small*grid%spacing
    end function light_may_gain
 
-   !> Bound what a light node gains in the step in the velocity that strains: its force over its
-   !! mass has no bound, while particles near it gain only their share of the force.
-   !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
-   !! Gains that move a node by less than a small share of a cell stay. Equation (M.17) of
+   !> Bound the gain of a node of small mass in the velocity that strains: its force over its mass
+   !! has no bound, while particles near it gain only their part of the force. Node volumes include
+   !! the weights of cells, so they measure how empty a node and its cells are. Gains that move a
+   !! node by less than a small fraction of a cell are kept. Equation (M.17) of
    !! doc/theory/method.md.
    pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
       type(grid_t), intent(in) :: grid

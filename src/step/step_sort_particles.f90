@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Particles after they have moved: long ones are split, and all go to their tiles and ranks.
+!> Sorts particles after they have moved: long particles are split, and all go to their tiles and
+!! ranks.
 module step_sort_particles
    use base_kinds, only: int64, wp
    use particle_migrate, only: migrate
@@ -45,7 +46,7 @@ contains
       end do
    end subroutine split_field
 
-   !> Record particles that left the box, and bring the others into their tiles and in order.
+   !> Record particles that left the domain, and sort the others into their tiles.
    subroutine sort_particles(simulation)
       type(simulation_t), intent(inout) :: simulation
       real(wp) :: waited
@@ -63,7 +64,7 @@ contains
          simulation%machine%phase%wait, simulation%machine%communicator%traffic%waiting - waited)
    end subroutine sort_particles
 
-   !> Particles of this rank.
+   !> Number of particles of this rank.
    pure integer(int64) function count_particles(simulation) result(particles)
       type(simulation_t), intent(in) :: simulation
       integer :: index

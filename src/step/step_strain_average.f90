@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Strain of two velocities (`stress_update = 'usavg'`): half of that which particles take with them
-!! from the nodes in a step, half of that which they bring to the nodes after they have moved.
+!> Strain of two velocities (`stress_update = 'usavg'`): one half with the velocity that particles
+!! get from the nodes in a step, one half with the velocity that they bring to the nodes after they
+!! have moved.
 !!
-!! Stress and motion then work with the same mean velocities, so the energy that one gives the other
-!! takes (J. A. Nairn, Comput. Model. Eng. Sci. 4 (2003) 649). The second half is known only when
-!! the particles have moved, after the force of the next step. So each step takes it ahead with the
-!! places it has, keeps it, and the next step puts what it finds in its place. Equation (T.14) of
-!! doc/theory/transfers.md.
+!! Stress and motion then work with the same mean velocities, so the energy that one loses the other
+!! gains (J. A. Nairn, Comput. Model. Eng. Sci. 4 (2003) 649). The second half is known only when
+!! the particles have moved, after the force of the next step. So each step predicts it at the
+!! present positions and keeps it, and the next step replaces it by the computed one. Equation
+!! (T.14) of doc/theory/transfers.md.
 module step_strain_average
    use base_kinds, only: wp
    use particle_store, only: store_t
@@ -15,15 +16,15 @@ module step_strain_average
 
    public :: average_strain, keep_earlier
 
-   !> Greatest correction of a half strain [1]; where cells hold what they should it is far smaller,
-   !! and where streams of particles cross it must not turn them inside out
+   !> Greatest correction of a half strain [1]; in regularly filled cells it is far smaller, and
+   !! where streams of particles cross it must not invert them
    real(wp), parameter :: most = 0.1_wp
 
 contains
 
-   !> Keep half of the strain with the velocity that particles have brought, for now. Both strains
-   !! refer to the middle of their step: places are those at the end of the one and at the begin of
-   !! the other.
+   !> Keep half of the strain with the velocity that particles have brought, as a prediction. Both
+   !! strains refer to the middle of their step: positions are those at the end of the first and at
+   !! the begin of the second.
    pure subroutine keep_earlier(count, gradient, earlier)
       integer, intent(in) :: count                   !! Particles of the tile
       real(wp), contiguous, intent(in) :: gradient(:, :) !! (particle of the tile, 9) [1]
@@ -41,8 +42,7 @@ contains
       end do
    end subroutine keep_earlier
 
-   !> Put the half strain of the last step that was taken ahead right, and take that of this step
-   !! ahead.
+   !> Correct the predicted half strain of the last step, and predict that of this step.
    pure subroutine average_strain(store, tile, earlier, gradient)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Local stress difference (`quadrature = 'lsd'`): the force of a node inside of a body becomes
-!! f - s . (f[I] - f_w[I]) with its mean stress s, the force f[I] of the same particles under unit
+!> Local stress difference (`quadrature = 'lsd'`): the force of a node inside of a body becomes f -
+!! s . (f[I] - f_w[I]) with its mean stress s, the force f[I] of the same particles under unit
 !! stress, and the exact force f_w[I] of unit stress in cells with their weights, which vanishes
-!! but at faces (A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys. (2023) 112681). Towards free
-!! surfaces the change fades: there the force stays that of the point rule. Equations (Q.4) and
+!! except at boundaries (A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys. (2023) 112681). Towards
+!! free surfaces the change fades: there the force stays that of the point rule. Equations (Q.4) and
 !! (Q.5) of doc/theory/quadratures.md.
 module step_stress_difference
    use base_kinds, only: wp
@@ -11,7 +11,7 @@ module step_stress_difference
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_node_sums, only: divide
-   use step_particles_to_nodes, only: find_places
+   use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
    use transfer_scatter, only: dual_columns
    implicit none
@@ -25,8 +25,7 @@ module step_stress_difference
 
 contains
 
-   !> What the force of each node is to be changed by. Weights and volumes of the dual gradient are
-   !! known.
+   !> Correction of the force of each node. Weights and volumes of the dual gradient are known.
    subroutine find_difference(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -67,8 +66,7 @@ contains
       end associate
    end subroutine find_difference
 
-   !> Stress times volume of the particles of a tile, and what they push the nodes with under unit
-   !! stress.
+   !> Stress times volume of the particles of a tile, and their node forces under unit stress.
    subroutine scatter_tile(simulation, field, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
@@ -83,10 +81,10 @@ contains
          associate (store => simulation%stores(index), grid => simulation%space%grid, &
             method => simulation%scheme%method, shape => scratch%shape, pushed => scratch%pushed, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call pushed%copy(store%first(tile), store%count(tile), store%position, &
                store%state%volume, store%state%stress)
-            ! the volume once more: that of the rule need not have the functions of the basis
+            ! the volume again: that of the quadrature need not use the shape functions of the basis
             do p = 1, store%count(tile)
                shape%values(p, before + rest) = pushed%volume(p)
             end do
@@ -172,9 +170,9 @@ contains
       end associate
    end subroutine difference_tile
 
-   !> How far the nodes of a tile are inside of bodies: 1 if all cells around count in full, and 0
-   !! once one of them does not count. The weights do not tell where in its cells a surface is, so
-   !! the exact force is wrong there. Equation (Q.6).
+   !> Weight of the nodes of a tile: 1 inside of bodies, where all cells around count in full, and 0
+   !! if one of them does not count. The weights do not give the position of a surface within its
+   !! cells, so the exact force is wrong there. Equation (Q.6).
    pure subroutine find_inside(space, field, tile, inside)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field

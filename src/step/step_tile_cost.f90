@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What each tile costs: the work of the threads on it in one step, taken only in the steps before
-!! the loads of ranks are compared.
+!> Cost of each tile: the thread time on it in one step, measured only in the steps before the loads
+!! of ranks are compared.
 module step_tile_cost
    use base_kinds, only: wp
    use base_timer, only: thread_seconds
@@ -12,7 +12,7 @@ module step_tile_cost
 
 contains
 
-   !> Clock at the start of the work on a tile; it stands still where nobody measures [s].
+   !> Clock at the start of the work on a tile; 0 unless costs are measured [s].
    real(wp) function cost_clock(simulation) result(seconds)
       type(simulation_t), intent(in) :: simulation
 

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Rotation of material as it varies from tile to tile (`turn_from = 'tiles'`).
 !!
-!! With RFLIP the rotation that particles carry brings velocities to the nodes that straining sees
-!! and the particles do not keep: the work of the stress on them is lost. Where the rotation is that
-!! of a body this work is nothing, as a rotation has no strain. The rotation of single particles
-!! wavers from one to the next; a vibrating ring of five cells loses a third of its energy by it.
-!! Here each particle gets the mean by mass of the rotations around it, with weights that fall
-!! linearly over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
+!! With RFLIP the rotation of particles adds velocities to the nodes that enter the strain but are
+!! not kept by the particles: the work of the stress on them is lost. For the rotation of a whole
+!! body this work is zero, as a rotation has no strain. But the rotation of single particles varies
+!! from one to the next; a vibrating ring of five cells loses a third of its energy this way. Here
+!! each particle gets the mean by mass of the rotations around it, with weights that fall linearly
+!! over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
 module step_tile_rotation
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -73,7 +73,7 @@ contains
       end do
    end subroutine add_tile
 
-   !> Those of one material, by chunks that stay in cache.
+   !> The same of one material, in chunks that stay in cache.
    pure subroutine add_store(store, tile, lower, inverse, sums)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -130,7 +130,7 @@ contains
       end do
    end subroutine turn_tile
 
-   !> That of the particles of one material.
+   !> The same of the particles of one material.
    pure subroutine turn_store(store, tile, lower, inverse, turn)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
@@ -155,7 +155,7 @@ contains
       end do
    end subroutine turn_store
 
-   !> Nodes at the corners of a tile; those of a missing direction fall together.
+   !> Nodes at the corners of a tile; those along a missing direction coincide.
    pure subroutine find_corners(simulation, tile, node)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
@@ -172,7 +172,7 @@ contains
       end associate
    end subroutine find_corners
 
-   !> Where a tile lies: its lower corner, and one over its edges; 0 for missing directions.
+   !> Lower corner of a tile, and the inverse of its edges; 0 for missing directions.
    pure subroutine measure_tile(space, tile, lower, inverse)
       type(space_t), intent(in) :: space
       integer, intent(in) :: tile

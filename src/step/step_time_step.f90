@@ -4,7 +4,7 @@ module step_time_step
    use base_error, only: error_t, exit_physics, fail
    use base_kinds, only: int64, wp
    use step_bounds, only: rule_conduction, rule_growth, rule_signal, rule_strain
-   use step_conduction, only: conducts, matter_volume
+   use step_conduction, only: bulk_volume, conducts
    use step_offending_particle, only: name_bad
    use step_remove_particles, only: check_retired
    use step_simulation, only: clock_t, scheme_t, simulation_t, space_t
@@ -15,7 +15,7 @@ module step_time_step
 
 contains
 
-   !> Collect what the threads saw: the ledger, the next time step, NaN.
+   !> Collect the results of the threads: the ledger, the next time step, NaN.
    subroutine close_step(simulation, error)
       type(simulation_t), intent(inout) :: simulation
       type(error_t), allocatable, intent(out) :: error !! If a value is NaN
@@ -59,7 +59,7 @@ contains
       if (allocated(simulation%effects%conduction)) call limit_step(simulation, diffusivity)
    end subroutine close_step
 
-   !> Steepest velocity gradient that the threads saw, and whose it is.
+   !> Steepest velocity gradient of all threads, and the identity of its particle.
    subroutine find_rate(simulation, rate)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(out) :: rate                  !! On this rank [1/s]
@@ -95,32 +95,32 @@ contains
       simulation%clock%dt_next = dt
    end subroutine limit_step
 
-   !> Agree with the other ranks on the fastest signal and on what they request: the only time in a
-   !! step that all ranks wait for all.
+   !> Agree with the other ranks on the fastest signal and on what they request: the only point in a
+   !! step where all ranks wait for each other.
    subroutine agree(simulation, fastest, diffusivity, rate, retired)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
       real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
       real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
       logical, intent(inout) :: retired              !! The same: have particles been taken out?
-      real(wp) :: asked(8)
+      real(wp) :: values(8)
 
       if (simulation%machine%communicator%size == 1) return
       associate (requests => simulation%machine%requests)
-         asked = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
+         values = [fastest, requests%leave, requests%line, requests%checkpoint, diffusivity, &
             rate, merge(1.0_wp, 0.0_wp, retired), requests%present]
          call simulation%machine%timer%start(simulation%machine%phase%wait)
-         call simulation%machine%communicator%maxima(asked)
+         call simulation%machine%communicator%maxima(values)
          call simulation%machine%timer%stop(simulation%machine%phase%wait)
-         fastest = asked(1)
-         requests%leave = asked(2)
-         requests%line = asked(3)
-         requests%checkpoint = asked(4)
-         diffusivity = asked(5)
-         if (rate < asked(6)) simulation%clock%guard%steepest = huge(1_int64)
-         rate = asked(6)
-         retired = asked(7) > 0.0_wp
-         requests%present = asked(8)
+         fastest = values(1)
+         requests%leave = values(2)
+         requests%line = values(3)
+         requests%checkpoint = values(4)
+         diffusivity = values(5)
+         if (rate < values(6)) simulation%clock%guard%steepest = huge(1_int64)
+         rate = values(6)
+         retired = values(7) > 0.0_wp
+         requests%present = values(8)
       end associate
    end subroutine agree
 
@@ -177,7 +177,7 @@ contains
             !$omp shared(simulation, index, conductivity, specific_heat) schedule(static)
             do tile = 1, size(simulation%stores(index)%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  greatest = max(greatest, conductivity*matter_volume(store, p) &
+                  greatest = max(greatest, conductivity*bulk_volume(store, p) &
                      /(store%state%mass(p)*specific_heat))
                end do
             end do

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Watches whether the results of a run can be trusted where its balances cannot tell: speeds and
+!> Watches whether the results of a run can be trusted beyond its balances: speeds and
 !! energies, distances of neighbours, volumes and pressures. It warns once of each and stops the run
 !! where a number is impossible. The values and their limits are (L.8) to (L.11) of
 !! doc/theory/ledger.md.
@@ -14,7 +14,7 @@ module step_trust
    use particle_body, only: body_t
    use particle_neighbours, only: lattice_t
    use particle_store, only: store_t
-   use step_diagnostics, only: bounds_look_t, find_greatest, look_at_bounds, look_at_shapes, &
+   use step_diagnostics, only: bounds_look_t, examine_bounds, examine_shapes, find_greatest, &
       measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
    use step_ledger, only: balance_t, external_work, mass, retired_mass
    use step_method, only: method_t
@@ -28,11 +28,12 @@ module step_trust
 
    public :: begin_trust, final_trust, number_lattices, warn_of_balance, watch_trust
 
-   !> Slower than this share of the speed of waves matter is at rest, and its momentum rounding [1]
+   !> Material slower than this fraction of the wave speed is at rest, and its momentum is rounding
+   !! [1]
    real(wp), parameter :: slow = 1.0e-3_wp
-   integer(int64), parameter :: bounds_every = 5     !! Steps between looks at speed and energy
+   integer(int64), parameter :: bounds_every = 5     !! Steps between checks of speed and energy
    integer(int64), parameter :: work_every = 50      !! ... between sums of the work
-   integer(int64), parameter :: shapes_every = 250   !! Steps between looks at distances and volumes
+   integer(int64), parameter :: shapes_every = 250 !! Steps between checks of distances and volumes
 
 contains
 
@@ -67,13 +68,13 @@ contains
       end do
    end subroutine number_lattices
 
-   !> Note speeds and energies at the start of a run, by which later ones are judged. Collective.
+   !> Record speeds and energies at the start of a run, the reference for later ones. Collective.
    subroutine begin_trust(simulation)
       type(simulation_t), intent(inout) :: simulation !! In its first state
       type(bounds_look_t) :: look
 
       if (simulation%balance%trust%begun) return
-      call look_at_bounds(simulation%space, simulation%stores, simulation%machine, 0.0_wp, look)
+      call examine_bounds(simulation%space, simulation%stores, simulation%machine, 0.0_wp, look)
       associate (trust => simulation%balance%trust)
          trust%begun = .true.
          trust%start_speed = look%speed
@@ -108,10 +109,10 @@ contains
       end do
    end function greatest_stored
 
-   !> Look at the state after a step if it is time to. Collective.
+   !> Check the state after a step if a check is due. Collective.
    subroutine watch_trust(simulation, log, error)
       type(simulation_t), intent(inout) :: simulation !! After a step
-      type(log_t), intent(inout) :: log              !! Told of what is wrong, once
+      type(log_t), intent(inout) :: log              !! Gets each warning once
       type(error_t), allocatable, intent(out) :: error !! A number is impossible
       type(bounds_look_t) :: bounds
       type(shapes_look_t) :: shapes
@@ -119,7 +120,7 @@ contains
       if (mod(simulation%clock%step, work_every) == 0) call note_work(simulation%balance, &
          simulation%machine, simulation%balance%trust)
       if (mod(simulation%clock%step, bounds_every) == 0) then
-         call look_at_bounds(simulation%space, simulation%stores, simulation%machine, &
+         call examine_bounds(simulation%space, simulation%stores, simulation%machine, &
             simulation%balance%trust%least_energy, bounds)
          call note_bounds(simulation, bounds, simulation%balance%trust)
          call warn_of_bounds(simulation, bounds, log)
@@ -127,19 +128,19 @@ contains
          if (allocated(error)) return
       end if
       if (mod(simulation%clock%step, shapes_every) == 0) then
-         call look_at_shapes(simulation, shapes)
+         call examine_shapes(simulation, shapes)
          call note_shapes(shapes, simulation%balance%trust)
          call warn_of_shapes(simulation, shapes, log)
       end if
    end subroutine watch_trust
 
-   !> What is known at the end: with the last state, if it is one that a run could go on from. What
-   !! a checkpoint holds does not change, so that a run that goes on sees what it would have seen
-   !! without a break. Collective.
+   !> The record at the end, with the last state if a run could continue from it. The data of a
+   !! checkpoint do not change, so that a continued run gives the same record as an uninterrupted
+   !! one. Collective.
    subroutine final_trust(simulation, code, now, trust)
       type(simulation_t), intent(inout) :: simulation !! At its end; stays as it is
       integer, intent(in) :: code                    !! Exit code
-      type(balance_t), intent(in) :: now             !! Its books
+      type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(out) :: trust            !! What is known
       type(bounds_look_t) :: bounds
       type(shapes_look_t) :: shapes
@@ -148,10 +149,10 @@ contains
       trust%failed = code == exit_physics
       if (trust%begun .and. code /= exit_physics) then
          call note_work(simulation%balance, simulation%machine, trust)
-         call look_at_bounds(simulation%space, simulation%stores, simulation%machine, &
+         call examine_bounds(simulation%space, simulation%stores, simulation%machine, &
             trust%least_energy, bounds)
          call note_bounds(simulation, bounds, trust)
-         call look_at_shapes(simulation, shapes)
+         call examine_shapes(simulation, shapes)
          call note_shapes(shapes, trust)
       end if
       trust%worst(trust_energy) = abs(now%energy_error)
@@ -165,7 +166,7 @@ contains
          now%entry(retired_mass)/simulation%balance%ledger%start%entry(mass)
    end subroutine final_trust
 
-   !> Take the worst of distances, volumes and pressures.
+   !> Update the worst values of distances, volumes and pressures.
    pure subroutine note_shapes(look, trust)
       type(shapes_look_t), intent(in) :: look        !! What was found
       type(trust_t), intent(inout) :: trust          !! The worst so far
@@ -173,14 +174,15 @@ contains
       trust%longest = max(trust%longest, look%longest)
       trust%worst(trust_stretch) = max(trust%worst(trust_stretch), look%share)
       trust%worst(trust_volume) = max(trust%worst(trust_volume), look%overlap)
-      ! pressures that are small beside the inertia of the motion do not matter
+      ! pressures that are small beside the inertia of the motion have no weight
       trust%pressure = max(trust%pressure, look%pressure, look%kinetic)
       trust%difference = max(trust%difference, look%difference)
       if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
    end subroutine note_shapes
 
-   !> Take the worst of speeds and energies, over what can be explained. Equations (L.10) and (L.11)
-   !! of doc/theory/ledger.md. A manufactured solution may do anything.
+   !> Update the worst values of speeds and energies, relative to those that can be explained.
+   !! Equations (L.10) and (L.11) of doc/theory/ledger.md. Manufactured solutions have no such
+   !! limits.
    pure subroutine note_bounds(simulation, look, trust)
       type(simulation_t), intent(in) :: simulation
       type(bounds_look_t), intent(in) :: look        !! What was found
@@ -198,7 +200,7 @@ contains
       call take_worse(trust%worst(trust_heat), (look%cold - trust%least_energy)/scale)
    end subroutine note_bounds
 
-   !> Take a value of heat if it is worse than that before.
+   !> Update the worst value of heat.
    pure subroutine take_worse(worst, value)
       real(wp), intent(inout) :: worst               !! So far
       real(wp), intent(in) :: value                  !! Another one
@@ -207,7 +209,7 @@ contains
       if (max(value, -cold*value) > max(worst, -cold*worst)) worst = value
    end subroutine take_worse
 
-   !> Take the greatest work of walls and gravity so far. Collective.
+   !> Update the greatest work of walls and gravity so far. Collective.
    subroutine note_work(balance, machine, trust)
       type(conservation_t), intent(in) :: balance
       type(machine_t), intent(in) :: machine
@@ -283,7 +285,8 @@ contains
       end do
    end function greatest_wave_square
 
-   !> Warn of a speed or an energy that nothing explains, and of whose it is. Collective.
+   !> Warn of a speed or an energy without a physical cause, with the particle that has it.
+   !! Collective.
    subroutine warn_of_bounds(simulation, look, log)
       type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
       type(bounds_look_t), intent(in) :: look        !! What was found
@@ -294,7 +297,7 @@ contains
          if (warns(trust, trust_speed, trust_bad)) then
             write (text, "(a,es10.3,a,es9.2,a)") "its speed", look%speed, " m/s is", &
                trust%worst(trust_speed), " times what start, walls, gravity and work explain"
-            call tell_particle(simulation, log, find_greatest(simulation%materials, &
+            call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_speed, &
                trust%least_energy), trim(text)//"; check units and constants of its material, "// &
                "try a smaller cfl or more particles a cell (ppc)")
@@ -303,7 +306,7 @@ contains
          if (trust%worst(trust_heat) > 0.0_wp) then
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%heat, " J/kg is", &
                trust%worst(trust_heat), " times what was put in"
-            call tell_particle(simulation, log, find_greatest(simulation%materials, &
+            call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_heat, &
                trust%least_energy), trim(text)//"; check its equation of state, or take such "// &
                "particles out with &time on_bad = 'retire'")
@@ -311,7 +314,7 @@ contains
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%cold, &
                " J/kg is below the least at the start by", -trust%worst(trust_heat), &
                " times what was put in"
-            call tell_particle(simulation, log, find_greatest(simulation%materials, &
+            call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_cold, &
                trust%least_energy), trim(text)//"; check its equation of state in expansion, "// &
                "or give the material a spall strength")
@@ -331,13 +334,13 @@ contains
             write (text, "(a,f0.2,a,f0.1,a,f0.1,a)") "its neighbour is ", look%longest, &
                " cells away, and in ", 100.0_wp*look%share, &
                " % of the mass neighbours are more than ", apart, " cells apart"
-            call tell_particle(simulation, log, look%longest_identity, trim(text)//": they "// &
+            call warn_of_particle(simulation, log, look%longest_identity, trim(text)//": they "// &
                "lose each other; use more particles a cell (ppc), or &method split = .true.")
          end if
          if (warns(trust, trust_volume, trust_bad)) then
             write (text, "(a,f0.1,a)") "it has grown most, and particles claim ", &
                100.0_wp*look%overlap, " % more volume than there is"
-            call tell_particle(simulation, log, find_greatest(simulation%materials, &
+            call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_volume, &
                trust%least_energy), trim(text)//"; use a lattice, more particles a cell (ppc) "// &
                "or &method transfer = 'xpic'")
@@ -345,15 +348,16 @@ contains
          if (.not. warns(trust, trust_noise, trust_bad)) return
          write (text, "(a,f0.1,a)") "its pressure differs most from that around it, by ", &
             100.0_wp*trust%worst(trust_noise), " % of all pressure on average"
-         call tell_particle(simulation, log, look%difference_identity, trim(text)//"; use more "// &
+         call warn_of_particle(simulation, log, look%difference_identity, &
+            trim(text)//"; use more "// &
             "particles a cell (ppc), &method transfer = 'xpic' or more artificial viscosity")
       end associate
    end subroutine warn_of_shapes
 
-   !> Say at the end which balances do not close, and what closes them. Collective.
+   !> Report at the end which balances do not close, with the remedy. Collective.
    subroutine warn_of_balance(method, now, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
-      type(balance_t), intent(in) :: now             !! Its books
+      type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(in) :: trust             !! What is known at the end
       type(log_t), intent(inout) :: log              !! Gets the warnings
 
@@ -361,10 +365,10 @@ contains
       call warn_of_momentum(method, trust, log)
    end subroutine warn_of_balance
 
-   !> Say at the end that energy is missing, and what keeps it. Collective.
+   !> Report at the end that energy is lost, with the remedy. Collective.
    subroutine warn_of_energy(method, now, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
-      type(balance_t), intent(in) :: now             !! Its books
+      type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(in) :: trust             !! What is known at the end
       type(log_t), intent(inout) :: log              !! Gets the warning
       character(len=:), allocatable :: remedy
@@ -391,11 +395,11 @@ contains
       else
          write (share, "(es8.1)") 100.0_wp*lost
       end if
-      call log%warn("warning: "//trim(share)//" % of the energy is lost: where matter carries "// &
-         "no internal energy nothing takes up what straining and transfers filter; "//remedy)
+      call log%warn("warning: "//trim(share)//" % of the energy is lost: materials without "// &
+         "internal energy cannot take up what straining and transfers dissipate; "//remedy)
    end subroutine warn_of_energy
 
-   !> Say at the end that momentum is not conserved, and by what. Collective.
+   !> Report at the end that momentum is not conserved, with the error. Collective.
    subroutine warn_of_momentum(method, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
       type(trust_t), intent(in) :: trust             !! What is known at the end
@@ -428,7 +432,7 @@ contains
    end function warns
 
    !> Give a warning with step, time and a particle. Collective.
-   subroutine tell_particle(simulation, log, identity, words)
+   subroutine warn_of_particle(simulation, log, identity, words)
       type(simulation_t), intent(in) :: simulation
       type(log_t), intent(inout) :: log              !! Gets it
       integer(int64), intent(in) :: identity         !! Of the particle
@@ -437,9 +441,9 @@ contains
 
       call name_particle(simulation, identity, who)
       call log%warn("warning: "//step_text(simulation%clock)//": "//who//": "//words)
-   end subroutine tell_particle
+   end subroutine warn_of_particle
 
-   !> A particle cannot have more than all the energy there is; with twice of it the run ends.
+   !> A particle cannot have more than the total energy; with twice the total energy the run stops.
    !! Collective.
    subroutine refuse_impossible(simulation, look, error)
       type(simulation_t), intent(in) :: simulation
@@ -464,7 +468,7 @@ contains
       call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text))
    end subroutine refuse_impossible
    !> Does a material have a temperature and no internal energy, beside others that have? Heat that
-   !! is conducted from one to the other is no part of the energy that the run knows of.
+   !! is conducted between them is not in the energy balance.
    pure logical function holds_heat(scheme, materials) result(yes)
       type(scheme_t), intent(in) :: scheme
       type(material_t), intent(in) :: materials(:)

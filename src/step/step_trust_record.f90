@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What a run knows about how far its results can be trusted: the worst values so far, their limits,
-!! and how they are told. The limits and their reasons stand in doc/theory/ledger.md.
+!! and the text of the report. doc/theory/ledger.md has the limits and their reasons.
 module step_trust_record
    use base_error, only: error_t
    use base_kinds, only: int64, wp
@@ -27,7 +27,7 @@ module step_trust_record
       "damped", "momentum"]
    integer, parameter, public :: trust_ok = 1, trust_look = 2, trust_bad = 3
    character(len=4), parameter, public :: trust_words(3) = [character(len=4) :: "ok", "look", "bad"]
-   !> Values up to here are ok, beyond the next ones bad
+   !> Values up to these limits are ok, values beyond the next limits are bad
    real(wp), parameter :: ok_until(trust_entries) = &
       [0.02_wp, 0.1_wp, 0.01_wp, 0.5_wp, 2.0_wp, 4.0_wp, 0.0_wp, 0.05_wp, 1.0e-9_wp]
    real(wp), parameter :: bad_beyond(trust_entries) = &
@@ -37,7 +37,7 @@ module step_trust_record
    !> Neighbours are apart from this distance on [cells]: one in ten pairs then has no common node
    real(wp), parameter, public :: apart = 1.1_wp
 
-   !> What is kept from step to step. The same on all ranks.
+   !> The record, kept from step to step. The same on all ranks.
    type :: trust_t
       real(wp) :: worst(trust_entries) = 0.0_wp      !! Worst values so far, heat with its sign
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
@@ -56,7 +56,7 @@ module step_trust_record
 
 contains
 
-   !> Is a value ok, to be looked at, or bad?
+   !> Is a value ok, to be checked, or bad?
    pure integer function verdict_of(entry, value) result(verdict)
       integer, intent(in) :: entry                   !! Index of the value
       real(wp), intent(in) :: value                  !! In its unit
@@ -117,7 +117,7 @@ contains
       call json%end()
    end subroutine add_trust
 
-   !> Put what is known into the state of a checkpoint.
+   !> Write the record to the state of a checkpoint.
    subroutine save_trust(trust, state)
       type(trust_t), intent(in) :: trust             !! What is known
       type(state_t), intent(inout) :: state          !! Of the checkpoint
@@ -128,7 +128,7 @@ contains
          merge(1_int64, 0_int64, trust%begun)])
    end subroutine save_trust
 
-   !> Take it from a checkpoint. One that lacks it lets the run begin to look anew.
+   !> Read it from a checkpoint. If the checkpoint lacks it, the record starts anew.
    subroutine load_trust(trust, state)
       type(trust_t), intent(inout) :: trust          !! What is known
       type(state_t), intent(in) :: state             !! Of the checkpoint

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Further ways from nodes to particles and back within a step: the terms of the series that filters
+!> Further transfers between nodes and particles within a step: the terms of the series that filters
 !! node velocities, and the map of the new particle velocities that strains with `musl`.
 module step_velocity_remap
    use base_kinds, only: wp
@@ -10,7 +10,7 @@ module step_velocity_remap
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_move_nodes, only: record_push
    use step_node_sums, only: divide
-   use step_particles_to_nodes, only: find_places
+   use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_walls, only: take_held, walls_touch
    use transfer_affine, only: turn_only
@@ -58,7 +58,7 @@ contains
       end do
    end subroutine filter_nodes
 
-   !> Momentum of the present term, seen by the particles, to a second patch.
+   !> Scatter the momentum of the present term at the particles to a second patch.
    subroutine spread_terms(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -99,7 +99,7 @@ contains
          associate (grid => simulation%space%grid, store => simulation%stores(index), &
             basis => simulation%scheme%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call basis%gather_values(grid, shape, term, shape%vector)
             call basis%scatter_product(grid, shape, store%first(tile), store%state%mass, &
                shape%vector, 0, patch)
@@ -107,10 +107,11 @@ contains
       end do
    end subroutine spread_tile
 
-   !> The next term, y - S^+ S y, without what walls hold in this step; it is added to the sum. What
-   !! walls take away the particles do not get, so it is booked, with the velocity at the end of the
-   !! step. Equation (L.12) of doc/theory/ledger.md: that needs the same orthogonal projection for
-   !! all terms, so what walls hold does not depend on them.
+   !> The next term, y - S^+ S y, without the components that walls hold in this step; it is added
+   !! to
+   !! the sum. Particles do not get what walls remove, so it is recorded, with the velocity at the
+   !! end of the step. Equation (L.12) of doc/theory/ledger.md: this needs the same orthogonal
+   !! projection for all terms, so the held components do not depend on them.
    subroutine add_term(simulation, field, scratch, tile, sweep, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -162,8 +163,8 @@ contains
       end if
    end subroutine find_filtered
 
-   !> Momentum of the new particle velocities, or of what they gain, to a second patch, at the old
-   !! places. The particles themselves get these velocities later.
+   !> Scatter the momentum of the new particle velocities, or of their gain, to a second patch, at
+   !! the old positions. The particles themselves get these velocities later.
    subroutine scatter_again(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -214,8 +215,8 @@ contains
          field%nodes%acceleration(:, :, tile), filtered, push)
       keep = simulation%scheme%method%transfer%flip_fraction()
       if (simulation%scheme%method%averages()) then
-         ! what particles gain; the share of PIC acts after the strain of the step, which does not
-         ! see it, and rotations stay as they are
+         ! the gain of particles; the PIC fraction acts after the strain of the step, and rotations
+         ! do not change
          if (keep > 0.0_wp) push = dt*field%nodes%acceleration(:, :, tile)
          keep = merge(0.0_wp, -1.0_wp, keep > 0.0_wp)
       end if
@@ -226,7 +227,7 @@ contains
          associate (grid => simulation%space%grid, store => simulation%stores(index), &
             basis => simulation%scheme%method%basis, shape => scratch%shape, &
             start => simulation%stores(index)%cell_start(:, tile))
-            call find_places(simulation%space, simulation%scheme, field, scratch, store, tile)
+            call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call basis%gather_values(grid, shape, push, shape%vector)
             if (abs(keep) > 0.0_wp) call keep_velocity(store, tile, keep, shape%vector)
             if (simulation%scheme%method%averages()) then
@@ -252,7 +253,7 @@ contains
    end subroutine scatter_tile
 
    !> Slopes of a node velocity around the particles of a tile: with the dual domain method its
-   !! modified gradient, which does not see nodes that have no mass and so no velocity.
+   !! modified gradient, which leaves out nodes without mass, as they have no velocity.
    subroutine find_slopes(simulation, shape, velocity, gradient, slopes)
       type(simulation_t), intent(in) :: simulation
       type(shape_data_t), intent(inout) :: shape        !! Of the tile
@@ -270,7 +271,7 @@ contains
       end associate
    end subroutine find_slopes
 
-   !> Add a share of their own velocity to what particles get.
+   !> Add a fraction of their own velocity to the new velocity of particles.
    pure subroutine keep_velocity(store, tile, keep, vector)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile

@@ -65,9 +65,9 @@ contains
       touch = simulation%space%rigid%holds(tile)
    end function walls_touch
 
-   !> Impose the walls on the velocities of a tile, and give what the particles will gain in
-   !! velocity through each node because of them. Equation (R.5) of doc/theory/rigid.md. Equation
-   !! (L.3) of doc/theory/ledger.md.
+   !> Impose the walls on the velocities of a tile, and compute the velocity that particles gain
+   !! from each node because of them. Equation (R.5) of doc/theory/rigid.md. Equation (L.3) of
+   !! doc/theory/ledger.md.
    pure subroutine impose_walls(simulation, tile, dt, velocity, acceleration, push, &
       work)
       type(simulation_t), intent(in) :: simulation
@@ -105,14 +105,14 @@ contains
          end if
       end associate
       push = dt*(acceleration - free_acceleration) + share*(velocity - free_velocity)
-      ! particles get the gain of a node with the velocity that they brought to it, not with that
-      ! of the wall
+      ! particles get the gain of a node relative to the velocity that they brought to it, not to
+      ! that of the wall
       work = (1.0_wp - 0.5_wp*share)*dt*sum(acceleration*(free_velocity - velocity), dim=1)
    end subroutine impose_walls
 
-   !> Where a wall with friction, or a rigid region, held a node in the step, let it hold the
-   !! velocity after the step that strains: one that may leave the wall but not enter it would
-   !! lift pressed material by the noise of particles, step by step.
+   !> Where a wall with friction, or a rigid region, held a node in the step, it also holds the
+   !! straining velocity after the step. A one-sided condition would let the noise of particles lift
+   !! pressed material off the wall, step by step.
    pure subroutine keep_at_walls(simulation, field, tile, velocity)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
@@ -131,7 +131,8 @@ contains
       if (allocated(simulation%space%rigid)) call simulation%space%rigid%keep(tile, ended, velocity)
    end subroutine keep_at_walls
 
-   !> Impose the walls on velocities as they are after the step, and take away what changes them.
+   !> Impose the walls on the velocities after the step, and correct the change of the velocities
+   !! accordingly.
    pure subroutine stop_at_walls(simulation, tile, velocity, change)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile

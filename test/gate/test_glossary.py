@@ -51,6 +51,7 @@ OUT_OF_NAMES = {"room", "rooms", "askew", "torn", "wish", "wishes", "ask", "asks
 EXCEPTIONS = [re.compile(pattern) for pattern in (
     r"(?:node_functions|matter)\.md",  # names of pages of the theory
     r"\bdecimal places\b",  # digits after the point
+    r"[\"']matter[\"']",  # key of &output, as written in decks
 )]
 REPEATS = re.compile(r"!!\s*(?:It|This|Them|They|Which|(?:The|Which) [a-z]+)\s*$")
 
@@ -94,7 +95,7 @@ class Glossary(unittest.TestCase):
             self.assertTrue(offences_of(line), line)
         good = ("n = 1  ! an integer", 'text = "no matter what"', "integer, intent(in) :: count !! (tile) New counts",
                 "x = mushroom + bookkeeping_of", "!> Shape functions: doc/theory/node_functions.md",
-                "position = lower  !! The position before the step [m]")
+                "position = lower  !! The position before the step [m]", 'call group%get("matter", word)')
         for line in good:
             self.assertEqual(offences_of(line), [], line)
 

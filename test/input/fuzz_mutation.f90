@@ -165,13 +165,13 @@ contains
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=:), allocatable, intent(inout) :: text !! The deck
       character(len=*), intent(in) :: marks          !! What lies between pieces
-      integer :: first(2), last(2), places(2), i
+      integer :: first(2), last(2), positions(2), i
 
-      places = [choice%upto(len(text)), choice%upto(len(text))]
-      places = [minval(places), maxval(places)]
+      positions = [choice%upto(len(text)), choice%upto(len(text))]
+      positions = [minval(positions), maxval(positions)]
       do i = 1, 2
-         first(i) = scan(text(:places(i)), marks, back=.true.) + 1
-         last(i) = places(i) + scan(text(places(i):)//marks, marks) - 2
+         first(i) = scan(text(:positions(i)), marks, back=.true.) + 1
+         last(i) = positions(i) + scan(text(positions(i):)//marks, marks) - 2
       end do
       if (last(1) >= first(2) .or. any(last > len(text))) return
       text = text(:first(1) - 1)//text(first(2):last(2))//text(last(1) + 1:first(2) - 1)// &

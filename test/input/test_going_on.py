@@ -224,7 +224,7 @@ class GoingOn(unittest.TestCase):
                 **SCENE, "every": 30, "more": f"&method paper = {paper} /", "shape": shape,
                 "body": "packing = 'file'"}))
             run.run("--check", "--no-estimate")
-            self.assertEqual(" s before the places, and the first step takes them" in run.output, expected, run.output)
+            self.assertEqual(" s earlier than the positions, but the first step" in run.output, expected, run.output)
         first = self.run_of("first", 0, **boxes)
         self.assertEqual(first.snapshots()[0][1].provenance["velocity_lag"], 0.0)
         clock = half.snapshots()[1][1].provenance

@@ -229,7 +229,7 @@ class Points(unittest.TestCase):
                 ("turned", points + "  rotate = 0 20 90", good, {"dimension": "plane_strain"},
                  "this turns its points out of those that it has"),
                 ("rings", points + "  rotate = 0 180 0", good, {"dimension": "axisymmetric"},
-                 "points are rings round the axis, which cannot be turned"),
+                 "points are rings around the axis, which cannot be turned"),
                 ("scaled", points + "  scale = 2.5", good, {}, "the point (1.25 1.25 1.25) lies outside of the grid"),
                 ("wall", points, good, {"more": "&boundary region = 'solid'  type = 'slip' /"},
                  "'solid' is a list of points, which has no inside"),
