@@ -3,18 +3,20 @@
 !! gradients of velocities. Every tile adds the share of its cells, kept as packed patches.
 module step_dual_gradient
    use base_kinds, only: wp
+   use mesh_grid, only: grid_t
    use mesh_packed_patch, only: packed_patch_t
    use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
    use step_method, only: stress_after
    use step_node_sums, only: divide, ensure_sums, keep_sums, slots
    use step_particles_to_nodes, only: nodes_seen, tensor_rows, vector_rows
    use step_simulation, only: empty_mass, scheme_t, simulation_t, space_t, velocity_field_t
-   use step_small_masses, only: calm_light_nodes, light_may_gain
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
    public :: calm_tile, dual_fields, find_volumes, node_gradient, put_gradient
+
+   real(wp), parameter :: small = 3.0e-3_wp          !! Share of a cell that is let pass
 
 contains
 
@@ -256,4 +258,43 @@ contains
       call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), &
          gradient)
    end subroutine node_gradient
+
+   !> Does any node gain so much that its volume matters? Most tiles have none and need no volumes.
+   pure logical function light_may_gain(grid, dt, acceleration) result(may)
+      type(grid_t), intent(in) :: grid
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
+
+      may = dt**2*sqrt(maxval(acceleration(1, :)**2 + acceleration(2, :)**2 &
+         + acceleration(3, :)**2)) > small*grid%spacing
+   end function light_may_gain
+
+   !> Bound what a light node gains in the step in the velocity that strains: its force over its
+   !! mass has no bound, while particles near it gain only their share of the force.
+   !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
+   !! Gains that move a node by less than a small share of a cell stay. Equation (M.17) of
+   !! doc/theory/method.md.
+   pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the step [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp), contiguous, intent(inout) :: strain(:, :) !! (3, node) Velocity that strains [m/s]
+      real(wp), parameter :: light = 0.125_wp        !! Below this share of the volume around
+      real(wp) :: around(size(volume)), share, gain
+      integer :: node
+
+      if (.not. light_may_gain(grid, dt, acceleration)) return
+      call grid%node_volume(coordinate, around)
+      do node = 1, size(volume)
+         if (.not. volume(node) < light*around(node)) cycle
+         gain = dt**2*sqrt(acceleration(1, node)**2 + acceleration(2, node)**2 &
+            + acceleration(3, node)**2)
+         if (.not. gain > small*grid%spacing) cycle
+         share = max(volume(node)/(light*around(node)), small*grid%spacing/gain)
+         if (share < 1.0_wp) strain(:, node) = velocity(:, node) + share*dt*acceleration(:, node)
+      end do
+   end subroutine calm_light_nodes
 end module step_dual_gradient
