@@ -122,18 +122,18 @@ contains
       type(text_t), allocatable :: parts(:)
       logical :: inside
 
-      inside = value >= key%least .and. value <= key%most
-      if (inside .and. key%least_open) inside = value > key%least
-      if (inside .and. key%most_open) inside = value < key%most
+      inside = value >= key%range%least .and. value <= key%range%most
+      if (inside .and. key%range%least_open) inside = value > key%range%least
+      if (inside .and. key%range%most_open) inside = value < key%range%most
       if (inside) return
-      call split(key%range, parts)
+      call split(key%range%text, parts)
       if (size(parts) == 4) then
          complaint = "must be "//join(parts(:2), " ")//" and "//join(parts(3:), " ")
       else
-         complaint = "must be "//key%range
+         complaint = "must be "//key%range%text
       end if
       if (key%unit_text /= "") complaint = complaint//" "//key%unit_text
-      if (key%hint /= "") complaint = complaint//"; "//key%hint
+      if (key%range%hint /= "") complaint = complaint//"; "//key%range%hint
    end subroutine check_range
 
    !> Read an integer.

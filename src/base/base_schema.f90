@@ -25,6 +25,16 @@ module base_schema
       type(text_t), allocatable :: words(:)              !! What it may be; empty: .true.
    end type condition_t
 
+   !> Range of the numbers that a key allows.
+   type :: range_t
+      character(len=:), allocatable :: text              !! As declared, such as > 0 < 1
+      real(wp) :: least = -huge(1.0_wp)                  !! Lower bound [SI]
+      real(wp) :: most = huge(1.0_wp)                    !! Upper bound [SI]
+      logical :: least_open = .false.                    !! The lower bound itself is out of range
+      logical :: most_open = .false.                     !! The upper bound itself is out of range
+      character(len=:), allocatable :: hint              !! Why the range is what it is, or empty
+   end type range_t
+
    !> One key.
    type :: key_t
       character(len=:), allocatable :: group             !! Group it belongs to
@@ -36,13 +46,8 @@ module base_schema
       character(len=:), allocatable :: unit_text         !! Unit of SI as text
       type(unit_t) :: unit                               !! The same to count with
       character(len=:), allocatable :: default           !! In SI; not allocated: none
-      character(len=:), allocatable :: range             !! As declared, such as > 0 < 1
-      real(wp) :: least = -huge(1.0_wp)                  !! Lower bound [SI]
-      real(wp) :: most = huge(1.0_wp)                    !! Upper bound [SI]
-      logical :: least_open = .false.                    !! The lower bound itself is out of range
-      logical :: most_open = .false.                     !! The upper bound itself is out of range
+      type(range_t) :: range                             !! Values that are allowed
       logical :: required = .false.                      !! Must be given where it applies
-      character(len=:), allocatable :: hint              !! Why the range is what it is, or empty
       character(len=:), allocatable :: target            !! Group whose names it refers to
       type(text_t), allocatable :: words(:)              !! Texts that are allowed, empty: any
       type(text_t), allocatable :: meanings(:)           !! Of presets: name and title, for hints
@@ -196,9 +201,9 @@ contains
 
       key%group = group
       key%doc = doc
-      key%range = ""
+      key%range%text = ""
       key%target = ""
-      key%hint = ""
+      key%range%hint = ""
       if (.not. allocated(key%unit_text)) key%unit_text = ""
       if (.not. allocated(key%words)) allocate (key%words(0))
       if (present(default)) key%default = default
@@ -246,7 +251,7 @@ contains
       real(wp) :: bound
       logical :: closed
 
-      key%range = range
+      key%range%text = range
       at = 1
       do i = 1, 2
          at = at + verify(range(at:)//"x", " ") - 1
@@ -256,11 +261,11 @@ contains
          read (range(at + merge(2, 1, closed):last), *, iostat=status) bound
          if (status /= 0) call blame(self, "range of "//key%name)
          if (range(at:at) == ">") then
-            key%least = bound
-            key%least_open = .not. closed
+            key%range%least = bound
+            key%range%least_open = .not. closed
          else
-            key%most = bound
-            key%most_open = .not. closed
+            key%range%most = bound
+            key%range%most_open = .not. closed
          end if
          at = last + 1
       end do
@@ -388,7 +393,7 @@ contains
       integer :: place(2)
 
       place = self%locate(group, name)
-      if (place(1) > 0) self%groups(place(1))%keys(place(2))%hint = hint
+      if (place(1) > 0) self%groups(place(1))%keys(place(2))%range%hint = hint
    end subroutine schema_explain_range
 
    !> Say that the texts of a key are names of groups of another kind.

@@ -105,7 +105,7 @@ contains
       call buffer%line(key%group//"."//key%name//"  "//key%doc)
       call buffer%line("   kind: "//kind_of(key))
       if (key%unit_text /= "") call buffer%line("   unit: "//key%unit_text//unit_note(key))
-      if (key%range /= "") call buffer%line("   range: "//key%range)
+      if (key%range%text /= "") call buffer%line("   range: "//key%range%text)
       if (size(key%words) > 0) call buffer%line("   one of: "//join(key%words, " "))
       if (key%target /= "") call buffer%line("   refers to: name of &"//key%target)
       if (allocated(key%default)) then
@@ -227,7 +227,7 @@ contains
       if (key%required) line = line//"* "
       line = line//kind_of(key)
       if (key%unit_text /= "") line = line//" ["//key%unit_text//"]"
-      if (key%range /= "") line = line//" "//key%range
+      if (key%range%text /= "") line = line//" "//key%range%text
       line = line//": "//key%doc
       if (size(key%words) > 0) line = line//" {"//join(key%words, "|")//"}"
    end function template_line

@@ -10,8 +10,8 @@ module output_checkpoint
    use io_state, only: state_t
    use output_streams, only: outputs_t
    use scene_particles, only: distribute_particles
+   use step_body_force, only: update_gravity
    use step_exact_error, only: load_errors, save_errors
-   use step_gravity, only: update_gravity
    use step_simulation, only: simulation_t
    use step_trust_record, only: load_trust, save_trust
    implicit none

@@ -16,7 +16,7 @@ module output_summary
    use output_summary_steps, only: add_rules, steps_text
    use step_exact_error, only: take_errors
    use step_ledger, only: balance_t, ledger_entries, removed_mass, removed_particles
-   use step_simulation, only: nodes_t, simulation_t
+   use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles
    use step_trust, only: final_trust, warn_of_balance
    use step_trust_record, only: add_trust, trust_t, trust_text
@@ -190,51 +190,18 @@ contains
          end associate
       end do
       do index = 1, size(simulation%fields)
-         total = total + node_bytes(simulation%fields(index)%nodes)
+         total = total + 8_int64*simulation%fields(index)%nodes%words()
       end do
-      if (allocated(simulation%effects%contact)) then
-         associate (contact => simulation%effects%contact)
-            total = total + 8_int64*(length(contact%outward) + length(contact%area) &
-               + length(contact%reach))
-         end associate
-      end if
-      if (allocated(simulation%effects%conduction)) then
-         associate (heat => simulation%effects%conduction)
-            total = total + 8_int64*(length(heat%content) + length(heat%total) &
-               + length(heat%temperature) + length(heat%flow) + length(heat%share) &
-               + length(heat%volume) + length(heat%slope) + length(heat%push))
-            if (allocated(heat%weight)) total = total + 8_int64*size(heat%weight, kind=int64)
-         end associate
-      end if
+      associate (effects => simulation%effects)
+         if (allocated(effects%contact)) total = total + 8_int64*effects%contact%words()
+         if (allocated(effects%conduction)) total = total + 8_int64*effects%conduction%words()
+         total = total + 8_int64*effects%heat_flux%words()
+         if (allocated(effects%turn)) total = total + 8_int64*size(effects%turn, kind=int64)
+      end associate
       call simulation%machine%communicator%total(total)
       bytes = 0.0_wp
       if (particles > 0) bytes = real(total(1), wp)/real(particles, wp)
    end function bytes_per_particle
-
-   !> Memory of node fields [byte].
-   pure integer(int64) function node_bytes(nodes) result(bytes)
-      type(nodes_t), intent(in) :: nodes             !! Those of the run, or of a velocity field
-
-      bytes = 8_int64*(length(nodes%mass) + length(nodes%velocity) + length(nodes%acceleration) &
-         + length(nodes%extra) + length(nodes%strain) + length(nodes%volume) &
-         + length(nodes%filled) + length(nodes%filtered) + length(nodes%term) &
-         + length(nodes%loss) + length(nodes%mean) + length(nodes%star) + length(nodes%unit) &
-         + length(nodes%difference) + length(nodes%push) + length(nodes%rubbed) &
-         + sum(nodes%motion%length()) + sum(nodes%seen%length()) + nodes%share%length() &
-         + nodes%force%length() + nodes%gradient%length() + nodes%middle%length() &
-         + nodes%earlier%length())
-      if (allocated(nodes%touched%box)) bytes = bytes + 28_int64*size(nodes%touched%box, 3)
-      if (allocated(nodes%weighted%box)) bytes = bytes + 28_int64*size(nodes%weighted%box, 3)
-      if (allocated(nodes%weight)) bytes = bytes + 8_int64*size(nodes%weight, kind=int64)
-   end function node_bytes
-
-   !> Numbers in an array that may not exist.
-   pure integer(int64) function length(array) result(numbers)
-      real(wp), allocatable, intent(in) :: array(:, :, :) !! Any
-
-      numbers = 0
-      if (allocated(array)) numbers = size(array, kind=int64)
-   end function length
 
    !> The balance as two lines of text.
    function balance_text(now, rate, whole_rate, bytes) result(text)

@@ -9,7 +9,7 @@ module scene_effects
    use io_motion, only: of_gravity
    use scene_dimension, only: axis_names, check_plane
    use scene_motion_table, only: read_motion_table
-   use step_gravity, only: update_gravity
+   use step_body_force, only: update_gravity
    use step_simulation, only: simulation_t
    implicit none
    private

@@ -12,7 +12,7 @@ module scene_first_state
    use scene_points_fields, only: take_fields
    use scene_regions, only: named_shape_t
    use scene_velocity_formula, only: add_formula_velocities
-   use step_gravity, only: update_gravity
+   use step_body_force, only: update_gravity
    use step_simulation, only: simulation_t
    implicit none
    private

@@ -3,12 +3,11 @@
 module step_advance
    use base_error, only: error_t
    use base_kinds, only: wp
+   use step_body_force, only: act_gravity, record_body_force, update_gravity
    use step_conduction, only: conduct_heat
    use step_contact, only: break_bonds, touch_bodies
    use step_contact_surface, only: find_surfaces
    use step_dual_gradient, only: dual_fields
-   use step_exact_force, only: record_body_force
-   use step_gravity, only: act_gravity, update_gravity
    use step_heat_flux, only: smear_heat
    use step_mean_stress, only: find_star
    use step_method, only: stress_before

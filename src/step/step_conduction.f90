@@ -55,9 +55,9 @@ contains
       !$omp parallel do default(none) shared(simulation, dt) private(tile, began) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%space%tiles%own
-         began = cost_clock(simulation)
+         began = cost_clock(simulation%machine)
          call give_heat(simulation, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call record_cost(simulation, tile, began)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%conduction)
@@ -78,10 +78,10 @@ contains
             !$omp parallel do default(none) shared(simulation, tiles) private(n, began) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
-               began = cost_clock(simulation)
+               began = cost_clock(simulation%machine)
                call spread_content(simulation, simulation%scratch(omp_get_thread_num()), &
                   tiles(n), simulation%effects%conduction%content(:, :, tiles(n)))
-               call record_cost(simulation, tiles(n), began)
+               call record_cost(simulation%machine, tiles(n), began)
             end do
             !$omp end parallel do
             call pass_patches(simulation, part, simulation%effects%conduction%content)
@@ -110,10 +110,10 @@ contains
          !$omp parallel do default(none) shared(simulation, tiles, dt) private(n, began) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation)
+            began = cost_clock(simulation%machine)
             call spread_flow(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), dt, &
                simulation%effects%conduction%flow(:, :, tiles(n)))
-            call record_cost(simulation, tiles(n), began)
+            call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
          call pass_patches(simulation, part, simulation%effects%conduction%flow)
@@ -167,11 +167,14 @@ contains
             integer, intent(in) :: tile
          end subroutine work
       end interface
+      real(wp) :: began
       integer :: tile
 
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(static)
       do tile = 1, simulation%space%tiles%all
+         began = cost_clock(simulation%machine)
          call work(simulation, tile)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
    end subroutine each_tile

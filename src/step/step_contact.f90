@@ -9,9 +9,10 @@ module step_contact
    use particle_store, only: store_t
    use step_contact_surface, only: direction_of, guess_area, reach_row
    use step_ledger, only: dissipated
+   use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: effects_t, empty_mass, guesses, scheme_t, scratch_t, simulation_t, &
-      space_t, velocity_field_t
+   use step_simulation, only: effects_t, guesses, scheme_t, scratch_t, simulation_t, space_t, &
+      velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_contact, only: bond_traction, contact_bonded, push_apart, state_bonded, &
       state_closed, state_open
@@ -36,7 +37,7 @@ contains
 
       call simulation%machine%timer%start(simulation%machine%phase%contact)
       do field = 1, size(simulation%fields)
-         call ensure_patch(simulation%fields(field)%nodes%rubbed, 1, &
+         call ensure_patch(simulation%fields(field)%nodes%work%rubbed, 1, &
             simulation%space%grid%tile_nodes, simulation%space%tiles%all)
       end do
       if (simulation%effects%contact%bonded) call ensure_broken(simulation%space, &
@@ -44,9 +45,9 @@ contains
       !$omp parallel do default(none) shared(simulation, dt) private(tile, began) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation)
+         began = cost_clock(simulation%machine)
          call touch_tile(simulation, tile, dt)
-         call record_cost(simulation, tile, began)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%contact)
@@ -75,7 +76,7 @@ contains
       integer :: who(size(simulation%fields)), node, field, here
 
       do field = 1, size(simulation%fields)
-         simulation%fields(field)%nodes%rubbed(:, :, tile) = 0.0_wp
+         simulation%fields(field)%nodes%work%rubbed(:, :, tile) = 0.0_wp
       end do
       if (simulation%effects%contact%bonded) simulation%effects%contact%broken(:, :, tile) = .false.
       if (.not. simulation%effects%contact%meets(tile)) return
@@ -86,7 +87,7 @@ contains
       do node = 1, simulation%space%grid%tile_nodes
          here = 0
          do field = 1, size(who)
-            if (.not. simulation%fields(field)%nodes%mass(1, node, tile) > empty_mass) cycle
+            if (.not. simulation%fields(field)%nodes%motion%mass(1, node, tile) > empty_mass) cycle
             here = here + 1
             who(here) = field
          end do
@@ -111,8 +112,8 @@ contains
       if (all(state == state_open)) return
       associate (field => simulation%fields, law => simulation%effects%contact%law(who, who))
          do a = 1, size(who)
-            mass(a) = field(who(a))%nodes%mass(1, node, tile)
-            velocity(:, a) = field(who(a))%nodes%strain(:, node, tile)
+            mass(a) = field(who(a))%nodes%motion%mass(1, node, tile)
+            velocity(:, a) = field(who(a))%nodes%motion%strain(:, node, tile)
          end do
          call push_apart(mass, velocity, normal, state, law, push)
          again = .false.
@@ -205,7 +206,7 @@ contains
       integer, intent(in) :: field                   !! Index of the velocity field
 
       most = simulation%effects%contact%area(4*field, node, tile) > &
-         held*simulation%fields(field)%nodes%mass(1, node, tile)
+         held*simulation%fields(field)%nodes%motion%mass(1, node, tile)
    end function holds
 
    !> Apply the contact forces to the fields at a node. The kinetic energy that they dissipate
@@ -229,15 +230,15 @@ contains
             if (b > a) total = total - push(:, a, b)
          end do
          associate (nodes => fields(who(a))%nodes)
-            nodes%strain(:, node, tile) = nodes%strain(:, node, tile) + total/mass(a)
-            nodes%acceleration(:, node, tile) = nodes%acceleration(:, node, tile) &
+            nodes%motion%strain(:, node, tile) = nodes%motion%strain(:, node, tile) + total/mass(a)
+            nodes%motion%acceleration(:, node, tile) = nodes%motion%acceleration(:, node, tile) &
                + total/(dt*mass(a))
-            lost = lost - dot_product(total, nodes%velocity(:, node, tile) &
-               + 0.5_wp*dt*nodes%acceleration(:, node, tile))
+            lost = lost - dot_product(total, nodes%motion%velocity(:, node, tile) &
+               + 0.5_wp*dt*nodes%motion%acceleration(:, node, tile))
          end associate
       end do
       do a = 1, size(who)
-         fields(who(a))%nodes%rubbed(1, node, tile) = lost/sum(mass)
+         fields(who(a))%nodes%work%rubbed(1, node, tile) = lost/sum(mass)
       end do
    end subroutine give_push
 
@@ -245,11 +246,13 @@ contains
    !! the positions at which they gave their masses to the nodes.
    subroutine break_bonds(simulation)
       type(simulation_t), intent(inout) :: simulation !! Bonds can break
+      real(wp) :: began
       integer :: tile, field, index
 
-      !$omp parallel do default(none) shared(simulation) private(tile, field, index) &
+      !$omp parallel do default(none) shared(simulation) private(began, tile, field, index) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%space%tiles%own
+         began = cost_clock(simulation%machine)
          do field = 1, size(simulation%fields)
             if (.not. any(simulation%effects%contact%broken(field, :, tile))) cycle
             do index = simulation%fields(field)%first_store, simulation%fields(field)%last_store
@@ -259,6 +262,7 @@ contains
                   simulation%effects%contact%broken(field, :, tile), tile, simulation%stores(index))
             end do
          end do
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
    end subroutine break_bonds
@@ -299,7 +303,7 @@ contains
       real(wp) :: lost
       integer :: p, q
 
-      associate (rubbed => field%nodes%rubbed(:, :, tile), shape => scratch%shape)
+      associate (rubbed => field%nodes%work%rubbed(:, :, tile), shape => scratch%shape)
          if (.not. any(abs(rubbed) > 0.0_wp)) return
          call scheme%method%basis%gather_values(space%grid, shape, &
             rubbed, shape%values)

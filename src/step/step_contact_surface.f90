@@ -11,8 +11,9 @@ module step_contact_surface
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: contact_t, effects_t, empty_mass, guesses, scratch_t, simulation_t, &
+   use step_simulation, only: contact_t, effects_t, guesses, machine_t, scratch_t, simulation_t, &
       space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_contact, only: find_reach, particle_widths
@@ -34,7 +35,8 @@ contains
       fields = size(simulation%fields)
       rows = area_rows(simulation%effects%contact)*fields
       call simulation%machine%timer%start(simulation%machine%phase%contact)
-      call find_meetings(simulation%space, simulation%fields, simulation%effects)
+      call find_meetings(simulation%space, simulation%fields, simulation%effects, &
+         simulation%machine)
       associate (contact => simulation%effects%contact, number => simulation%space%grid%tile_nodes)
          call ensure_patch(contact%outward, rows, number, simulation%space%tiles%own)
          call spread(simulation, spread_area, contact%outward)
@@ -54,11 +56,13 @@ contains
    end function area_rows
 
    !> Own tiles with nodes that several fields share.
-   subroutine find_meetings(space, fields, effects)
+   subroutine find_meetings(space, fields, effects, machine)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: fields(:)
       type(effects_t), intent(inout) :: effects
+      type(machine_t), intent(inout) :: machine
       integer :: tile, field
+      real(wp) :: began
       integer :: here(space%grid%tile_nodes)
 
       if (allocated(effects%contact%meets)) then
@@ -67,15 +71,18 @@ contains
       end if
       if (.not. allocated(effects%contact%meets)) allocate (effects%contact%meets( &
          space%tiles%all + space%tiles%all/16))
-      !$omp parallel do default(none) shared(space, fields, effects) private(tile, field, here) &
+      !$omp parallel do default(none) shared(space, fields, effects, machine) &
+      !$omp private(tile, field, here, began) &
       !$omp schedule(static)
       do tile = 1, space%tiles%all
+         began = cost_clock(machine)
          here = 0
          do field = 1, size(fields)
-            where (fields(field)%nodes%mass(1, :, tile) > empty_mass) &
+            where (fields(field)%nodes%motion%mass(1, :, tile) > empty_mass) &
                here = here + 1
          end do
          effects%contact%meets(tile) = any(here > 1)
+         call record_cost(machine, tile, began)
       end do
       !$omp end parallel do
    end subroutine find_meetings
@@ -103,10 +110,10 @@ contains
          !$omp parallel do default(none) shared(simulation, tiles, patch) private(n, began) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation)
+            began = cost_clock(simulation%machine)
             call work(simulation, simulation%scratch(omp_get_thread_num()), tiles(n), &
                patch(:, :, tiles(n)))
-            call record_cost(simulation, tiles(n), began)
+            call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
          call pass_patches(simulation, part, patch)
@@ -169,11 +176,14 @@ contains
    !> Areas of the nodes of all tiles; boundaries of the domain are no surfaces.
    subroutine sum_areas(simulation)
       type(simulation_t), intent(inout) :: simulation
+      real(wp) :: began
       integer :: tile
 
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+      !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(static)
       do tile = 1, simulation%space%tiles%all
+         began = cost_clock(simulation%machine)
          call sum_tile(simulation, tile)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
    end subroutine sum_areas
@@ -293,8 +303,8 @@ contains
       normal = 0.0_wp
       associate (contact => simulation%effects%contact, fields => simulation%fields)
          do node = 1, size(normal, 2)
-            if (.not. fields(a)%nodes%mass(1, node, tile) > empty_mass) cycle
-            if (.not. fields(b)%nodes%mass(1, node, tile) > empty_mass) cycle
+            if (.not. fields(a)%nodes%motion%mass(1, node, tile) > empty_mass) cycle
+            if (.not. fields(b)%nodes%motion%mass(1, node, tile) > empty_mass) cycle
             normal(:, node) = direction_of(simulation%space, &
                guess_area(contact, tile, node, a, b, guess))
          end do

@@ -3,18 +3,21 @@
 !! gradients of velocities. Every tile adds the contribution of its cells, kept as packed patches.
 module step_dual_gradient
    use base_kinds, only: wp
+   use mesh_grid, only: grid_t
    use mesh_packed_patch, only: packed_patch_t
    use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
    use step_method, only: stress_after
+   use step_node_fields, only: empty_mass
    use step_node_sums, only: divide, ensure_sums, keep_sums, slots
    use step_particles_to_nodes, only: nodes_seen, tensor_rows, vector_rows
-   use step_simulation, only: empty_mass, scheme_t, simulation_t, space_t, velocity_field_t
-   use step_small_masses, only: calm_light_nodes, light_may_gain
+   use step_simulation, only: scheme_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
    public :: calm_tile, dual_fields, find_volumes, node_gradient, put_gradient
+
+   real(wp), parameter :: small = 3.0e-3_wp          !! Share of a cell that is let pass
 
 contains
 
@@ -30,30 +33,30 @@ contains
       !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation)
+         began = cost_clock(simulation%machine)
          call weigh_tile(simulation, field, tile)
-         call record_cost(simulation, tile, began)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       associate (nodes => field%nodes)
-         call nodes%weighted%line_up(simulation%space%grid, simulation%space%tiles)
-         call nodes%share%ensure(nodes%weighted%nodes())
-         call nodes%force%ensure(nodes%weighted%nodes())
+         call nodes%dual%weighted%line_up(simulation%space%grid, simulation%space%tiles)
+         call nodes%dual%share%ensure(nodes%dual%weighted%nodes())
+         call nodes%dual%force%ensure(nodes%dual%weighted%nodes())
       end associate
       !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation)
+         began = cost_clock(simulation%machine)
          call share_tile(simulation, field, tile)
-         call record_cost(simulation, tile, began)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation)
+         began = cost_clock(simulation%machine)
          call force_tile(simulation, field, tile)
-         call record_cost(simulation, tile, began)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
@@ -68,16 +71,17 @@ contains
       associate (nodes => field%nodes, grid => simulation%space%grid, all => &
          simulation%space%tiles%all)
          call ensure_sums(simulation, field)
-         call ensure_weights(nodes%weight, grid%tile_cells, all)
-         call nodes%weighted%ensure(all)
-         call ensure_patch(nodes%volume, 1, grid%tile_nodes, slots(simulation, field))
-         if (simulation%scheme%repacks) call ensure_patch(nodes%filled, 1, grid%tile_nodes, all)
-         if (allocated(nodes%share%row)) return
-         call nodes%share%keep(1, [.true.])
-         call nodes%force%keep(3, vector_rows(grid))
-         call nodes%gradient%keep(9, tensor_rows(grid))
-         call nodes%middle%keep(9, tensor_rows(grid))
-         call nodes%earlier%keep(9, tensor_rows(grid))
+         call ensure_weights(nodes%dual%weight, grid%tile_cells, all)
+         call nodes%dual%weighted%ensure(all)
+         call ensure_patch(nodes%dual%volume, 1, grid%tile_nodes, slots(simulation, field))
+         if (simulation%scheme%repacks) call ensure_patch(nodes%dual%filled, 1, grid%tile_nodes, &
+            all)
+         if (allocated(nodes%dual%share%row)) return
+         call nodes%dual%share%keep(1, [.true.])
+         call nodes%dual%force%keep(3, vector_rows(grid))
+         call nodes%dual%gradient%keep(9, tensor_rows(grid))
+         call nodes%dual%middle%keep(9, tensor_rows(grid))
+         call nodes%dual%earlier%keep(9, tensor_rows(grid))
       end associate
    end subroutine ensure_dual
 
@@ -93,17 +97,18 @@ contains
 
       associate (grid => simulation%space%grid, nodes => field%nodes, &
          coordinate => simulation%space%tiles%coordinate(:, tile))
-         call nodes%motion(1)%assemble(grid, simulation%space%tiles, nodes%touched, tile, sums)
-         if (.not. nodes%lean) call keep_sums(nodes, tile, sums)
-         if (simulation%scheme%repacks) nodes%filled(1, :, tile) = sums(filled, :)
+         call nodes%motion%packed(1)%assemble(grid, simulation%space%tiles, nodes%motion%touched, &
+            tile, sums)
+         if (.not. nodes%motion%lean) call keep_sums(nodes, tile, sums)
+         if (simulation%scheme%repacks) nodes%dual%filled(1, :, tile) = sums(filled, :)
          call grid%node_volume(coordinate, around)
          ! with normalised sums the weights are known
          if (.not. allocated(simulation%scheme%normalises)) call &
             simulation%scheme%dual%cell_weights(grid, sums, &
-            filled, around, nodes%weight(:, tile))
-         call empty_box(nodes%weighted%box(:, :, tile))
-         weighs = nodes%weight(:, tile) > 0.0_wp
-         call widen_box(grid, weighs, nodes%weighted%box(:, :, tile))
+            filled, around, nodes%dual%weight(:, tile))
+         call empty_box(nodes%dual%weighted%box(:, :, tile))
+         weighs = nodes%dual%weight(:, tile) > 0.0_wp
+         call widen_box(grid, weighs, nodes%dual%weighted%box(:, :, tile))
       end associate
    end subroutine weigh_tile
 
@@ -117,8 +122,8 @@ contains
       associate (grid => simulation%space%grid, nodes => field%nodes)
          call clear_patch(patch)
          call simulation%scheme%dual%add_volume(grid, simulation%space%tiles%coordinate(:, tile), &
-            nodes%weight(:, tile), patch)
-         call nodes%share%put(grid, nodes%weighted, tile, 1, patch)
+            nodes%dual%weight(:, tile), patch)
+         call nodes%dual%share%put(grid, nodes%dual%weighted, tile, 1, patch)
       end associate
    end subroutine share_tile
 
@@ -130,9 +135,10 @@ contains
       integer, intent(in) :: slot                    !! Where its fields are
 
       associate (nodes => field%nodes)
-         call nodes%share%assemble(simulation%space%grid, simulation%space%tiles, nodes%weighted, &
+         call nodes%dual%share%assemble(simulation%space%grid, simulation%space%tiles, &
+            nodes%dual%weighted, &
             tile, &
-            nodes%volume(:, :, slot))
+            nodes%dual%volume(:, :, slot))
       end associate
    end subroutine find_volumes
 
@@ -149,18 +155,21 @@ contains
          coordinate => simulation%space%tiles%coordinate(:, tile))
          slot = nodes%slot(tile)
          call find_volumes(simulation, field, tile, slot)
-         call nodes%motion(2)%assemble(grid, simulation%space%tiles, nodes%touched, tile, stress)
-         if (allocated(nodes%normal)) then
-            call normalise(nodes%volume(:, :, slot), nodes%normal(:, :, tile), stress)
+         call nodes%motion%packed(2)%assemble(grid, simulation%space%tiles, nodes%motion%touched, &
+            tile, stress)
+         if (allocated(nodes%sums%normal)) then
+            call normalise(nodes%dual%volume(:, :, slot), nodes%sums%normal(:, :, tile), stress)
          else
-            call divide(nodes%volume(:, :, slot), 1, stress)
+            call divide(nodes%dual%volume(:, :, slot), 1, stress)
          end if
-         if (simulation%scheme%method%controlled()) call add_star(nodes%star(:, :, tile), stress)
+         if (simulation%scheme%method%controlled()) call add_star(nodes%stress%star(:, :, tile), &
+            stress)
          call simulation%space%boundary%mirror(grid, coordinate, stress)
          call clear_patch(force)
-         call simulation%scheme%dual%add_force(grid, coordinate, nodes%weight(:, tile), stress, &
+         call simulation%scheme%dual%add_force(grid, coordinate, nodes%dual%weight(:, tile), &
+            stress, &
             force)
-         call nodes%force%put(grid, nodes%weighted, tile, 1, force)
+         call nodes%dual%force%put(grid, nodes%dual%weighted, tile, 1, force)
       end associate
    end subroutine force_tile
 
@@ -208,11 +217,12 @@ contains
       if (.not. (simulation%scheme%method%dual .and. simulation%scheme%method%stress == &
          stress_after)) return
       associate (nodes => field%nodes)
-         if (.not. light_may_gain(simulation%space%grid, dt, nodes%acceleration(:, :, slot))) return
-         if (nodes%lean) call find_volumes(simulation, field, tile, slot)
+         if (.not. light_may_gain(simulation%space%grid, dt, nodes%motion%acceleration(:, :, &
+            slot))) return
+         if (nodes%motion%lean) call find_volumes(simulation, field, tile, slot)
          call calm_light_nodes(simulation%space%grid, simulation%space%tiles%coordinate(:, tile), &
-            nodes%volume(1, :, slot), dt, nodes%velocity(:, :, slot), &
-            nodes%acceleration(:, :, slot), nodes%strain(:, :, slot))
+            nodes%dual%volume(1, :, slot), dt, nodes%motion%velocity(:, :, slot), &
+            nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
       end associate
    end subroutine calm_tile
 
@@ -228,8 +238,8 @@ contains
 
       call clear_patch(patch)
       call scheme%dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), &
-         field%nodes%weight(:, tile), velocity, patch)
-      call gradient%put(space%grid, field%nodes%weighted, tile, 1, patch)
+         field%nodes%dual%weight(:, tile), velocity, patch)
+      call gradient%put(space%grid, field%nodes%dual%weighted, tile, 1, patch)
    end subroutine put_gradient
 
    !> Sum of the packed patches of a node gradient, divided by the volumes of the nodes. Equation
@@ -245,17 +255,56 @@ contains
       integer :: low, high
 
       if (.not. allocated(gradient)) allocate (gradient(9, space%grid%tile_nodes))
-      call pieces%assemble(space%grid, space%tiles, field%nodes%weighted, tile, &
+      call pieces%assemble(space%grid, space%tiles, field%nodes%dual%weighted, tile, &
          gradient)
       call nodes_seen(space, field, tile, low, high)
-      if (allocated(field%nodes%normal)) then
-         call normalise(field%nodes%volume(:, low:high, field%nodes%slot(tile)), &
-            field%nodes%normal(:, low:high, tile), gradient(:, low:high))
+      if (allocated(field%nodes%sums%normal)) then
+         call normalise(field%nodes%dual%volume(:, low:high, field%nodes%slot(tile)), &
+            field%nodes%sums%normal(:, low:high, tile), gradient(:, low:high))
       else
-         call divide(field%nodes%volume(:, low:high, field%nodes%slot(tile)), 1, &
+         call divide(field%nodes%dual%volume(:, low:high, field%nodes%slot(tile)), 1, &
             gradient(:, low:high))
       end if
       call space%boundary%mirror(space%grid, space%tiles%coordinate(:, tile), &
          gradient)
    end subroutine node_gradient
+
+   !> Does any node gain so much that its volume matters? Most tiles have none and need no volumes.
+   pure logical function light_may_gain(grid, dt, acceleration) result(may)
+      type(grid_t), intent(in) :: grid
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
+
+      may = dt**2*sqrt(maxval(acceleration(1, :)**2 + acceleration(2, :)**2 &
+         + acceleration(3, :)**2)) > small*grid%spacing
+   end function light_may_gain
+
+   !> Bound what a light node gains in the step in the velocity that strains: its force over its
+   !! mass has no bound, while particles near it gain only their share of the force.
+   !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
+   !! Gains that move a node by less than a small share of a cell stay. Equation (M.17) of
+   !! doc/theory/method.md.
+   pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
+      real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the step [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp), contiguous, intent(inout) :: strain(:, :) !! (3, node) Velocity that strains [m/s]
+      real(wp), parameter :: light = 0.125_wp        !! Below this share of the volume around
+      real(wp) :: around(size(volume)), share, gain
+      integer :: node
+
+      if (.not. light_may_gain(grid, dt, acceleration)) return
+      call grid%node_volume(coordinate, around)
+      do node = 1, size(volume)
+         if (.not. volume(node) < light*around(node)) cycle
+         gain = dt**2*sqrt(acceleration(1, node)**2 + acceleration(2, node)**2 &
+            + acceleration(3, node)**2)
+         if (.not. gain > small*grid%spacing) cycle
+         share = max(volume(node)/(light*around(node)), small*grid%spacing/gain)
+         if (share < 1.0_wp) strain(:, node) = velocity(:, node) + share*dt*acceleration(:, node)
+      end do
+   end subroutine calm_light_nodes
 end module step_dual_gradient

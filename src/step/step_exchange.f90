@@ -70,11 +70,11 @@ contains
          if (part == edge_tiles) then
             call simulation%space%halo%post_packed(communicator, simulation%space%grid, &
                simulation%space%tiles, &
-               nodes%touched, nodes%motion(:kinds))
+               nodes%motion%touched, nodes%motion%packed(:kinds))
          else
             call simulation%space%halo%complete_packed(communicator, simulation%space%grid, &
                simulation%space%tiles, &
-               nodes%touched, nodes%motion(:kinds))
+               nodes%motion%touched, nodes%motion%packed(:kinds))
          end if
          call simulation%machine%timer%stop(phase%exchange)
          if (part == inner_tiles) call simulation%machine%timer%move(phase%exchange, phase%wait, &

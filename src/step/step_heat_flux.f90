@@ -17,9 +17,11 @@ module step_heat_flux
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_node_fields, only: empty_mass
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: empty_mass, scheme_t, scratch_t, simulation_t, space_t
+   use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t
+   use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
@@ -34,6 +36,7 @@ contains
    subroutine smear_heat(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! With artificial viscosity
       real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: began
       integer :: index, tile
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
@@ -45,23 +48,30 @@ contains
       do index = 1, size(simulation%stores)
          if (.not. flows(simulation, index)) cycle
          call each_own(simulation, index, dt, spread_energy, simulation%effects%heat_flux%content)
-         !$omp parallel do default(none) shared(simulation) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(static)
          do tile = 1, simulation%space%tiles%own
+            began = cost_clock(simulation%machine)
             call find_energy(simulation, tile)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
          call each_own(simulation, index, dt, spread_conductance, simulation%effects%heat_flux%flux)
-         !$omp parallel do default(none) shared(simulation, dt) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation, dt) private(began, tile) &
+         !$omp schedule(static)
          do tile = 1, simulation%space%tiles%own
+            began = cost_clock(simulation%machine)
             call find_passed(simulation, tile, dt)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
          call each_own(simulation, index, dt, spread_flux, simulation%effects%heat_flux%flux)
-         !$omp parallel do default(none) shared(simulation, index, dt) private(tile) &
+         !$omp parallel do default(none) shared(simulation, index, dt) private(began, tile) &
          !$omp schedule(dynamic, 1)
          do tile = 1, simulation%space%tiles%own
+            began = cost_clock(simulation%machine)
             if (simulation%stores(index)%count(tile) > 0) call give_energy(simulation, &
                simulation%scratch(omp_get_thread_num()), index, tile, dt)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
       end do
@@ -96,17 +106,20 @@ contains
          end subroutine work
       end interface
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (row, node, tile)
+      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n
 
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, index, dt, tiles, patch) private(n) &
-         !$omp schedule(dynamic, 1)
+         !$omp parallel do default(none) shared(simulation, index, dt, tiles, patch) &
+         !$omp private(began, n) schedule(dynamic, 1)
          do n = 1, size(tiles)
+            began = cost_clock(simulation%machine)
             call clear_patch(patch(:, :, tiles(n)))
             if (simulation%stores(index)%count(tiles(n)) > 0) call work(simulation, &
                simulation%scratch(omp_get_thread_num()), index, tiles(n), dt, patch(:, :, tiles(n)))
+            call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
          call pass_patches(simulation, part, patch)
@@ -155,7 +168,7 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
       real(wp) :: weight(4), place(3), conductance
-      integer :: low(4), p, cell, direction, edges, edge, high
+      integer :: low(4), p, cell, direction, edges
 
       associate (store => simulation%stores(index), grid => simulation%space%grid)
          call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
@@ -168,18 +181,31 @@ contains
                do direction = 1, 3
                   if (.not. grid%active(direction)) cycle
                   call find_edges(grid, cell, direction, place, edges, low, weight)
-                  do edge = 1, edges
-                     high = low(edge) + grid%stride(direction)
-                     patch(1, low(edge)) = patch(1, low(edge)) + conductance*weight(edge)
-                     patch(1, high) = patch(1, high) + conductance*weight(edge)
-                  end do
+                  call add_conductance(grid%stride(direction), low(:edges), weight(:edges), &
+                     conductance, patch)
                end do
             end do
          end do
       end associate
    end subroutine spread_conductance
 
-   !> Limiter of the flux at each node of a tile: a node gives at most the energy that it has.
+   !> Conductance of a particle to both ends of the edges around it.
+   pure subroutine add_conductance(stride, low, weight, conductance, patch)
+      integer, intent(in) :: stride                  !! From the lower end of an edge to the other
+      integer, intent(in) :: low(:)                  !! (edge) Node at the lower end
+      real(wp), intent(in) :: weight(:)              !! (edge) At the particle
+      real(wp), intent(in) :: conductance            !! Of the particle [W kg/J]
+      real(wp), intent(inout) :: patch(:, :)         !! (1, node)
+      integer :: edge, high
+
+      do edge = 1, size(low)
+         high = low(edge) + stride
+         patch(1, low(edge)) = patch(1, low(edge)) + conductance*weight(edge)
+         patch(1, high) = patch(1, high) + conductance*weight(edge)
+      end do
+   end subroutine add_conductance
+
+   !> The share of the flux that each node of a tile lets pass: it gives no more than it has.
    subroutine find_passed(simulation, tile, dt)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
@@ -206,8 +232,8 @@ contains
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (1, node)
-      real(wp) :: energy(1, size(patch, 2)), weight(4), place(3), conductance, flow
-      integer :: low(4), p, cell, direction, edges, edge, high
+      real(wp) :: energy(1, size(patch, 2)), weight(4), place(3), conductance
+      integer :: low(4), p, cell, direction, edges
 
       energy(1, :) = simulation%effects%heat_flux%total(content, :, tile)
       call divide(simulation%effects%heat_flux%total(:, :, tile), mass, energy)
@@ -223,18 +249,33 @@ contains
                do direction = 1, 3
                   if (.not. grid%active(direction)) cycle
                   call find_edges(grid, cell, direction, place, edges, low, weight)
-                  do edge = 1, edges
-                     high = low(edge) + grid%stride(direction)
-                     flow = conductance*weight(edge)*min(share(low(edge)), share(high)) &
-                        *(energy(1, high) - energy(1, low(edge)))
-                     patch(1, low(edge)) = patch(1, low(edge)) + flow
-                     patch(1, high) = patch(1, high) - flow
-                  end do
+                  call add_flux(grid%stride(direction), low(:edges), &
+                     conductance*weight(:edges), share, energy, patch)
                end do
             end do
          end do
       end associate
    end subroutine spread_flux
+
+   !> Energy that flows along the edges around a particle, from the warmer to the colder end [W].
+   pure subroutine add_flux(stride, low, conductance, share, energy, patch)
+      integer, intent(in) :: stride                  !! From the lower end of an edge to the other
+      integer, intent(in) :: low(:)                  !! (edge) Node at the lower end
+      real(wp), intent(in) :: conductance(:)         !! (edge) Of the particle [W kg/J]
+      real(wp), intent(in) :: share(:)               !! (node) Of its flux that it lets pass [1]
+      real(wp), intent(in) :: energy(:, :)           !! (1, node) [J/kg]
+      real(wp), intent(inout) :: patch(:, :)         !! (1, node)
+      real(wp) :: flow
+      integer :: edge, high
+
+      do edge = 1, size(low)
+         high = low(edge) + stride
+         flow = conductance(edge)*min(share(low(edge)), share(high)) &
+            *(energy(1, high) - energy(1, low(edge)))
+         patch(1, low(edge)) = patch(1, low(edge)) + flow
+         patch(1, high) = patch(1, high) - flow
+      end do
+   end subroutine add_flux
 
    !> Conductance that a particle gives the edges around it along each direction [W kg/J]. The bound
    !! keeps an explicit step in full cells stable.

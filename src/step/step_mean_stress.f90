@@ -7,8 +7,10 @@ module step_mean_stress
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles
-   use step_simulation, only: empty_mass, scratch_t, simulation_t, velocity_field_t
+   use step_simulation, only: scratch_t, simulation_t, velocity_field_t
+   use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
@@ -22,30 +24,36 @@ contains
    subroutine find_star(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
+      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
       associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
          call simulation%machine%timer%start(simulation%machine%phase%scatter)
-         call ensure_patch(nodes%mean, columns, number, simulation%space%tiles%own)
+         call ensure_patch(nodes%stress%mean, columns, number, simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, field, tiles) private(began, n) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
+               began = cost_clock(simulation%machine)
                call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
                   tiles(n), &
-                  field%nodes%mean(:, :, tiles(n)))
+                  field%nodes%stress%mean(:, :, tiles(n)))
+               call record_cost(simulation%machine, tiles(n), began)
             end do
             !$omp end parallel do
-            call pass_patches(simulation, part, nodes%mean)
+            call pass_patches(simulation, part, nodes%stress%mean)
          end do
          call simulation%machine%timer%stop(simulation%machine%phase%scatter)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
-         call ensure_patch(nodes%star, columns - 1, number, simulation%space%tiles%all)
-         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         call ensure_patch(nodes%stress%star, columns - 1, number, simulation%space%tiles%all)
+         !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
+         !$omp schedule(static)
          do tile = 1, simulation%space%tiles%all
+            began = cost_clock(simulation%machine)
             call divide_tile(simulation, field, tile)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
          call simulation%machine%timer%stop(simulation%machine%phase%grid)
@@ -95,7 +103,8 @@ contains
       real(wp) :: around(simulation%space%grid%tile_nodes), fill(simulation%space%grid%tile_nodes)
       integer :: node, direction
 
-      call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%mean, tile, total)
+      call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%stress%mean, tile, &
+         total)
       call simulation%space%grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
       do node = 1, size(fill)
          fill(node) = 1.0_wp
@@ -106,9 +115,9 @@ contains
             direction, fill)
       end do
       do node = 1, size(fill)
-         field%nodes%star(:, node, tile) = 0.0_wp
+         field%nodes%stress%star(:, node, tile) = 0.0_wp
          if (total(1, node) > empty_mass) &
-            field%nodes%star(:, node, tile) = fill(node)*total(2:, node)/total(1, node)
+            field%nodes%stress%star(:, node, tile) = fill(node)*total(2:, node)/total(1, node)
       end do
    end subroutine divide_tile
 

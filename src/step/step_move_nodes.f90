@@ -6,21 +6,22 @@ module step_move_nodes
    use mesh_packed_patch, only: move_packed_patches
    use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
    use omp_lib, only: omp_get_thread_num
-   use step_dissipation, only: damps, record_damped
+   use step_dissipation, only: damps
    use step_dual_gradient, only: calm_tile, find_volumes, put_gradient
-   use step_ledger, only: cross, external_work, impulse, ledger_t, torque
    use step_node_displacement, only: examine_tile, worse
+   use step_node_fields, only: empty_mass
    use step_node_sums, only: divide, ensure_sums, find_sums, slots
    use step_particles_to_nodes, only: vector_rows
-   use step_simulation, only: clock_t, effects_t, empty_mass, machine_t, reach_t, scheme_t, &
-      scratch_t, simulation_t, space_t, velocity_field_t
+   use step_simulation, only: clock_t, effects_t, machine_t, reach_t, scheme_t, scratch_t, &
+      simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use step_walls, only: impose_walls, keep_at_walls, stand_walls, stop_at_walls, walls_touch
+   use step_walls, only: impose_walls, keep_at_walls, record_push, record_stopped, stand_walls, &
+      stop_at_walls, walls_touch
    use transfer_scatter, only: motion_columns
    implicit none
    private
 
-   public :: record_push, finish_nodes, move_nodes, recall_seen, remap_nodes, start_nodes, &
+   public :: finish_nodes, move_nodes, recall_seen, remap_nodes, start_nodes, &
       strain_nodes
 
 contains
@@ -41,20 +42,20 @@ contains
       call ensure_moved(simulation, field)
       call stand_walls(simulation, dt)
       simulation%scratch%reach = reach_t()
-      field%nodes%acting = dt
+      field%nodes%motion%acting = dt
       if (records_later(simulation%space, simulation%scheme, simulation%effects)) call &
          ensure_later(simulation%space, field)
       !$omp parallel do default(none) shared(simulation, field, dt, whole) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation)
+         began = cost_clock(simulation%machine)
          associate (scratch => simulation%scratch(omp_get_thread_num()))
             call start_tile(simulation, field, scratch, tile, dt)
             call finish_tile(simulation, field, tile, dt)
-            if (field%nodes%lean .and. tile <= simulation%space%tiles%own) &
+            if (field%nodes%motion%lean .and. tile <= simulation%space%tiles%own) &
                call keep_seen(simulation, field, scratch, tile, whole)
          end associate
-         call record_cost(simulation, tile, began)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
@@ -81,8 +82,8 @@ contains
 
       associate (nodes => field%nodes, number => space%grid%tile_nodes, &
          own => space%tiles%own)
-         call ensure_patch(nodes%push, 3, number, own)
-         call ensure_patch(nodes%taken, 3, number, own)
+         call ensure_patch(nodes%work%push, 3, number, own)
+         call ensure_patch(nodes%work%taken, 3, number, own)
       end associate
    end subroutine ensure_later
 
@@ -98,8 +99,10 @@ contains
 
       associate (nodes => field%nodes, grid => simulation%space%grid)
          slot = nodes%slot(tile)
-         call nodes%seen(1)%put(grid, nodes%touched, tile, 1, nodes%velocity(:, :, slot))
-         call nodes%seen(2)%put(grid, nodes%touched, tile, 1, nodes%acceleration(:, :, slot))
+         call nodes%motion%seen(1)%put(grid, nodes%motion%touched, tile, 1, &
+            nodes%motion%velocity(:, :, slot))
+         call nodes%motion%seen(2)%put(grid, nodes%motion%touched, tile, 1, &
+            nodes%motion%acceleration(:, :, slot))
          if (.not. present(whole)) return
          call examine_tile(simulation, field, tile, slot, whole, reach)
          if (worse(reach, scratch%reach)) scratch%reach = reach
@@ -114,15 +117,17 @@ contains
       integer :: slot
 
       associate (nodes => field%nodes, grid => simulation%space%grid)
-         if (.not. nodes%lean) return
+         if (.not. nodes%motion%lean) return
          slot = nodes%slot(tile)
-         call nodes%seen(1)%get(grid, nodes%touched, tile, nodes%velocity(:, :, slot))
-         call nodes%seen(2)%get(grid, nodes%touched, tile, nodes%acceleration(:, :, slot))
+         call nodes%motion%seen(1)%get(grid, nodes%motion%touched, tile, nodes%motion%velocity(:, &
+            :, slot))
+         call nodes%motion%seen(2)%get(grid, nodes%motion%touched, tile, &
+            nodes%motion%acceleration(:, :, slot))
          if (simulation%scheme%method%dual) call find_volumes(simulation, field, tile, slot)
-         ! with the same input as before, so with the same bits on the nodes that particles see
-         nodes%strain(:, :, slot) = nodes%velocity(:, :, slot) &
-            + nodes%acting*nodes%acceleration(:, :, slot)
-         call calm_tile(simulation, field, tile, slot, nodes%acting)
+         ! with the same numbers as before, so to the same bits where the particles see it
+         nodes%motion%strain(:, :, slot) = nodes%motion%velocity(:, :, slot) &
+            + nodes%motion%acting*nodes%motion%acceleration(:, :, slot)
+         call calm_tile(simulation, field, tile, slot, nodes%motion%acting)
       end associate
    end subroutine recall_seen
 
@@ -137,15 +142,15 @@ contains
       call simulation%machine%timer%start(simulation%machine%phase%grid)
       call ensure_moved(simulation, field)
       call stand_walls(simulation, dt)
-      call ensure_patch(field%nodes%push, 3, simulation%space%grid%tile_nodes, &
+      call ensure_patch(field%nodes%work%push, 3, simulation%space%grid%tile_nodes, &
          simulation%space%tiles%own)
       !$omp parallel do default(none) shared(simulation, field, dt) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation)
-         if (tile <= simulation%space%tiles%own) call clear_patch(field%nodes%push(:, :, tile))
+         began = cost_clock(simulation%machine)
+         if (tile <= simulation%space%tiles%own) call clear_patch(field%nodes%work%push(:, :, tile))
          call start_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
-         call record_cost(simulation, tile, began)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
@@ -163,11 +168,11 @@ contains
       !$omp parallel do default(none) shared(simulation, field, dt) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%space%tiles%all
-         began = cost_clock(simulation)
+         began = cost_clock(simulation%machine)
          if (dt > 0.0_wp .and. tile <= simulation%space%tiles%own) &
             call record_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
          call finish_tile(simulation, field, tile, dt)
-         call record_cost(simulation, tile, began)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
@@ -183,8 +188,10 @@ contains
       real(wp) :: centre(3, simulation%space%grid%tile_nodes)
 
       associate (nodes => field%nodes)
-         centre = nodes%velocity(:, :, tile) + 0.5_wp*dt*nodes%acceleration(:, :, tile)
-         call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, tile), &
+         centre = nodes%motion%velocity(:, :, tile) + 0.5_wp*dt*nodes%motion%acceleration(:, :, &
+            tile)
+         call record_push(simulation%space, field, scratch%ledger, tile, nodes%work%push(:, :, &
+            tile), &
             centre)
       end associate
    end subroutine record_tile
@@ -198,18 +205,21 @@ contains
 
       associate (nodes => field%nodes, grid => simulation%space%grid)
          if (.not. simulation%scheme%method%dual) call ensure_sums(simulation, field)
-         call ensure_patch(nodes%strain, 3, grid%tile_nodes, slots(simulation, field))
+         call ensure_patch(nodes%motion%strain, 3, grid%tile_nodes, slots(simulation, field))
          held = 0
-         if (nodes%lean) held = nodes%touched%before(simulation%space%tiles%own + 1)
-         do n = 1, size(nodes%seen)
-            if (.not. allocated(nodes%seen(n)%row)) call nodes%seen(n)%keep(3, vector_rows(grid))
-            call nodes%seen(n)%ensure(held)
+         if (nodes%motion%lean) held = nodes%motion%touched%before(simulation%space%tiles%own + 1)
+         do n = 1, size(nodes%motion%seen)
+            if (.not. allocated(nodes%motion%seen(n)%row)) call nodes%motion%seen(n)%keep(3, &
+               vector_rows(grid))
+            call nodes%motion%seen(n)%ensure(held)
          end do
          if (.not. simulation%scheme%method%dual) return
-         call move_packed_patches(nodes%motion(2), nodes%gradient)
-         call nodes%gradient%ensure(nodes%weighted%nodes())
-         if (simulation%scheme%carries_energy) call nodes%middle%ensure(nodes%weighted%nodes())
-         if (simulation%scheme%method%averages()) call nodes%earlier%ensure(nodes%weighted%nodes())
+         call move_packed_patches(nodes%motion%packed(2), nodes%dual%gradient)
+         call nodes%dual%gradient%ensure(nodes%dual%weighted%nodes())
+         if (simulation%scheme%carries_energy) call &
+            nodes%dual%middle%ensure(nodes%dual%weighted%nodes())
+         if (simulation%scheme%method%averages()) call &
+            nodes%dual%earlier%ensure(nodes%dual%weighted%nodes())
       end associate
    end subroutine ensure_moved
 
@@ -225,20 +235,21 @@ contains
       integer :: component, slot
 
       slot = field%nodes%slot(tile)
-      if (field%nodes%lean .or. .not. simulation%scheme%method%dual) &
+      if (field%nodes%motion%lean .or. .not. simulation%scheme%method%dual) &
          call find_sums(simulation%space, field, tile, slot)
       associate (grid => simulation%space%grid, nodes => field%nodes, &
-         velocity => field%nodes%velocity(:, :, slot), &
-         acceleration => field%nodes%acceleration(:, :, slot), &
-         mass => field%nodes%mass(1, :, slot))
+         velocity => field%nodes%motion%velocity(:, :, slot), &
+         acceleration => field%nodes%motion%acceleration(:, :, slot), &
+         mass => field%nodes%motion%mass(1, :, slot))
          if (simulation%scheme%method%dual) then
-            call nodes%force%assemble(grid, simulation%space%tiles, nodes%weighted, tile, force)
+            call nodes%dual%force%assemble(grid, simulation%space%tiles, nodes%dual%weighted, &
+               tile, force)
             call add_field(force, acceleration)
          end if
          if (simulation%scheme%method%differing()) &
-            acceleration = acceleration + nodes%difference(:, :, tile)
-         call divide(nodes%mass(:, :, slot), 1, velocity)
-         call divide(nodes%mass(:, :, slot), 1, acceleration)
+            acceleration = acceleration + nodes%stress%difference(:, :, tile)
+         call divide(nodes%motion%mass(:, :, slot), 1, velocity)
+         call divide(nodes%motion%mass(:, :, slot), 1, acceleration)
          if (allocated(simulation%effects%gravity)) then
             do component = 1, 3
                where (mass > empty_mass) acceleration(component, :) = &
@@ -246,7 +257,7 @@ contains
             end do
          end if
          call constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
-         call combine(1.0_wp, velocity, dt, acceleration, nodes%strain(:, :, slot))
+         call combine(1.0_wp, velocity, dt, acceleration, nodes%motion%strain(:, :, slot))
       end associate
    end subroutine start_tile
 
@@ -265,15 +276,19 @@ contains
       associate (nodes => field%nodes)
          if (simulation%scheme%method%averages()) then
             ! the velocity that strains at the end of the step is mapped later
-            call put_gradient(simulation%space, simulation%scheme, field, tile, nodes%velocity(:, &
-               :, slot), nodes%earlier)
+            call put_gradient(simulation%space, simulation%scheme, field, tile, &
+               nodes%motion%velocity(:, &
+               :, slot), nodes%dual%earlier)
          else
-            call put_gradient(simulation%space, simulation%scheme, field, tile, nodes%strain(:, &
-               :, slot), nodes%gradient)
+            call put_gradient(simulation%space, simulation%scheme, field, tile, &
+               nodes%motion%strain(:, &
+               :, slot), nodes%dual%gradient)
          end if
          if (.not. simulation%scheme%carries_energy) return
-         centre = nodes%velocity(:, :, slot) + 0.5_wp*dt*nodes%acceleration(:, :, slot)
-         call put_gradient(simulation%space, simulation%scheme, field, tile, centre, nodes%middle)
+         centre = nodes%motion%velocity(:, :, slot) + 0.5_wp*dt*nodes%motion%acceleration(:, :, &
+            slot)
+         call put_gradient(simulation%space, simulation%scheme, field, tile, centre, &
+            nodes%dual%middle)
       end associate
    end subroutine finish_tile
 
@@ -296,8 +311,8 @@ contains
       push = 0.0_wp
       work = 0.0_wp
       keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own &
-         .and. allocated(field%nodes%taken)
-      if (keeps) field%nodes%taken(:, :, tile) = velocity
+         .and. allocated(field%nodes%work%taken)
+      if (keeps) field%nodes%work%taken(:, :, tile) = velocity
       if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
          damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
             brought = velocity
@@ -305,7 +320,7 @@ contains
       if (allocated(brought)) call record_stopped(simulation%space, simulation%scheme, field, &
          scratch%ledger, tile, &
          velocity - brought, velocity + dt*acceleration)
-      if (keeps) field%nodes%taken(:, :, tile) = field%nodes%taken(:, :, tile) - velocity
+      if (keeps) field%nodes%work%taken(:, :, tile) = field%nodes%work%taken(:, :, tile) - velocity
       if (tile > simulation%space%tiles%own .or. .not. dt > 0.0_wp) return
       if (allocated(simulation%effects%gravity)) then
          push(1, :) = push(1, :) + dt*simulation%effects%gravity(1)
@@ -314,77 +329,18 @@ contains
       else if (.not. ruled) then
          return
       end if
-      if (allocated(field%nodes%push)) then
-         ! contact and musl change the velocities for this work later
-         field%nodes%push(:, :, tile) = push
+      if (allocated(field%nodes%work%push)) then
+         ! contact and musl will change the velocities with which it works
+         field%nodes%work%push(:, :, tile) = push
          return
       end if
       call record_push(simulation%space, field, scratch%ledger, tile, push, &
          velocity + 0.5_wp*dt*acceleration, work)
    end subroutine constrain_tile
 
-   !> The energy that walls remove through the PIC fraction is counted twice, in the work of the
-   !! walls and in the recorded loss of the PIC fraction. The second is corrected here. Equation
-   !! (L.13) of doc/theory/ledger.md.
-   subroutine record_stopped(space, scheme, field, ledger, tile, change, velocity)
-      type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
-      type(velocity_field_t), intent(in) :: field
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      integer, intent(in) :: tile
-      real(wp), intent(in) :: change(:, :)           !! (3, node) What walls changed [m/s]
-      real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is recorded [m/s]
-      real(wp) :: own(field%nodes%motion(1)%rows, size(change, 2)), stopped
-      integer :: node
-
-      call field%nodes%motion(1)%get(space%grid, field%nodes%touched, tile, own)
-      stopped = 0.0_wp
-      do node = 1, size(change, 2)
-         stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
-      end do
-      call record_damped(ledger, (1.0_wp - scheme%method%transfer%flip_fraction())*stopped)
-   end subroutine record_stopped
-
-   !> Record impulse, its moment, and work of a velocity increment of the nodes of a tile.
-   subroutine record_push(space, field, ledger, tile, push, velocity, more)
-      type(space_t), intent(in) :: space
-      type(velocity_field_t), intent(in) :: field
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      integer, intent(in) :: tile
-      real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
-      real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
-      real(wp), intent(in), optional :: more(:)      !! (node) Work besides that of the push [J/kg]
-      real(wp) :: own(field%nodes%motion(1)%rows, size(push, 2))
-      real(wp) :: total(3), turn(3), work, part(3), corner(3), place(3)
-      integer :: node, k
-
-      total = 0.0_wp
-      turn = 0.0_wp
-      work = 0.0_wp
-      corner = space%grid%tile_corner(space%tiles%coordinate(:, tile))
-      call field%nodes%motion(1)%get(space%grid, field%nodes%touched, tile, own)
-      do node = 1, size(push, 2)
-         ! boundaries act on few of the nodes
-         if (.not. abs(push(1, node)) + abs(push(2, node)) + abs(push(3, node)) > 0.0_wp) cycle
-         if (.not. own(1, node) > 0.0_wp) cycle
-         part = own(1, node)*push(:, node)
-         place = corner + space%grid%spacing*real(space%grid%node_position(node), wp)
-         total = total + part
-         turn = turn + cross(place, part)
-         work = work + dot_product(part, velocity(:, node))
-         if (present(more)) work = work + own(1, node)*more(node)
-      end do
-      do k = 1, 3
-         call ledger%sums(impulse + k - 1)%add(total(k))
-         call ledger%sums(torque + k - 1)%add(turn(k))
-      end do
-      call ledger%sums(external_work)%add(work)
-   end subroutine record_push
-
-   !> Record the work of boundaries and gravity on the nodes of a tile at the mean of the velocity
-   !! before the step and the one that strains: with the strain of `musl` the stress works with this
-   !! mean, and the kinetic energy of particles grows by its product with the forces. Equation (L.7)
-   !! of
+   !> Book what faces and gravity did to the nodes of a tile at the mean of the velocity before the
+   !! step and the one that strains: with the strain of `musl` the stress works with that, and the
+   !! kinetic energy of particles grows by the product of the forces with it. Equation (L.7) of
    !! doc/theory/ledger.md.
    subroutine record_strained(simulation, field, scratch, tile, mapped)
       type(simulation_t), intent(in) :: simulation
@@ -400,24 +356,28 @@ contains
       if (.not. (ruled .or. allocated(simulation%effects%gravity))) return
       associate (nodes => field%nodes, share => 1.0_wp &
          - simulation%scheme%method%transfer%flip_fraction())
-         centre = 0.5_wp*(nodes%velocity(:, :, tile) + nodes%strain(:, :, tile))
+         centre = 0.5_wp*(nodes%motion%velocity(:, :, tile) + nodes%motion%strain(:, :, tile))
          if (.not. ruled) then
-            call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, &
+            call record_push(simulation%space, field, scratch%ledger, tile, nodes%work%push(:, :, &
                tile), &
                centre)
             return
          end if
-         ! particles get the gain of a node with the velocities that it had without the boundaries
-         gain = simulation%clock%kick*nodes%acceleration(:, :, tile) - share*nodes%taken(:, :, tile)
-         work = 0.5_wp*sum(gain*(nodes%taken(:, :, tile) + mapped - nodes%strain(:, :, tile)), &
+         ! particles get the gain of a node with the velocities that it had without the faces
+         gain = simulation%clock%kick*nodes%motion%acceleration(:, :, tile) - &
+            share*nodes%work%taken(:, :, tile)
+         work = 0.5_wp*sum(gain*(nodes%work%taken(:, :, tile) + mapped - nodes%motion%strain(:, &
+            :, tile)), &
             dim=1)
-         call record_push(simulation%space, field, scratch%ledger, tile, nodes%push(:, :, tile), &
+         call record_push(simulation%space, field, scratch%ledger, tile, nodes%work%push(:, :, &
+            tile), &
             centre, work)
          if (damps(simulation%scheme%method, simulation%scheme%carries_energy)) call &
             record_stopped(simulation%space, simulation%scheme, &
             field, &
-            scratch%ledger, tile, -nodes%taken(:, :, tile), 0.5_wp*(nodes%velocity(:, :, tile) &
-            + nodes%taken(:, :, tile) + mapped))
+            scratch%ledger, tile, -nodes%work%taken(:, :, tile), 0.5_wp*(nodes%motion%velocity(:, &
+               :, tile) &
+            + nodes%work%taken(:, :, tile) + mapped))
       end associate
    end subroutine record_strained
 
@@ -426,44 +386,54 @@ contains
    subroutine remap_nodes(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      real(wp) :: none(3, simulation%space%grid%tile_nodes), mapped(3, &
-         simulation%space%grid%tile_nodes)
-      real(wp) :: momentum(size(field%nodes%extra, 1), simulation%space%grid%tile_nodes)
+      real(wp) :: began
       integer :: tile
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
-      !$omp parallel do default(none) shared(simulation, field) private(tile, none, mapped, &
-      !$omp momentum) &
+      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, simulation%space%tiles%all
-         associate (strain => field%nodes%strain(:, :, tile))
-            call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%extra, tile, &
-               momentum)
-            ! with linear velocity fields the mass precedes the momentum
-            strain = momentum(size(momentum, 1) - 2:, :)
-            call divide(field%nodes%mass(:, :, tile), 1, strain)
-            if (simulation%scheme%method%averages()) call add_gained(simulation%scheme, &
-               simulation%clock, field, tile, strain)
-            mapped = strain
-            none = 0.0_wp
-            call stop_at_walls(simulation, tile, strain, none)
-            call keep_at_walls(simulation, field, tile, strain)
-            if (.not. allocated(field%nodes%taken) .or. tile > simulation%space%tiles%own) cycle
-            ! the gain is added to a velocity that walls have changed already
-            if (simulation%scheme%method%averages()) &
-               mapped = mapped + field%nodes%taken(:, :, tile)
-            call record_strained(simulation, field, simulation%scratch(omp_get_thread_num()), &
-               tile, &
-               mapped)
-         end associate
+         began = cost_clock(simulation%machine)
+         call remap_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
       call strain_nodes(simulation%space, simulation%scheme, simulation%machine, field)
    end subroutine remap_nodes
 
-   !> The velocity of the nodes of a tile at the end of a step, from the gain of the particles and a
-   !! fraction of the gain that they did not take. Equation (T.14) of doc/theory/transfers.md.
+   !> One tile.
+   subroutine remap_tile(simulation, field, scratch, tile)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile
+      real(wp) :: none(3, simulation%space%grid%tile_nodes)
+      real(wp) :: mapped(3, simulation%space%grid%tile_nodes)
+      real(wp) :: momentum(size(field%nodes%series%extra, 1), simulation%space%grid%tile_nodes)
+
+      associate (strain => field%nodes%motion%strain(:, :, tile))
+         call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%series%extra, &
+            tile, &
+            momentum)
+         ! linear velocity fields bring the mass along, in front
+         strain = momentum(size(momentum, 1) - 2:, :)
+         call divide(field%nodes%motion%mass(:, :, tile), 1, strain)
+         if (simulation%scheme%method%averages()) call add_gained(simulation%scheme, &
+            simulation%clock, field, tile, strain)
+         mapped = strain
+         none = 0.0_wp
+         call stop_at_walls(simulation, tile, strain, none)
+         call keep_at_walls(simulation, field, tile, strain)
+      end associate
+      if (.not. allocated(field%nodes%work%taken) .or. tile > simulation%space%tiles%own) return
+      ! what was gained is added to a velocity that walls have changed already
+      if (simulation%scheme%method%averages()) mapped = mapped + field%nodes%work%taken(:, :, tile)
+      call record_strained(simulation, field, scratch, tile, mapped)
+   end subroutine remap_tile
+
+   !> The velocity of the nodes of a tile at the end of a step, from what particles gained and a
+   !! share of what they did not take. Equation (T.14) of doc/theory/transfers.md.
    pure subroutine add_gained(scheme, clock, field, tile, velocity)
       type(scheme_t), intent(in) :: scheme
       type(clock_t), intent(in) :: clock
@@ -472,8 +442,8 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) What they gained, in [m/s]
 
       associate (nodes => field%nodes, share => scheme%method%unseen)
-         velocity = nodes%velocity(:, :, tile) + (1.0_wp - share)*velocity &
-            + share*clock%kick*nodes%acceleration(:, :, tile)
+         velocity = nodes%motion%velocity(:, :, tile) + (1.0_wp - share)*velocity &
+            + share*clock%kick*nodes%motion%acceleration(:, :, tile)
       end associate
    end subroutine add_gained
 
@@ -484,14 +454,17 @@ contains
       type(machine_t), intent(inout) :: machine
       type(velocity_field_t), intent(inout) :: field
       integer :: tile
+      real(wp) :: began
 
       if (.not. scheme%method%dual) return
       call machine%timer%start(machine%phase%grid)
-      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile) &
+      !$omp parallel do default(none) shared(space, scheme, machine, field) private(tile, began) &
       !$omp schedule(static)
       do tile = 1, space%tiles%all
-         call put_gradient(space, scheme, field, tile, field%nodes%strain(:, :, tile), &
-            field%nodes%gradient)
+         began = cost_clock(machine)
+         call put_gradient(space, scheme, field, tile, field%nodes%motion%strain(:, :, tile), &
+            field%nodes%dual%gradient)
+         call record_cost(machine, tile, began)
       end do
       !$omp end parallel do
       call machine%timer%stop(machine%phase%grid)

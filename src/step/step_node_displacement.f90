@@ -5,7 +5,8 @@ module step_node_displacement
    use mesh_grid, only: lane_bit
    use step_bounds, only: slow_nodes
    use step_method, only: stress_after
-   use step_simulation, only: empty_mass, reach_t, simulation_t, velocity_field_t
+   use step_node_fields, only: empty_mass
+   use step_simulation, only: reach_t, simulation_t, velocity_field_t
    implicit none
    private
 
@@ -56,9 +57,9 @@ contains
 
       far = max(part_moved, simulation%scheme%method%cfl)
       apart = strain_share*simulation%clock%guard%bounds%strain_max
-      associate (velocity => field%nodes%strain(:, :, slot), grid => simulation%space%grid, &
-         mass => field%nodes%mass(1, :, slot))
-         ! bounds for each component that are sufficient for any other components
+      associate (velocity => field%nodes%motion%strain(:, :, slot), grid => simulation%space%grid, &
+         mass => field%nodes%motion%mass(1, :, slot))
+         ! bounds for each component that hold whatever the other components are
          if (slow_nodes(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
             *grid%spacing/dt)) return
          call examine_nodes(velocity, mass, far*grid%spacing/dt, reach)

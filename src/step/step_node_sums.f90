@@ -3,7 +3,9 @@
 module step_node_sums
    use base_kinds, only: wp
    use mesh_patch, only: ensure_patch
-   use step_simulation, only: empty_mass, nodes_t, simulation_t, space_t, velocity_field_t
+   use step_node_fields, only: empty_mass, nodes_t
+   use step_simulation, only: machine_t, simulation_t, space_t, velocity_field_t
+   use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
@@ -17,7 +19,7 @@ contains
       type(velocity_field_t), intent(in) :: field
 
       number = simulation%space%tiles%all
-      if (field%nodes%lean) number = size(simulation%scratch)
+      if (field%nodes%motion%lean) number = size(simulation%scratch)
    end function slots
 
    !> Allocate the sums over the particles around the nodes.
@@ -26,9 +28,9 @@ contains
       type(velocity_field_t), intent(inout) :: field
 
       associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
-         call ensure_patch(nodes%mass, 1, number, slots(simulation, field))
-         call ensure_patch(nodes%velocity, 3, number, slots(simulation, field))
-         call ensure_patch(nodes%acceleration, 3, number, slots(simulation, field))
+         call ensure_patch(nodes%motion%mass, 1, number, slots(simulation, field))
+         call ensure_patch(nodes%motion%velocity, 3, number, slots(simulation, field))
+         call ensure_patch(nodes%motion%acceleration, 3, number, slots(simulation, field))
       end associate
    end subroutine ensure_sums
 
@@ -39,10 +41,10 @@ contains
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
-      real(wp) :: sums(field%nodes%motion(1)%rows, space%grid%tile_nodes)
+      real(wp) :: sums(field%nodes%motion%packed(1)%rows, space%grid%tile_nodes)
 
-      call field%nodes%motion(1)%assemble(space%grid, space%tiles, &
-         field%nodes%touched, tile, sums)
+      call field%nodes%motion%packed(1)%assemble(space%grid, space%tiles, &
+         field%nodes%motion%touched, tile, sums)
       call keep_sums(field%nodes, slot, sums)
    end subroutine find_sums
 
@@ -52,21 +54,26 @@ contains
       integer, intent(in) :: slot                    !! Where the fields of the tile are
       real(wp), intent(in) :: sums(:, :)             !! (column, node) Mass, momentum, force, more
 
-      nodes%mass(1, :, slot) = sums(1, :)
-      nodes%velocity(:, :, slot) = sums(2:4, :)
-      nodes%acceleration(:, :, slot) = sums(5:7, :)
+      nodes%motion%mass(1, :, slot) = sums(1, :)
+      nodes%motion%velocity(:, :, slot) = sums(2:4, :)
+      nodes%motion%acceleration(:, :, slot) = sums(5:7, :)
    end subroutine keep_sums
 
    !> Sums over the particles around the nodes as before the nodes were moved, if they are kept.
-   subroutine renew_sums(space, field)
+   subroutine renew_sums(space, machine, field)
       type(space_t), intent(in) :: space
+      type(machine_t), intent(inout) :: machine
       type(velocity_field_t), intent(inout) :: field
       integer :: tile
+      real(wp) :: began
 
-      if (field%nodes%lean) return
-      !$omp parallel do default(none) shared(space, field) private(tile) schedule(static)
+      if (field%nodes%motion%lean) return
+      !$omp parallel do default(none) shared(space, machine, field) private(tile, began) &
+      !$omp schedule(static)
       do tile = 1, space%tiles%all
+         began = cost_clock(machine)
          call find_sums(space, field, tile, tile)
+         call record_cost(machine, tile, began)
       end do
       !$omp end parallel do
    end subroutine renew_sums

@@ -42,7 +42,15 @@ module step_nodes_to_particles
       logical :: motion = .false.                    !! Particle velocities, positions and cells
    end type gather_parts_t
 
-   !> Node fields of one tile that the particles see. Fields that are not needed are not allocated.
+   !> Kinetic energy lost at the nodes of a tile, as the particles see it.
+   type :: loss_view_t
+      real(wp), allocatable :: heat(:, :)            !! (column, node) Of the particles
+      real(wp), allocatable :: scalar(:, :)          !! (1, node) Of the nodes [J/kg]
+      real(wp), allocatable :: turn(:, :)            !! (3, node) Of linear velocity fields [m/s]
+      real(wp), allocatable :: moments(:, :)         !! (9, node) Their moments [m2/s]
+   end type loss_view_t
+
+   !> Node fields of one tile that the particles see. What is not called for is not allocated.
    type :: view_t
       real(wp), allocatable :: centre(:, :)          !! (3, node) Mid-step velocity [m/s]
       real(wp), allocatable :: push(:, :) !! (3, node) Adds to what a particle keeps [m/s]
@@ -51,10 +59,7 @@ module step_nodes_to_particles
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
       real(wp), allocatable :: earlier(:, :)         !! (9, node) Of that before the step [1/s]
-      real(wp), allocatable :: heat(:, :)            !! (column, node) For lost kinetic energy
-      real(wp), allocatable :: scalar(:, :)          !! (1, node) The same [J/kg]
-      real(wp), allocatable :: turn(:, :) !! (3, node) The same for linear velocity fields [m/s]
-      real(wp), allocatable :: moments(:, :)         !! (9, node) Its moments [m2/s]
+      type(loss_view_t) :: loss                      !! Lost kinetic energy
       real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
       real(wp), allocatable :: excess(:, :) !! (1, node) Fill less 1, for loose material [1]
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
@@ -96,11 +101,11 @@ contains
          call scratch%laps%start_step(simulation%clock%step)
          !$omp do schedule(dynamic, 1)
          do tile = 1, simulation%space%tiles%own
-            began = cost_clock(simulation)
+            began = cost_clock(simulation%machine)
             lap = scratch%laps%read_clock()
             call gather_tile(simulation, field, scratch, tile, parts, dt, view)
             call scratch%laps%record(lap)
-            call record_cost(simulation, tile, began)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end do
       end associate
@@ -211,8 +216,8 @@ contains
          call nodes_seen(simulation%space, field, tile, low, high)
          if (.not. allocated(view%centre)) &
             allocate (view%centre(3, simulation%space%grid%tile_nodes), source=0.0_wp)
-         view%centre(:, low:high) = field%nodes%velocity(:, low:high, view%slot) &
-            + 0.5_wp*simulation%clock%kick*field%nodes%acceleration(:, low:high, view%slot)
+         view%centre(:, low:high) = field%nodes%motion%velocity(:, low:high, view%slot) &
+            + 0.5_wp*simulation%clock%kick*field%nodes%motion%acceleration(:, low:high, view%slot)
       end if
       if (parts%motion) call look_motion(simulation%space, simulation%scheme, field, tile, &
          simulation%clock%kick, view)
@@ -220,13 +225,13 @@ contains
       if (.not. simulation%scheme%method%dual) return
       if (parts%motion .and. simulation%scheme%repacks) call excess_fill(simulation%space%grid, &
          simulation%space%boundary, simulation%space%tiles%coordinate(:, tile), &
-         field%nodes%filled(:, :, tile), field%nodes%volume(:, :, tile), view%excess)
+         field%nodes%dual%filled(:, :, tile), field%nodes%dual%volume(:, :, tile), view%excess)
       if (parts%strain .or. (parts%motion .and. simulation%scheme%method%transfer%affine())) &
-         call node_gradient(simulation%space, field, tile, field%nodes%gradient, view%gradient)
+         call node_gradient(simulation%space, field, tile, field%nodes%dual%gradient, view%gradient)
       if (parts%work .and. simulation%scheme%carries_energy) &
-         call node_gradient(simulation%space, field, tile, field%nodes%middle, view%middle)
+         call node_gradient(simulation%space, field, tile, field%nodes%dual%middle, view%middle)
       if (parts%strain .and. simulation%scheme%method%averages()) &
-         call node_gradient(simulation%space, field, tile, field%nodes%earlier, view%earlier)
+         call node_gradient(simulation%space, field, tile, field%nodes%dual%earlier, view%earlier)
    end subroutine look
 
    !> Find which velocity gradients can limit the next step, and whether any node gradient is that
@@ -241,7 +246,7 @@ contains
             simulation%clock%dt_next)
          if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
          ! nine components, each at most twice the greatest velocity over the edge of a cell
-         view%slow = slow_nodes(3*grid%tile_nodes, field%nodes%strain(:, :, view%slot), &
+         view%slow = slow_nodes(3*grid%tile_nodes, field%nodes%motion%strain(:, :, view%slot), &
             0.9_wp/6.0_wp*grid%spacing*view%matters)
       end associate
    end subroutine look_steep
@@ -262,8 +267,8 @@ contains
          view%carry(3, space%grid%tile_nodes))
       call find_filtered(space, scheme, field, tile, dt, view%filtered)
       associate (transfer => scheme%method%transfer, nodes => field%nodes, &
-         velocity => field%nodes%velocity(:, :, view%slot), filtered => view%filtered, &
-         acceleration => field%nodes%acceleration(:, :, view%slot))
+         velocity => field%nodes%motion%velocity(:, :, view%slot), filtered => view%filtered, &
+         acceleration => field%nodes%motion%acceleration(:, :, view%slot))
          call transfer%velocity_increment(dt, acceleration, filtered, view%push)
          if (scheme%method%leapfrog) then
             call transfer%advection_velocity(dt, velocity, acceleration, filtered, view%carry)
@@ -274,17 +279,18 @@ contains
          if (.not. scheme%carries_energy) return
          if (transfer%sweeps() > 0) then
             call transfer%heat_fields(dt, velocity, acceleration, filtered, &
-               nodes%term(:, :, tile), nodes%loss(:, :, tile), view%heat, view%scalar)
+               nodes%series%term(:, :, tile), nodes%series%loss(:, :, tile), view%loss%heat, &
+                  view%loss%scalar)
          else
             call transfer%heat_fields(dt, velocity, acceleration, filtered, filtered, none, &
-               view%heat, view%scalar)
+               view%loss%heat, view%loss%scalar)
          end if
          if (.not. transfer%affine()) return
-         view%turn = (1.0_wp - transfer%flip_fraction())*velocity &
+         view%loss%turn = (1.0_wp - transfer%flip_fraction())*velocity &
             - transfer%flip_fraction()*dt*acceleration
-         if (.not. allocated(view%moments)) &
-            allocate (view%moments(9, space%grid%tile_nodes))
-         call moment_fields(space%grid, view%turn, view%moments)
+         if (.not. allocated(view%loss%moments)) &
+            allocate (view%loss%moments(9, space%grid%tile_nodes))
+         call moment_fields(space%grid, view%loss%turn, view%loss%moments)
       end associate
    end subroutine look_motion
 
@@ -300,7 +306,8 @@ contains
 
       associate (grid => space%grid, method => scheme%method, shape => scratch%shape, &
          start => store%cell_start(:, tile), first => store%first(tile))
-         call method%transfer%heat(grid, method%basis, shape, first, view%heat, view%scalar, &
+         call method%transfer%heat(grid, method%basis, shape, first, view%loss%heat, &
+            view%loss%scalar, &
             store%velocity, store%state%energy)
          if (.not. method%transfer%affine()) return
          call shape%reserve_affine(store%count(tile))
@@ -313,7 +320,8 @@ contains
                end do
             end do
          end if
-         call gather_affine_heat(grid, method%basis, shape, first, view%turn, view%moments, &
+         call gather_affine_heat(grid, method%basis, shape, first, view%loss%turn, &
+            view%loss%moments, &
             store%state%energy)
       end associate
    end subroutine add_heat
@@ -445,12 +453,12 @@ contains
          deformation%plane = simulation%space%grid%dimensions < 3
          if (method%averages()) then
             call find_gradient(simulation, scratch, store, tile, &
-               field%nodes%velocity(:, :, view%slot), view%earlier, simulation%clock%dt)
+               field%nodes%motion%velocity(:, :, view%slot), view%earlier, simulation%clock%dt)
             call centre_backward(n, deformation%plane, deformation%gradient)
             call keep_earlier(n, deformation%gradient, scratch%earlier)
          end if
          call find_gradient(simulation, scratch, store, tile, &
-            field%nodes%strain(:, :, view%slot), view%gradient, dt)
+            field%nodes%motion%strain(:, :, view%slot), view%gradient, dt)
          if (.not. view%slow) call find_steepest(deformation%gradient, &
             store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
             scratch%steepest_identity)
@@ -467,10 +475,10 @@ contains
          if (method%averages()) call average_strain(store, tile, scratch%earlier, &
             deformation%gradient)
          if (method%limited) call find_jump(simulation%space%grid, store%cell_start(:, tile), &
-            field%nodes%strain(:, :, view%slot), view%gradient, deformation%gradient, &
+            field%nodes%motion%strain(:, :, view%slot), view%gradient, deformation%gradient, &
             deformation%jump)
          if (normalised(simulation, index)) call bound_jump(simulation%space%grid, &
-            store%cell_start(:, tile), field%nodes%strain(:, :, view%slot), dt, &
+            store%cell_start(:, tile), field%nodes%motion%strain(:, :, view%slot), dt, &
             deformation%gradient, deformation%jump)
          call scratch%laps%update(simulation%materials(index), store%state, deformation, &
             first, first + n - 1, dt, simulation%space%grid%spacing)

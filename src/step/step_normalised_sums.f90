@@ -18,10 +18,12 @@ module step_normalised_sums
    use mesh_wall, only: node_place
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_pressure_relaxation, only: evens_pressure
-   use step_simulation, only: empty_mass, scheme_t, scratch_t, simulation_t, space_t, &
+   use step_simulation, only: machine_t, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
+   use step_tile_cost, only: cost_clock, record_cost
    use step_walls, only: stand_walls
    use transfer_cut_cells, only: cut_cells, ramp
    use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals, edges
@@ -88,6 +90,7 @@ contains
    subroutine find_factors(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
+      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
       logical :: evens
@@ -96,71 +99,82 @@ contains
          call simulation%machine%timer%start(simulation%machine%phase%scatter)
          evens = any([(evens_pressure(simulation%scheme, simulation%stores, n), n=1, &
             size(simulation%stores))])
-         call ensure_patch(nodes%counted, plain_columns(simulation%scheme) + merge(moments, 0, &
-            evens), &
-            number, simulation%space%tiles%own)
-         call ensure_patch(nodes%factor, cell_edges, simulation%space%grid%tile_cells, &
+         call ensure_patch(nodes%sums%counted, plain_columns(simulation%scheme) &
+            + merge(moments, 0, evens), number, simulation%space%tiles%own)
+         call ensure_patch(nodes%sums%factor, cell_edges, simulation%space%grid%tile_cells, &
             simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, field, tiles) private(began, n) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
+               began = cost_clock(simulation%machine)
                call count_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
-                  tiles(n), field%nodes%counted(:, :, tiles(n)), &
-                  field%nodes%factor(:, :, tiles(n)))
+                  tiles(n), field%nodes%sums%counted(:, :, tiles(n)), &
+                  field%nodes%sums%factor(:, :, tiles(n)))
+               call record_cost(simulation%machine, tiles(n), began)
             end do
             !$omp end parallel do
-            call pass_patches(simulation, part, nodes%counted)
+            call pass_patches(simulation, part, nodes%sums%counted)
          end do
          call simulation%machine%timer%stop(simulation%machine%phase%scatter)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
          ! positions of walls do not depend on how long the forces act; all tiles are known by now
          if (allocated(simulation%space%rigid)) call stand_walls(simulation, 0.0_wp)
-         call ensure_weights(nodes%weight, simulation%space%grid%tile_cells, &
+         call ensure_weights(nodes%dual%weight, simulation%space%grid%tile_cells, &
             simulation%space%tiles%all)
-         call ensure_patch(nodes%covered, 1, number, simulation%space%tiles%all)
-         if (allocated(simulation%space%rigid)) call ensure_patch(nodes%present, 1, number, &
+         call ensure_patch(nodes%sums%covered, 1, number, simulation%space%tiles%all)
+         if (allocated(simulation%space%rigid)) call ensure_patch(nodes%sums%present, 1, number, &
             simulation%space%tiles%all)
-         call ensure_patch(nodes%normal, rows + merge(moments - 1, 0, evens), number, &
+         call ensure_patch(nodes%sums%normal, rows + merge(moments - 1, 0, evens), number, &
             simulation%space%tiles%all)
-         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
+         !$omp schedule(static)
          do tile = 1, simulation%space%tiles%all
+            began = cost_clock(simulation%machine)
             call judge_cells(simulation, field, tile)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
-         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
+         !$omp schedule(static)
          do tile = 1, simulation%space%tiles%all
+            began = cost_clock(simulation%machine)
             call judge_nodes(simulation, field, tile)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
          call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end associate
    end subroutine find_factors
 
-   !> Cells whose nodes are all full, for a material without strength. For other materials the array
-   !! stays unallocated.
-   subroutine find_full(space, scheme, field, index, full)
+   !> Cells whose nodes count as full, of a material without strength; others are not halved by the
+   !! place there is.
+   subroutine find_full(space, scheme, machine, field, index, full)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
+      type(machine_t), intent(inout) :: machine
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: index                   !! Index of the material and of its store
       logical, allocatable, intent(out) :: full(:, :) !! (0:cells - 1, tile)
+      real(wp) :: began
       integer :: tile, cell, lane
 
       if (.not. allocated(scheme%flows)) return
       if (.not. scheme%flows(index)) return
       allocate (full(0:space%grid%tile_cells - 1, space%tiles%own), source=.true.)
-      !$omp parallel do default(none) shared(space, scheme, field, full) private(tile, cell, lane) &
-      !$omp schedule(static)
+      !$omp parallel do default(none) shared(space, scheme, machine, field, full) &
+      !$omp private(began, tile, cell, lane) schedule(static)
       do tile = 1, space%tiles%own
+         began = cost_clock(machine)
          do cell = 0, space%grid%tile_cells - 1
             do lane = 1, 2**space%grid%dimensions
-               full(cell, tile) = full(cell, tile) .and. field%nodes%normal(4, &
+               full(cell, tile) = full(cell, tile) .and. field%nodes%sums%normal(4, &
                   space%grid%first_node(cell) + space%grid%lane_offset(lane), &
                   tile) > 0.0_wp
             end do
          end do
+         call record_cost(machine, tile, began)
       end do
       !$omp end parallel do
    end subroutine find_full
@@ -214,7 +228,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      real(wp) :: sums(size(field%nodes%counted, 1), simulation%space%grid%tile_nodes)
+      real(wp) :: sums(size(field%nodes%sums%counted, 1), simulation%space%grid%tile_nodes)
       real(wp) :: filled(volume, simulation%space%grid%tile_nodes), &
          around(simulation%space%grid%tile_nodes)
       real(wp) :: shares(cell_edges, simulation%space%grid%tile_cells)
@@ -225,27 +239,28 @@ contains
 
       associate (grid => simulation%space%grid, nodes => field%nodes, &
          coordinate => simulation%space%tiles%coordinate(:, tile))
-         call assemble(grid, simulation%space%tiles, nodes%counted, tile, sums)
-         nodes%normal(:3, :, tile) = sums(unblended + 1:unblended + 3, :)
+         call assemble(grid, simulation%space%tiles, nodes%sums%counted, tile, sums)
+         nodes%sums%normal(:3, :, tile) = sums(unblended + 1:unblended + 3, :)
          call grid%node_volume(coordinate, around)
          call simulation%scheme%dual%cell_weights(grid, sums, volume, around, weight)
          ! from the fill alone, with the same density everywhere
          filled(mass, :) = around
-         nodes%normal(5, :, tile) = 1.0_wp
+         nodes%sums%normal(5, :, tile) = 1.0_wp
          own = 1.0_wp
-         if (size(nodes%normal, 1) > rows) call &
+         if (size(nodes%sums%normal, 1) > rows) call &
             divide_moments(sums(plain_columns(simulation%scheme) &
-            + 1:, :), nodes%normal(rows + 1:, :, tile))
+            + 1:, :), nodes%sums%normal(rows + 1:, :, tile))
          if (.not. all(simulation%scheme%normalises)) then
-            nodes%normal(5, :, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, :) &
+            nodes%sums%normal(5, :, tile) = max(0.0_wp, 1.0_wp - clear*sums(foreign, :) &
                /max(sums(volume, :), empty_mass))
-            filled(volume, :) = simulation%scheme%dual%enough*nodes%normal(5, :, tile)*around
+            filled(volume, :) = simulation%scheme%dual%enough*nodes%sums%normal(5, :, tile)*around
             call simulation%scheme%dual%cell_weights(grid, filled, volume, around, own)
          end if
-         filled(volume, :) = nodes%normal(5, :, tile)*sums(volume, :)
+         filled(volume, :) = nodes%sums%normal(5, :, tile)*sums(volume, :)
          call find_fill(simulation%space, simulation%scheme, tile, around, filled(volume, :), full)
-         call clear_patch(nodes%covered(:, :, tile))
-         call simulation%scheme%dual%add_volume(grid, coordinate, full, nodes%covered(:, :, tile))
+         call clear_patch(nodes%sums%covered(:, :, tile))
+         call simulation%scheme%dual%add_volume(grid, coordinate, full, nodes%sums%covered(:, :, &
+            tile))
          shares = 1.0_wp
          ring = 1.0_wp
          if (allocated(simulation%space%rigid)) then
@@ -260,7 +275,7 @@ contains
                weight(cell) = min(weight(cell), minval(shares(:, cell)))
             end do
          end if
-         nodes%weight(:size(weight), tile) = weight
+         nodes%dual%weight(:size(weight), tile) = weight
          if (tile > simulation%space%tiles%own) return
          call find_cell_factors(simulation, field, tile, full, own, weight, shares, ring)
       end associate
@@ -305,7 +320,7 @@ contains
       real(wp) :: whole(cell_edges), rest(cell_edges)
       integer :: cell
 
-      associate (grid => simulation%space%grid, factor => field%nodes%factor(:, :, tile))
+      associate (grid => simulation%space%grid, factor => field%nodes%sums%factor(:, :, tile))
          whole = edge_integrals(grid, 0)
          do cell = 1, size(full)
             rest = (1.0_wp - simulation%scheme%mean_alpha)*weight(cell)
@@ -348,13 +363,13 @@ contains
       real(wp), intent(in) :: around(:)              !! (node) Volume around a node [m3]
       real(wp) :: one(space%grid%tile_cells), whole(volume, size(around))
 
-      call clear_patch(field%nodes%present(:, :, tile))
+      call clear_patch(field%nodes%sums%present(:, :, tile))
       if (.not. space%rigid%holds(tile)) return
       ! all cells of the tile that are in the box
       whole = spread(around, 1, volume)
       call scheme%dual%cell_weights(space%grid, whole, volume, around, one)
       call scheme%dual%add_volume(space%grid, space%tiles%coordinate(:, tile), one, &
-         field%nodes%present(:, :, tile))
+         field%nodes%sums%present(:, :, tile))
    end subroutine add_present
 
    !> Nodes in rigid regions count as full: the free part of a cut cell carries the pressure of the
@@ -415,13 +430,13 @@ contains
       integer :: node, l
 
       associate (grid => simulation%space%grid, nodes => field%nodes)
-         call assemble(grid, simulation%space%tiles, nodes%covered, tile, covered)
+         call assemble(grid, simulation%space%tiles, nodes%sums%covered, tile, covered)
          call grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
          ! a cell without material, that with the smaller share beside the axis too, ends the scope
          cells = merge(6.0_wp, real(2**grid%dimensions, wp), grid%axisymmetric)
          call find_due(simulation%space, field, tile, around, due)
          do node = 1, size(around)
-            associate (normal => nodes%normal(:, node, tile))
+            associate (normal => nodes%sums%normal(:, node, tile))
                own = normal(5)
                normal(4) = 0.0_wp
                normal(5:7) = 0.0_wp
@@ -451,7 +466,7 @@ contains
       due = around
       if (.not. allocated(space%rigid)) return
       if (.not. space%rigid%holds(tile)) return
-      call assemble(space%grid, space%tiles, field%nodes%present, tile, present)
+      call assemble(space%grid, space%tiles, field%nodes%sums%present, tile, present)
       associate (node => space%rigid%held(tile)%node)
          due(node) = present(1, node)
       end associate

@@ -42,9 +42,9 @@ contains
          !$omp parallel do default(none) shared(simulation, field, tiles) private(n, began) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
-            began = cost_clock(simulation)
+            began = cost_clock(simulation%machine)
             call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tiles(n))
-            call record_cost(simulation, tiles(n), began)
+            call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
          call pass_motion(simulation, field, part)
@@ -57,28 +57,32 @@ contains
    subroutine find_boxes(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
+      real(wp) :: began
       logical :: used(simulation%space%grid%tile_cells)
       integer :: tile, index
 
-      associate (touched => field%nodes%touched, grid => simulation%space%grid, &
+      associate (touched => field%nodes%motion%touched, grid => simulation%space%grid, &
          own => simulation%space%tiles%own)
          call touched%ensure(own)
-         !$omp parallel do default(none) shared(simulation, field) private(tile, index, used) &
-         !$omp schedule(static)
+         !$omp parallel do default(none) shared(simulation, field) &
+         !$omp private(began, tile, index, used) schedule(static)
          do tile = 1, simulation%space%tiles%own
-            call empty_box(field%nodes%touched%box(:, :, tile))
+            began = cost_clock(simulation%machine)
+            call empty_box(field%nodes%motion%touched%box(:, :, tile))
             do index = field%first_store, field%last_store
                associate (store => simulation%stores(index))
                   if (store%count(tile) == 0) cycle
                   used = store%cell_start(1:, tile) &
                      > store%cell_start(:simulation%space%grid%tile_cells - 1, tile)
                end associate
-               call widen_box(simulation%space%grid, used, field%nodes%touched%box(:, :, tile))
+               call widen_box(simulation%space%grid, used, field%nodes%motion%touched%box(:, :, &
+                  tile))
             end do
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
          call touched%line_up(grid, simulation%space%tiles)
-         field%nodes%lean = may_be_lean(simulation%scheme, simulation%effects) .and. &
+         field%nodes%motion%lean = may_be_lean(simulation%scheme, simulation%effects) .and. &
             int(own, int64)*grid%tile_nodes > count_own(simulation%stores)
       end associate
    end subroutine find_boxes
@@ -117,20 +121,21 @@ contains
       type(velocity_field_t), intent(inout) :: field
 
       associate (nodes => field%nodes, grid => space%grid, dual => scheme%method%dual)
-         if (.not. allocated(nodes%motion(1)%row)) then
+         if (.not. allocated(nodes%motion%packed(1)%row)) then
             if (dual) then
-               call nodes%motion(1)%keep(motion_columns + 1, [.true., vector_rows(grid), &
+               call nodes%motion%packed(1)%keep(motion_columns + 1, [.true., vector_rows(grid), &
                   vector_rows(grid), .true.])
-               call nodes%motion(2)%keep(dual_columns - motion_columns - 1, tensor_rows(grid))
+               call nodes%motion%packed(2)%keep(dual_columns - motion_columns - 1, &
+                  tensor_rows(grid))
             else
-               call nodes%motion(1)%keep(motion_columns, [.true., vector_rows(grid), &
+               call nodes%motion%packed(1)%keep(motion_columns, [.true., vector_rows(grid), &
                   vector_rows(grid)])
             end if
          end if
-         call nodes%motion(1)%ensure(nodes%touched%nodes())
+         call nodes%motion%packed(1)%ensure(nodes%motion%touched%nodes())
          if (.not. dual) return
-         call move_packed_patches(nodes%gradient, nodes%motion(2))
-         call nodes%motion(2)%ensure(nodes%touched%nodes())
+         call move_packed_patches(nodes%dual%gradient, nodes%motion%packed(2))
+         call nodes%motion%packed(2)%ensure(nodes%motion%touched%nodes())
       end associate
    end subroutine ensure_motion
 
@@ -169,9 +174,10 @@ contains
          call scatter_store(simulation, field, scratch, index, tile, patch)
       end do
       associate (nodes => field%nodes)
-         call nodes%motion(1)%put(simulation%space%grid, nodes%touched, tile, 1, patch)
-         if (simulation%scheme%method%dual) call nodes%motion(2)%put(simulation%space%grid, &
-            nodes%touched, &
+         call nodes%motion%packed(1)%put(simulation%space%grid, nodes%motion%touched, tile, 1, &
+            patch)
+         if (simulation%scheme%method%dual) call nodes%motion%packed(2)%put(simulation%space%grid, &
+            nodes%motion%touched, &
             tile, motion_columns + 2, patch)
       end associate
    end subroutine scatter_tile
@@ -229,7 +235,7 @@ contains
          if (scheme%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
          if (scheme%method%controlled()) then
             call scheme%method%basis%gather_values(grid, shape, &
-               field%nodes%star(:, :, tile), shape%values)
+               field%nodes%stress%star(:, :, tile), shape%values)
             call pushed%subtract(store%count(tile), shape%values)
          end if
       end associate
@@ -297,7 +303,7 @@ contains
 
       call locate_tile(space, scheme, scratch, store, tile)
       if (allocated(scheme%normalises)) &
-         scratch%shape%factor = field%nodes%factor(:, :, tile)
+         scratch%shape%factor = field%nodes%sums%factor(:, :, tile)
    end subroutine locate_particles
 
    !> The same without factors, for effects with sums of their own or of all velocity fields.
@@ -338,7 +344,7 @@ contains
 
       low = 1
       high = 0
-      associate (grid => space%grid, box => field%nodes%touched%box(:, :, tile))
+      associate (grid => space%grid, box => field%nodes%motion%touched%box(:, :, tile))
          if (any(box(:, 2) < box(:, 1))) return
          low = 1 + dot_product(box(:, 1) + merge(grid%margin, 0, grid%active), grid%stride)
          high = 1 + dot_product(box(:, 2) + merge(grid%margin, 0, grid%active), grid%stride)

@@ -60,7 +60,7 @@ contains
 
       if (.not. evens_pressure(simulation%scheme, simulation%stores, index)) return
       associate (store => simulation%stores(index), grid => simulation%space%grid, &
-         normal => field%nodes%normal)
+         normal => field%nodes%sums%normal)
          before = store%first(tile) - 1
          seen = size(normal, 1) - moments + 2
          do cell = 0, grid%tile_cells - 1

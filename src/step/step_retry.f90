@@ -10,6 +10,7 @@ module step_retry
    use step_node_sums, only: renew_sums
    use step_offending_particle, only: spread, step_text
    use step_simulation, only: reach_t, simulation_t, velocity_field_t
+   use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
@@ -77,33 +78,37 @@ contains
       end do
       if (.not. simulation%scheme%method%dual) return
       do n = 1, size(simulation%fields)
-         call renew_sums(simulation%space, simulation%fields(n))
+         call renew_sums(simulation%space, simulation%machine, simulation%fields(n))
       end do
    end subroutine put_back
 
    !> The node of this rank that exceeds the bounds most.
    subroutine find_worst(simulation, field, dt, worst)
-      type(simulation_t), intent(in) :: simulation   !! Its nodes just moved
+      type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
       type(velocity_field_t), intent(in) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: worst
       type(reach_t) :: mine, reach
+      real(wp) :: began
       integer :: tile, thread
 
-      if (field%nodes%lean) then
-         ! the threads examined the nodes when they moved them
+      if (field%nodes%motion%lean) then
+         ! the threads looked when they moved the nodes
          do thread = 0, ubound(simulation%scratch, 1)
             if (worse(simulation%scratch(thread)%reach, worst)) &
                worst = simulation%scratch(thread)%reach
          end do
          return
       end if
-      !$omp parallel default(none) shared(simulation, field, dt, worst) private(tile, mine, reach)
+      !$omp parallel default(none) shared(simulation, field, dt, worst) &
+      !$omp private(began, tile, mine, reach)
       mine = reach_t()
       !$omp do schedule(static)
       do tile = 1, simulation%space%tiles%own
+         began = cost_clock(simulation%machine)
          call examine_tile(simulation, field, tile, tile, dt, reach)
          if (worse(reach, mine)) mine = reach
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end do
       !$omp critical

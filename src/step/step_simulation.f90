@@ -15,14 +15,13 @@ module step_simulation
    use mesh_grid, only: grid_t
    use mesh_halo, only: halo_t
    use mesh_motion, only: motion_t
-   use mesh_packed_patch, only: node_boxes_t, packed_patch_t
    use mesh_rigid, only: rigid_t
    use mesh_tiles, only: tiles_t
-   use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_bounds, only: guard_t
    use step_ledger, only: ledger_t
    use step_method, only: method_t
+   use step_node_fields, only: array_words, nodes_t
    use step_trust_record, only: trust_t
    use transfer_contact, only: pair_law_t
    use transfer_pushed_stress, only: pushed_stress_t
@@ -31,64 +30,8 @@ module step_simulation
    private
 
    public :: clock_t, conduction_t, conservation_t, contact_t, effects_t, load_t, machine_t, &
-      nodes_t, phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_t, space_t, &
+      phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
-
-   !> Nodes with less mass or volume than this are empty: it is below any fraction of any mass, and
-   !! quotients by it stay finite.
-   real(wp), parameter, public :: empty_mass = 1.0e-290_wp
-
-   !> Node fields, all as patches of tiles: (component, node, tile). Fields that the method does not
-   !! need are not allocated.
-   type :: nodes_t
-      !> Nodes to which tiles add motion, and those of their cells with a weight
-      type(node_boxes_t) :: touched, weighted
-      !> Packed patches of mass, momentum, force, with the dual gradient volume; and of stress times
-      !! volume
-      type(packed_patch_t) :: motion(2)
-      !> Are the sums and velocities of a tile kept only while the tile is in work? Then they belong
-      !! to a thread, and packed patches of velocity and acceleration are kept for the particles
-      logical :: lean = .false.
-      type(packed_patch_t) :: seen(2)
-      real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
-      real(wp), allocatable :: mass(:, :, :)         !! (1) Sum of the masses [kg]
-      real(wp), allocatable :: velocity(:, :, :)     !! (3) Before the step [m/s]
-      real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
-      !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
-      real(wp), allocatable :: extra(:, :, :)
-      real(wp), allocatable :: filtered(:, :, :) !! (3) Sum of the series of velocities [m/s]
-      real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
-      real(wp), allocatable :: loss(:, :, :)         !! (1) Kinetic energy that it loses [J/kg]
-      real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
-      !> Patch (7): volume, stress times volume; (20) for stress differences: the same and the force
-      !! of unit stress
-      real(wp), allocatable :: mean(:, :, :)
-      real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress [Pa]
-      real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
-      real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
-      !> With normalised sums. Patch (5 or 6): mass, volume, volume times 1 - alpha of three
-      !! directions, volume beyond the scope; patch (1): volume of full cells [m3]; (7): factors of
-      !! the three directions [1/m3], how far cells around are full [1], and of the three directions
-      !! those of the plain sums [1]
-      real(wp), allocatable :: counted(:, :, :), covered(:, :, :), normal(:, :, :)
-      real(wp), allocatable :: present(:, :, :)      !! (1) Of all cells, with rigid regions [m3]
-      real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
-      real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
-      type(packed_patch_t) :: share                        !! (1) Volume of the dual gradient [m3]
-      real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
-      real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if requested [m3]
-      type(packed_patch_t) :: force                        !! (3) Force of the node stress [N]
-      !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
-      !! of two, of the velocity before the step [m3/s]
-      type(packed_patch_t) :: gradient, middle, earlier
-      !> (3) Velocity increments from walls and gravity that are recorded later: with contact, and
-      !! with musl; with musl also those that boundaries remove from the velocities before the step
-      !! [m/s]
-      real(wp), allocatable :: push(:, :, :), taken(:, :, :)
-      real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
-   contains
-      procedure :: slot => nodes_slot                !! Where the fields of a tile are
-   end type nodes_t
 
    integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
 
@@ -113,6 +56,8 @@ module step_simulation
       real(wp), allocatable :: reach(:, :, :)
       logical, allocatable :: meets(:)               !! (tile) Are there nodes of several fields?
       logical, allocatable :: broken(:, :, :)        !! (field, node, tile) Does a bond break now?
+   contains
+      procedure :: words => contact_words            !! Reals in its node fields
    end type contact_t
 
    !> Conduction of heat: node fields as above; those of the dual gradient only with it.
@@ -127,6 +72,8 @@ module step_simulation
       real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
       real(wp), allocatable :: slope(:, :, :)        !! Patch (9): gradient in rows 1, 4, 7 [K m2]
       real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
+   contains
+      procedure :: words => conduction_words         !! Reals in its node fields
    end type conduction_t
 
    !> Artificial heat flux of one material at a time.
@@ -134,6 +81,8 @@ module step_simulation
       real(wp), allocatable :: content(:, :, :)      !! Patch (2): mass [kg], internal energy [J]
       real(wp), allocatable :: flux(:, :, :)         !! Patch (1): conductance, then energy [J]
       real(wp), allocatable :: total(:, :, :)        !! (3) Sums of the content, limit of the flux
+   contains
+      procedure :: words => heat_flux_words          !! Reals in its node fields
    end type heat_flux_t
 
    !> The node that would exceed the bounds on displacement most in a step.
@@ -271,14 +220,29 @@ module step_simulation
 
 contains
 
-   !> Index of the fields of a tile: its own, or that of the thread that works on it.
-   integer function nodes_slot(self, tile) result(slot)
-      class(nodes_t), intent(in) :: self
-      integer, intent(in) :: tile
+   !> Reals in the node fields of contact.
+   pure integer(int64) function contact_words(self) result(words)
+      class(contact_t), intent(in) :: self
 
-      slot = tile
-      if (self%lean) slot = 1 + omp_get_thread_num()
-   end function nodes_slot
+      words = array_words(self%outward) + array_words(self%area) + array_words(self%reach)
+   end function contact_words
+
+   !> Reals in the node fields of heat conduction.
+   pure integer(int64) function conduction_words(self) result(words)
+      class(conduction_t), intent(in) :: self
+
+      words = array_words(self%content) + array_words(self%total) + array_words(self%temperature) &
+         + array_words(self%flow) + array_words(self%share) + array_words(self%volume) &
+         + array_words(self%slope) + array_words(self%push)
+      if (allocated(self%weight)) words = words + size(self%weight, kind=int64)
+   end function conduction_words
+
+   !> Reals in the node fields of the artificial heat flux.
+   pure integer(int64) function heat_flux_words(self) result(words)
+      class(heat_flux_t), intent(in) :: self
+
+      words = array_words(self%content) + array_words(self%flux) + array_words(self%total)
+   end function heat_flux_words
 
    !> Record the load balance of a step.
    pure subroutine load_look(self, step, ratio)

@@ -36,7 +36,8 @@ contains
       integer :: index, n
 
       do index = field%first_store, field%last_store
-         call find_full(simulation%space, simulation%scheme, field, index, full)
+         call find_full(simulation%space, simulation%scheme, simulation%machine, field, index, &
+            full)
          call split_store(simulation%scheme%method%splitting, full, simulation%space%grid, &
             simulation%space%boundary, simulation%space%tiles, simulation%stores(index), gain)
          simulation%clock%halved = simulation%clock%halved + size(gain)

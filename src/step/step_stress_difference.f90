@@ -13,6 +13,7 @@ module step_stress_difference
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
+   use step_tile_cost, only: cost_clock, record_cost
    use transfer_scatter, only: dual_columns
    implicit none
    private
@@ -29,37 +30,46 @@ contains
    subroutine find_difference(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
+      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
 
       associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
          call simulation%machine%timer%start(simulation%machine%phase%scatter)
-         call ensure_patch(nodes%mean, columns, number, simulation%space%tiles%own)
+         call ensure_patch(nodes%stress%mean, columns, number, simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
-            !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
+            !$omp parallel do default(none) shared(simulation, field, tiles) private(began, n) &
             !$omp schedule(dynamic, 1)
             do n = 1, size(tiles)
+               began = cost_clock(simulation%machine)
                call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
                   tiles(n), &
-                  field%nodes%mean(:, :, tiles(n)))
+                  field%nodes%stress%mean(:, :, tiles(n)))
+               call record_cost(simulation%machine, tiles(n), began)
             end do
             !$omp end parallel do
-            call pass_patches(simulation, part, nodes%mean)
+            call pass_patches(simulation, part, nodes%stress%mean)
          end do
          call simulation%machine%timer%stop(simulation%machine%phase%scatter)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
-         call ensure_patch(nodes%star, 6, number, simulation%space%tiles%all)
-         call ensure_patch(nodes%unit, 3, number, simulation%space%tiles%all)
-         call ensure_patch(nodes%difference, 3, number, simulation%space%tiles%all)
-         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         call ensure_patch(nodes%stress%star, 6, number, simulation%space%tiles%all)
+         call ensure_patch(nodes%stress%unit, 3, number, simulation%space%tiles%all)
+         call ensure_patch(nodes%stress%difference, 3, number, simulation%space%tiles%all)
+         !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
+         !$omp schedule(static)
          do tile = 1, simulation%space%tiles%all
+            began = cost_clock(simulation%machine)
             call unit_tile(simulation, field, tile)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
-         !$omp parallel do default(none) shared(simulation, field) private(tile) schedule(static)
+         !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
+         !$omp schedule(static)
          do tile = 1, simulation%space%tiles%all
+            began = cost_clock(simulation%machine)
             call difference_tile(simulation, field, tile)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
          call simulation%machine%timer%stop(simulation%machine%phase%grid)
@@ -117,22 +127,23 @@ contains
       integer :: node, k
 
       associate (nodes => field%nodes)
-         call assemble(simulation%space%grid, simulation%space%tiles, nodes%mean, tile, total)
-         nodes%star(:before, :, tile) = total(:before, :)
-         nodes%star(before + 1:, :, tile) = total(dual_columns + 1:columns - 1, :)
-         call divide(total, columns, nodes%star(:, :, tile))
-         nodes%difference(:, :, tile) = total(before + 1:before + 3, :)
+         call assemble(simulation%space%grid, simulation%space%tiles, nodes%stress%mean, tile, &
+            total)
+         nodes%stress%star(:before, :, tile) = total(:before, :)
+         nodes%stress%star(before + 1:, :, tile) = total(dual_columns + 1:columns - 1, :)
+         call divide(total, columns, nodes%stress%star(:, :, tile))
+         nodes%stress%difference(:, :, tile) = total(before + 1:before + 3, :)
          stress = total(before + 5:dual_columns, :)
-         call divide(nodes%volume(:, :, tile), 1, stress)
+         call divide(nodes%dual%volume(:, :, tile), 1, stress)
          do node = 1, size(stress, 2)
             do k = 1, 9, 4
                stress(k, node) = stress(k, node) - 1.0_wp
             end do
          end do
-         nodes%unit(:, :, tile) = 0.0_wp
+         nodes%stress%unit(:, :, tile) = 0.0_wp
          call simulation%scheme%dual%add_force(simulation%space%grid, &
             simulation%space%tiles%coordinate(:, tile), &
-            nodes%weight(:, tile), stress, nodes%unit(:, :, tile))
+            nodes%dual%weight(:, tile), stress, nodes%stress%unit(:, :, tile))
       end associate
    end subroutine unit_tile
 
@@ -148,10 +159,10 @@ contains
       integer :: node, k
 
       associate (nodes => field%nodes)
-         call assemble(simulation%space%grid, simulation%space%tiles, nodes%unit, tile, unit)
+         call assemble(simulation%space%grid, simulation%space%tiles, nodes%stress%unit, tile, unit)
          do node = 1, size(stress, 2)
             do k = 1, 9
-               stress(k, node) = nodes%star(component(k), node, tile)
+               stress(k, node) = nodes%stress%star(component(k), node, tile)
             end do
          end do
          call simulation%space%boundary%mirror(simulation%space%grid, &
@@ -160,10 +171,10 @@ contains
          call find_inside(simulation%space, field, tile, inside)
          do node = 1, size(stress, 2)
             do k = 1, 3
-               unit(k, node) = inside(node)*(unit(k, node) + nodes%difference(k, node, tile))
+               unit(k, node) = inside(node)*(unit(k, node) + nodes%stress%difference(k, node, tile))
             end do
             do k = 1, 3
-               nodes%difference(k, node, tile) = -(stress(k, node)*unit(1, node) &
+               nodes%stress%difference(k, node, tile) = -(stress(k, node)*unit(1, node) &
                   + stress(k + 3, node)*unit(2, node) + stress(k + 6, node)*unit(3, node))
             end do
          end do
@@ -186,7 +197,7 @@ contains
       inside = 0.0_wp
       do node = 1, size(inside)
          if (around(node) > 0.0_wp) inside(node) = max(0.0_wp, &
-            1.0_wp - cells*(1.0_wp - field%nodes%volume(1, node, tile)/around(node)))
+            1.0_wp - cells*(1.0_wp - field%nodes%dual%volume(1, node, tile)/around(node)))
       end do
    end subroutine find_inside
 end module step_stress_difference

@@ -14,6 +14,7 @@ module step_tile_rotation
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
    use step_simulation, only: simulation_t, space_t
+   use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
@@ -28,6 +29,7 @@ contains
    !> Give all particles the rotation of the material around them. The particles are sorted.
    subroutine smooth_rotation(simulation)
       type(simulation_t), intent(inout) :: simulation !! Its particles carry a rotation
+      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n, tile
 
@@ -36,16 +38,21 @@ contains
          simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, tiles) private(n) schedule(dynamic, 1)
+         !$omp parallel do default(none) shared(simulation, tiles) private(began, n) &
+         !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
+            began = cost_clock(simulation%machine)
             call add_tile(simulation, tiles(n), simulation%effects%turn(:, :, tiles(n)))
+            call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
          call pass_patches(simulation, part, simulation%effects%turn)
       end do
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic, 1)
+      !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(dynamic, 1)
       do tile = 1, simulation%space%tiles%own
+         began = cost_clock(simulation%machine)
          call turn_tile(simulation, tile)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%scatter)

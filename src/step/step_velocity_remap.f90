@@ -8,11 +8,11 @@ module step_velocity_remap
    use particle_store, only: store_t
    use step_dual_gradient, only: node_gradient
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
-   use step_move_nodes, only: record_push
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
-   use step_walls, only: take_held, walls_touch
+   use step_tile_cost, only: cost_clock, record_cost
+   use step_walls, only: record_push, take_held, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
    use transfer_shape_data, only: shape_data_t, spare
@@ -28,30 +28,37 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: began
       integer :: sweep, tile
 
       associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes, &
          own => simulation%space%tiles%own)
-         call ensure_patch(nodes%filtered, 3, number, own)
-         call ensure_patch(nodes%term, 3, number, own)
-         call ensure_patch(nodes%loss, 1, number, own)
+         call ensure_patch(nodes%series%filtered, 3, number, own)
+         call ensure_patch(nodes%series%term, 3, number, own)
+         call ensure_patch(nodes%series%loss, 1, number, own)
       end associate
-      !$omp parallel do default(none) shared(simulation, field, dt) private(tile) schedule(static)
+      !$omp parallel do default(none) shared(simulation, field, dt) private(began, tile) &
+      !$omp schedule(static)
       do tile = 1, simulation%space%tiles%own
-         call simulation%scheme%method%transfer%first_term(dt, field%nodes%velocity(:, :, tile), &
-            field%nodes%acceleration(:, :, tile), field%nodes%term(:, :, tile))
-         field%nodes%filtered(:, :, tile) = field%nodes%term(:, :, tile)
-         field%nodes%loss(:, :, tile) = 0.0_wp
+         began = cost_clock(simulation%machine)
+         call simulation%scheme%method%transfer%first_term(dt, field%nodes%motion%velocity(:, :, &
+            tile), &
+            field%nodes%motion%acceleration(:, :, tile), field%nodes%series%term(:, :, tile))
+         field%nodes%series%filtered(:, :, tile) = field%nodes%series%term(:, :, tile)
+         field%nodes%series%loss(:, :, tile) = 0.0_wp
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       do sweep = 1, simulation%scheme%method%transfer%sweeps()
          call spread_terms(simulation, field)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
-         !$omp parallel do default(none) shared(simulation, field, dt, sweep) private(tile) &
+         !$omp parallel do default(none) shared(simulation, field, dt, sweep) private(began, tile) &
          !$omp schedule(static)
          do tile = 1, simulation%space%tiles%own
+            began = cost_clock(simulation%machine)
             call add_term(simulation, field, simulation%scratch(omp_get_thread_num()), tile, &
                sweep, dt)
+            call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
          call simulation%machine%timer%stop(simulation%machine%phase%grid)
@@ -62,23 +69,26 @@ contains
    subroutine spread_terms(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
+      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n
 
       call simulation%machine%timer%start(simulation%machine%phase%scatter)
-      call ensure_patch(field%nodes%extra, 3, simulation%space%grid%tile_nodes, &
+      call ensure_patch(field%nodes%series%extra, 3, simulation%space%grid%tile_nodes, &
          simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, field, tiles) private(n) &
+         !$omp parallel do default(none) shared(simulation, field, tiles) private(began, n) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
+            began = cost_clock(simulation%machine)
             call spread_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
                tiles(n), &
-               field%nodes%term(:, :, tiles(n)), field%nodes%extra(:, :, tiles(n)))
+               field%nodes%series%term(:, :, tiles(n)), field%nodes%series%extra(:, :, tiles(n)))
+            call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, field%nodes%extra)
+         call pass_patches(simulation, part, field%nodes%series%extra)
       end do
       call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine spread_terms
@@ -124,22 +134,23 @@ contains
       real(wp) :: ended(3, simulation%space%grid%tile_nodes)
 
       associate (grid => simulation%space%grid, nodes => field%nodes, &
-         term => field%nodes%term(:, :, tile), transfer => simulation%scheme%method%transfer)
-         call assemble(grid, simulation%space%tiles, nodes%extra, tile, again)
-         call divide(nodes%mass(:, :, tile), 1, again)
+         term => field%nodes%series%term(:, :, tile), transfer => simulation%scheme%method%transfer)
+         call assemble(grid, simulation%space%tiles, nodes%series%extra, tile, again)
+         call divide(nodes%motion%mass(:, :, tile), 1, again)
          again = term - again
          if (walls_touch(simulation, tile)) then
-            ended = nodes%velocity(:, :, tile) + dt*nodes%acceleration(:, :, tile)
+            ended = nodes%motion%velocity(:, :, tile) + dt*nodes%motion%acceleration(:, :, tile)
             free = again
-            call take_held(simulation, tile, nodes%velocity(:, :, tile), again)
+            call take_held(simulation, tile, nodes%motion%velocity(:, :, tile), again)
             free = again - free
             call record_push(simulation%space, field, scratch%ledger, tile, free, ended)
          end if
-         if (simulation%scheme%carries_energy) nodes%loss(1, :, tile) = nodes%loss(1, :, tile) &
+         if (simulation%scheme%carries_energy) nodes%series%loss(1, :, tile) = &
+            nodes%series%loss(1, :, tile) &
             + transfer%loss_weight(2*sweep - 1)*sum(term*again, dim=1) &
             + transfer%loss_weight(2*sweep)*sum(again**2, dim=1)
          term = again
-         nodes%filtered(:, :, tile) = nodes%filtered(:, :, tile) + again
+         nodes%series%filtered(:, :, tile) = nodes%series%filtered(:, :, tile) + again
       end associate
    end subroutine add_term
 
@@ -156,10 +167,10 @@ contains
       slot = field%nodes%slot(tile)
       if (.not. allocated(filtered)) allocate (filtered(3, space%grid%tile_nodes))
       if (scheme%method%transfer%sweeps() > 0) then
-         filtered = field%nodes%filtered(:, :, tile)
+         filtered = field%nodes%series%filtered(:, :, tile)
       else
-         call scheme%method%transfer%first_term(dt, field%nodes%velocity(:, :, slot), &
-            field%nodes%acceleration(:, :, slot), filtered)
+         call scheme%method%transfer%first_term(dt, field%nodes%motion%velocity(:, :, slot), &
+            field%nodes%motion%acceleration(:, :, slot), filtered)
       end if
    end subroutine find_filtered
 
@@ -169,24 +180,28 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
+      real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: part, n
 
       call simulation%machine%timer%start(simulation%machine%phase%scatter)
-      call ensure_patch(field%nodes%extra, merge(4, 3, simulation%scheme%method%transfer%affine() &
+      call ensure_patch(field%nodes%series%extra, merge(4, 3, &
+         simulation%scheme%method%transfer%affine() &
          .and. .not. simulation%scheme%method%averages()), &
          simulation%space%grid%tile_nodes, simulation%space%tiles%own)
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
-         !$omp parallel do default(none) shared(simulation, field, dt, tiles) private(n) &
+         !$omp parallel do default(none) shared(simulation, field, dt, tiles) private(began, n) &
          !$omp schedule(dynamic, 1)
          do n = 1, size(tiles)
+            began = cost_clock(simulation%machine)
             call scatter_tile(simulation, field, simulation%scratch(omp_get_thread_num()), &
                tiles(n), dt, &
-               field%nodes%extra(:, :, tiles(n)))
+               field%nodes%series%extra(:, :, tiles(n)))
+            call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, field%nodes%extra)
+         call pass_patches(simulation, part, field%nodes%series%extra)
       end do
       call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine scatter_again
@@ -209,19 +224,19 @@ contains
       if (simulation%scheme%method%dual .and. simulation%scheme%method%transfer%affine() .and. &
          .not. &
          simulation%scheme%method%averages()) call node_gradient(simulation%space, field, tile, &
-         field%nodes%gradient, gradient)
+         field%nodes%dual%gradient, gradient)
       call find_filtered(simulation%space, simulation%scheme, field, tile, dt, filtered)
       call simulation%scheme%method%transfer%velocity_increment(dt, &
-         field%nodes%acceleration(:, :, tile), filtered, push)
+         field%nodes%motion%acceleration(:, :, tile), filtered, push)
       keep = simulation%scheme%method%transfer%flip_fraction()
       if (simulation%scheme%method%averages()) then
-         ! the gain of particles; the PIC fraction acts after the strain of the step, and rotations
-         ! do not change
-         if (keep > 0.0_wp) push = dt*field%nodes%acceleration(:, :, tile)
+         ! what particles gain; the share of PIC acts after the strain of the step, which does not
+         ! see it, and rotations stay as they are
+         if (keep > 0.0_wp) push = dt*field%nodes%motion%acceleration(:, :, tile)
          keep = merge(0.0_wp, -1.0_wp, keep > 0.0_wp)
       end if
-      after = field%nodes%velocity(:, :, tile) &
-         + dt*field%nodes%acceleration(:, :, tile)
+      after = field%nodes%motion%velocity(:, :, tile) &
+         + dt*field%nodes%motion%acceleration(:, :, tile)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%space%grid, store => simulation%stores(index), &

@@ -1,13 +1,18 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Walls on the nodes of a tile: boundaries of the domain and rigid regions.
+!> Walls on the nodes of a tile: boundaries of the domain and rigid regions. Impulse and work of
+!! walls and of gravity.
 module step_walls
    use base_kinds, only: wp
    use mesh_rigid, only: held_t
-   use step_simulation, only: simulation_t, velocity_field_t
+   use step_dissipation, only: record_damped
+   use step_ledger, only: cross, external_work, impulse, ledger_t, torque
+   use step_simulation, only: scheme_t, simulation_t, space_t, velocity_field_t
+   use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
-   public :: impose_walls, keep_at_walls, stand_walls, stop_at_walls, take_held, walls_touch
+   public :: impose_walls, keep_at_walls, record_push, record_stopped, stand_walls, stop_at_walls
+   public :: take_held, walls_touch
 
 contains
 
@@ -35,6 +40,7 @@ contains
    subroutine find_held(simulation)
       type(simulation_t), intent(inout) :: simulation !! Has rigid regions
       type(held_t), allocatable :: longer(:)
+      real(wp) :: began
       integer :: tile
 
       associate (rigid => simulation%space%rigid, all => simulation%space%tiles%all)
@@ -45,10 +51,12 @@ contains
             call move_alloc(longer, rigid%held)
          end if
       end associate
-      !$omp parallel do default(none) shared(simulation) private(tile) schedule(dynamic)
+      !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(dynamic)
       do tile = 1, simulation%space%tiles%all
+         began = cost_clock(simulation%machine)
          call simulation%space%rigid%hold(simulation%space%grid, simulation%space%boundary, &
             simulation%space%tiles%coordinate(:, tile), simulation%space%rigid%held(tile))
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
       simulation%space%rigid%switched = .false.
@@ -123,8 +131,8 @@ contains
       if (.not. (simulation%space%boundary%has_friction() .or. &
          allocated(simulation%space%rigid))) return
       if (.not. walls_touch(simulation, tile)) return
-      ended = field%nodes%velocity(:, :, tile) &
-         + simulation%clock%kick*field%nodes%acceleration(:, :, tile)
+      ended = field%nodes%motion%velocity(:, :, tile) &
+         + simulation%clock%kick*field%nodes%motion%acceleration(:, :, tile)
       if (simulation%space%boundary%has_friction()) call &
          simulation%space%boundary%hold_pressed(simulation%space%grid, &
          simulation%space%tiles%coordinate(:, tile), ended, velocity)
@@ -168,4 +176,62 @@ contains
       if (allocated(simulation%space%rigid)) call simulation%space%rigid%take(tile, velocity, &
          open, change)
    end subroutine take_held
+
+   !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
+   !! of which all that this share takes is recorded: so that much of it is no work. Equation (L.13)
+   !! of doc/theory/ledger.md.
+   subroutine record_stopped(space, scheme, field, ledger, tile, change, velocity)
+      type(space_t), intent(in) :: space
+      type(scheme_t), intent(in) :: scheme
+      type(velocity_field_t), intent(in) :: field
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: change(:, :)           !! (3, node) What walls changed [m/s]
+      real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is recorded [m/s]
+      real(wp) :: own(field%nodes%motion%packed(1)%rows, size(change, 2)), stopped
+      integer :: node
+
+      call field%nodes%motion%packed(1)%get(space%grid, field%nodes%motion%touched, tile, own)
+      stopped = 0.0_wp
+      do node = 1, size(change, 2)
+         stopped = stopped + own(1, node)*dot_product(change(:, node), velocity(:, node))
+      end do
+      call record_damped(ledger, (1.0_wp - scheme%method%transfer%flip_fraction())*stopped)
+   end subroutine record_stopped
+
+   !> Record impulse, its moment, and work of a push on the nodes of a tile.
+   subroutine record_push(space, field, ledger, tile, push, velocity, more)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: field
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
+      real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
+      real(wp), intent(in), optional :: more(:)      !! (node) Work besides that of the push [J/kg]
+      real(wp) :: own(field%nodes%motion%packed(1)%rows, size(push, 2))
+      real(wp) :: total(3), turn(3), work, part(3), corner(3), place(3)
+      integer :: node, k
+
+      total = 0.0_wp
+      turn = 0.0_wp
+      work = 0.0_wp
+      corner = space%grid%tile_corner(space%tiles%coordinate(:, tile))
+      call field%nodes%motion%packed(1)%get(space%grid, field%nodes%motion%touched, tile, own)
+      do node = 1, size(push, 2)
+         ! faces push few of the nodes
+         if (.not. abs(push(1, node)) + abs(push(2, node)) + abs(push(3, node)) > 0.0_wp) cycle
+         if (.not. own(1, node) > 0.0_wp) cycle
+         part = own(1, node)*push(:, node)
+         place = corner + space%grid%spacing*real(space%grid%node_position(node), wp)
+         total = total + part
+         turn = turn + cross(place, part)
+         work = work + dot_product(part, velocity(:, node))
+         if (present(more)) work = work + own(1, node)*more(node)
+      end do
+      do k = 1, 3
+         call ledger%sums(impulse + k - 1)%add(total(k))
+         call ledger%sums(torque + k - 1)%add(turn(k))
+      end do
+      call ledger%sums(external_work)%add(work)
+   end subroutine record_push
 end module step_walls

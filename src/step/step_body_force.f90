@@ -1,18 +1,48 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The body force of a manufactured solution.
-module step_exact_force
+!> Body forces: gravity, constant or with a table of time (`gravity_table` of &effects), and the
+!! force that makes a manufactured solution true.
+!!
+!! In a step gravity is the mean of the table over the time in which the forces of this step act:
+!! the integral of its straight lines, equation (R.4) of doc/theory/rigid.md. So the impulse of a
+!! run is that of the table whatever the steps are, and work and impulse are recorded as those of
+!! constant gravity. Between steps gravity is that of the present time; nothing is kept for a
+!! restart.
+module step_body_force
    use base_kinds, only: wp
    use exact_solution, only: exact_t
    use omp_lib, only: omp_get_thread_num
    use step_ledger, only: cross, external_work, impulse, torque
    use step_particles_to_nodes, only: locate_particles
-   use step_simulation, only: scratch_t, simulation_t, velocity_field_t
+   use step_simulation, only: clock_t, effects_t, scheme_t, scratch_t, simulation_t, &
+      velocity_field_t
+   use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
-   public :: record_body_force
+   public :: act_gravity, record_body_force, update_gravity
 
 contains
+
+   !> Let gravity be its mean over the time in which the forces of a step act.
+   pure subroutine act_gravity(scheme, effects, clock)
+      type(scheme_t), intent(in) :: scheme
+      type(effects_t), intent(inout) :: effects
+      type(clock_t), intent(in) :: clock
+      real(wp) :: from
+
+      if (.not. allocated(effects%shaking)) return
+      from = clock%time - scheme%method%lag(clock%dt)
+      if (clock%kick > 0.0_wp) &
+         effects%gravity = effects%shaking%mean(from, clock%kick)
+   end subroutine act_gravity
+
+   !> Let gravity be that of the present time.
+   pure subroutine update_gravity(simulation)
+      type(simulation_t), intent(inout) :: simulation
+
+      if (allocated(simulation%effects%shaking)) &
+         simulation%effects%gravity = simulation%effects%shaking%velocity(simulation%clock%time)
+   end subroutine update_gravity
 
    !> Record impulse, its moment and work of the body force, particle by particle. The particles are
    !! at the positions at which they gave the force to the nodes, and the mean velocities are known.
@@ -20,12 +50,15 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp) :: began
       integer :: tile
 
-      !$omp parallel do default(none) shared(simulation, field, dt) private(tile) &
+      !$omp parallel do default(none) shared(simulation, field, dt) private(began, tile) &
       !$omp schedule(dynamic, 1)
       do tile = 1, simulation%space%tiles%own
+         began = cost_clock(simulation%machine)
          call record_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile, dt)
+         call record_cost(simulation%machine, tile, began)
       end do
       !$omp end parallel do
    end subroutine record_body_force
@@ -44,8 +77,8 @@ contains
       total = 0.0_wp
       turn = 0.0_wp
       work = 0.0_wp
-      carry = field%nodes%velocity(:, :, tile) &
-         + 0.5_wp*dt*field%nodes%acceleration(:, :, tile)
+      carry = field%nodes%motion%velocity(:, :, tile) &
+         + 0.5_wp*dt*field%nodes%motion%acceleration(:, :, tile)
       do index = 1, size(simulation%stores)
          if (simulation%stores(index)%count(tile) == 0) cycle
          if (.not. allocated(simulation%effects%exact%material(index)%solution)) cycle
@@ -77,4 +110,4 @@ contains
       end do
       call scratch%ledger%sums(external_work)%add(work)
    end subroutine record_tile
-end module step_exact_force
+end module step_body_force
