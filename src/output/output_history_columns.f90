@@ -11,7 +11,7 @@ module output_history_columns
    use output_table_stream, only: heading_length
    use particle_store, only: store_t
    use step_diagnostics, only: examine_shapes, shapes_look_t
-   use step_exact_error, only: error_columns, take_errors
+   use step_exact_error, only: error_columns, measure_errors
    use step_ledger, only: balance_t, ledger_entries
    use step_simulation, only: simulation_t
    implicit none
@@ -114,7 +114,7 @@ contains
             if (name_of(list(k)) == fields(n)) exit
             if (fields(n) == other_name .and. name_of(list(k)) == "failed_mass") exit
          end do
-         fault = fault_of(fields(n), k, with_exact, grid, with_gravity)
+         fault = find_fault(fields(n), k, with_exact, grid, with_gravity)
          if (fault /= "") then
             call fail(error, exit_input, "output field '"//trim(fields(n))//"' "//fault)
             return
@@ -135,7 +135,7 @@ contains
    end subroutine take
 
    !> What is wrong with a name; empty if nothing is.
-   pure function fault_of(name, number, with_exact, grid, with_gravity) result(text)
+   pure function find_fault(name, number, with_exact, grid, with_gravity) result(text)
       character(len=*), intent(in) :: name           !! As in the deck
       integer, intent(in) :: number                  !! Of the column, 0 = there is none
       logical, intent(in) :: with_exact              !! Is there an exact solution?
@@ -166,7 +166,7 @@ contains
       lacks = n == height .and. .not. grid%active(3)
       if (n >= front .and. n < stretch) lacks = .not. grid%active(mod(n - front, 3) + 1)
       if (lacks) text = "is along a direction that the scene lacks; remove it"
-   end function fault_of
+   end function find_fault
 
    !> Names of the columns with units.
    pure function columns_headings(self) result(headings)
@@ -195,7 +195,7 @@ contains
          simulation%clock%dt, now%entry, &
          now%total, now%mass_error, now%momentum_error, now%angular_error, now%energy_error]
       if (allocated(simulation%effects%exact)) then
-         call take_errors(simulation)
+         call measure_errors(simulation)
          values(all_ledger + 1:all_ledger + all_errors) = simulation%effects%exact%error
       end if
       associate (more => values(all_ledger + all_errors + 1:))

@@ -14,7 +14,7 @@ module output_summary
    use output_checkpoint, only: describe_state
    use output_streams, only: outputs_t
    use output_summary_steps, only: add_rules, steps_text
-   use step_exact_error, only: take_errors
+   use step_exact_error, only: measure_errors
    use step_ledger, only: balance_t, ledger_entries, removed_mass, removed_particles
    use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles
@@ -72,7 +72,7 @@ contains
       call count_traffic(simulation, traffic)
       if (simulation%machine%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)
-      if (allocated(simulation%effects%exact)) call take_errors(simulation)
+      if (allocated(simulation%effects%exact)) call measure_errors(simulation)
       if (simulation%machine%communicator%rank /= 0) return
       call add_end(json, outputs%case, code, reason)
       call json%add("steps", simulation%clock%step)

@@ -7,7 +7,7 @@ module program_trial_steps
    use program_next_step, only: choose_step
    use program_run_limits, only: limits_t
    use step_advance, only: advance
-   use step_exact_error, only: take_errors
+   use step_exact_error, only: measure_errors
    use step_ledger, only: balance_t
    use step_simulation, only: simulation_t
    implicit none
@@ -93,7 +93,7 @@ contains
       call simulation%balance%ledger%balance(simulation%machine%communicator, &
          simulation%space%grid, simulation%stores, &
          simulation%materials, now)
-      if (allocated(simulation%effects%exact)) call take_errors(simulation)
+      if (allocated(simulation%effects%exact)) call measure_errors(simulation)
       seconds = process_seconds() - begin
    end function time_history_row
 end module program_trial_steps

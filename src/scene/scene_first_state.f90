@@ -6,10 +6,10 @@ module scene_first_state
    use base_error, only: error_t
    use particle_fill, only: body_t
    use scene_exact_start, only: place_exact, strain_exact
-   use scene_lithostatic, only: weigh_down
+   use scene_lithostatic, only: add_weight_stress
    use scene_particles, only: fill_simulation, first_step, spin_bodies, survey_t
-   use scene_points_clock, only: take_clock
-   use scene_points_fields, only: take_fields
+   use scene_points_clock, only: continue_clock
+   use scene_points_fields, only: read_point_fields
    use scene_regions, only: named_shape_t
    use scene_velocity_formula, only: add_formula_velocities
    use step_body_force, only: update_gravity
@@ -31,17 +31,17 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       call fill_simulation(simulation, bodies, survey)
-      call take_fields(simulation, bodies, shapes, error)
+      call read_point_fields(simulation, bodies, shapes, error)
       if (allocated(error)) return
       call spin_bodies(simulation, bodies)
       call add_formula_velocities(simulation, bodies, error)
       if (allocated(error)) return
-      call weigh_down(simulation, bodies)
+      call add_weight_stress(simulation, bodies)
       call place_exact(simulation, error)
       if (allocated(error)) return
       call strain_exact(simulation)
       call first_step(simulation)
-      call take_clock(simulation, bodies, shapes)
+      call continue_clock(simulation, bodies, shapes)
       call update_gravity(simulation)
       call simulation%balance%ledger%balance(simulation%machine%communicator, &
          simulation%space%grid, &

@@ -18,7 +18,7 @@ module scene_lithostatic
    implicit none
    private
 
-   public :: read_lithostatic, weigh_down
+   public :: read_lithostatic, add_weight_stress
 
 contains
 
@@ -54,7 +54,7 @@ contains
    end subroutine read_lithostatic
 
    !> Give the particles of bodies the stress of their weight. All shapes are still there.
-   subroutine weigh_down(simulation, bodies)
+   subroutine add_weight_stress(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)
       integer :: index
@@ -65,7 +65,7 @@ contains
          call weigh_store(simulation%space%grid, simulation%effects%gravity, bodies, &
             simulation%materials(index), simulation%stores(index))
       end do
-   end subroutine weigh_down
+   end subroutine add_weight_stress
 
    !> Particles of a material.
    subroutine weigh_store(grid, gravity, bodies, material, store)

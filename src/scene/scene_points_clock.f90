@@ -14,7 +14,7 @@ module scene_points_clock
    implicit none
    private
 
-   public :: check_clocks, take_clock
+   public :: check_clocks, continue_clock
 
 contains
 
@@ -76,7 +76,7 @@ contains
 
    !> Set the previous time step, and the first one to the next step of the run that wrote the
    !! snapshot, unless this exceeds the allowed growth over the step that the particles permit.
-   subroutine take_clock(simulation, bodies, shapes)
+   subroutine continue_clock(simulation, bodies, shapes)
       type(simulation_t), intent(inout) :: simulation !! The run, its first step is known
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
@@ -93,5 +93,5 @@ contains
       end do
       if (dt <= simulation%scheme%method%step_growth*simulation%clock%dt_next) &
          simulation%clock%dt_next = dt
-   end subroutine take_clock
+   end subroutine continue_clock
 end module scene_points_clock

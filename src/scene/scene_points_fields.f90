@@ -17,7 +17,7 @@ module scene_points_fields
    implicit none
    private
 
-   public :: take_fields
+   public :: read_point_fields
 
    integer, parameter :: piece = 1048576             !! Rows that are read at once
 
@@ -39,7 +39,7 @@ module scene_points_fields
 contains
 
    !> Give the particles of bodies from files what the files say of them. Collective.
-   subroutine take_fields(simulation, bodies, shapes, error)
+   subroutine read_point_fields(simulation, bodies, shapes, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
@@ -64,7 +64,7 @@ contains
          end associate
          if (allocated(error)) return
       end do
-   end subroutine take_fields
+   end subroutine read_point_fields
 
    !> Particles of a body and their rows.
    subroutine find_particles(store, body, rows, putter)

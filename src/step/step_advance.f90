@@ -3,25 +3,26 @@
 module step_advance
    use base_error, only: error_t
    use base_kinds, only: wp
-   use step_body_force, only: act_gravity, record_body_force, update_gravity
+   use step_body_force, only: average_gravity, record_body_force, update_gravity
    use step_conduction, only: conduct_heat
-   use step_contact, only: break_bonds, touch_bodies
-   use step_contact_surface, only: find_surfaces
-   use step_dual_gradient, only: dual_fields
-   use step_heat_flux, only: smear_heat
-   use step_mean_stress, only: find_star
+   use step_contact, only: apply_contact, break_bonds
+   use step_contact_surface, only: find_contact_surfaces
+   use step_dual_gradient, only: apply_dual_gradient
+   use step_heat_flux, only: add_artificial_heat_flux
+   use step_mean_stress, only: find_mean_stress
    use step_method, only: stress_before
-   use step_move_nodes, only: finish_nodes, move_nodes, remap_nodes, start_nodes
+   use step_move_nodes, only: find_remapped_velocities, finish_node_motion, move_nodes, &
+      start_node_motion
    use step_nodes_to_particles, only: gather_parts_t, nodes_to_particles
-   use step_normalised_sums, only: find_factors
+   use step_normalised_sums, only: find_edge_factors
    use step_particles_to_nodes, only: particles_to_nodes
-   use step_retry, only: judge_nodes
+   use step_retry, only: check_node_displacement
    use step_simulation, only: simulation_t, velocity_field_t
    use step_sort_particles, only: count_particles, sort_particles, split_particles
-   use step_stress_difference, only: find_difference
-   use step_tile_rotation, only: smooth_rotation
-   use step_time_step, only: close_step
-   use step_velocity_remap, only: filter_nodes, scatter_again
+   use step_stress_difference, only: find_stress_difference
+   use step_tile_rotation, only: smooth_tile_rotation
+   use step_time_step, only: finish_step
+   use step_velocity_remap, only: filter_velocities, remap_momentum
    implicit none
    private
 
@@ -40,7 +41,7 @@ contains
       dt = dt_preferred
       if (allocated(simulation%effects%exact)) simulation%effects%exact%force_time = &
          simulation%clock%time
-      if (simulation%scheme%method%smooth_turn) call smooth_rotation(simulation)
+      if (simulation%scheme%method%smooth_turn) call smooth_tile_rotation(simulation)
       if (simulation%scheme%method%strains_first()) call strain_before(simulation, dt)
       do n = 1, size(simulation%fields)
          call find_forces(simulation, simulation%fields(n))
@@ -48,14 +49,14 @@ contains
       call move_all_nodes(simulation, dt, error)
       if (allocated(error)) return
       if (allocated(simulation%effects%conduction)) call conduct_heat(simulation, dt)
-      if (simulation%scheme%method%heat_flux > 0.0_wp) call smear_heat(simulation, dt)
+      if (simulation%scheme%method%heat_flux > 0.0_wp) call add_artificial_heat_flux(simulation, dt)
       do n = 1, size(simulation%fields)
          call nodes_to_particles(simulation, simulation%fields(n), gather_parts_t( &
             work=simulation%scheme%carries_energy, motion=.true., &
             strain=simulation%scheme%method%stress /= stress_before), dt)
       end do
       call advance_clock(simulation, dt)
-      call close_step(simulation, error)
+      call finish_step(simulation, error)
       if (allocated(error)) return
       if (allocated(simulation%scheme%method%splitting)) call split_particles(simulation)
       call sort_particles(simulation)
@@ -85,11 +86,11 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
 
-      if (simulation%scheme%method%controlled()) call find_star(simulation, field)
-      if (allocated(simulation%scheme%normalises)) call find_factors(simulation, field)
+      if (simulation%scheme%method%controlled()) call find_mean_stress(simulation, field)
+      if (allocated(simulation%scheme%normalises)) call find_edge_factors(simulation, field)
       call particles_to_nodes(simulation, field)
-      if (simulation%scheme%method%dual) call dual_fields(simulation, field)
-      if (simulation%scheme%method%differing()) call find_difference(simulation, field)
+      if (simulation%scheme%method%dual) call apply_dual_gradient(simulation, field)
+      if (simulation%scheme%method%differing()) call find_stress_difference(simulation, field)
    end subroutine find_forces
 
    !> Move the nodes, and find the velocities that strain and move the particles. A step in which
@@ -103,7 +104,7 @@ contains
 
       do
          simulation%clock%kick = simulation%scheme%method%kick(simulation%clock%dt, dt)
-         call act_gravity(simulation%scheme, simulation%effects, simulation%clock)
+         call average_gravity(simulation%scheme, simulation%effects, simulation%clock)
          if (allocated(simulation%effects%contact)) then
             call move_in_contact(simulation, simulation%clock%kick)
          else
@@ -112,7 +113,7 @@ contains
          do n = 1, size(simulation%fields)
             call remap_velocities(simulation, simulation%fields(n), simulation%clock%kick)
          end do
-         call judge_nodes(simulation, dt, again, error)
+         call check_node_displacement(simulation, dt, again, error)
          if (allocated(error)) return
          if (.not. again) exit
       end do
@@ -127,13 +128,13 @@ contains
       integer :: n
 
       do n = 1, size(simulation%fields)
-         call start_nodes(simulation, simulation%fields(n), dt)
+         call start_node_motion(simulation, simulation%fields(n), dt)
       end do
-      call find_surfaces(simulation)
-      call touch_bodies(simulation, dt)
+      call find_contact_surfaces(simulation)
+      call apply_contact(simulation, dt)
       if (simulation%effects%contact%bonded) call break_bonds(simulation)
       do n = 1, size(simulation%fields)
-         call finish_nodes(simulation, simulation%fields(n), dt)
+         call finish_node_motion(simulation, simulation%fields(n), dt)
       end do
    end subroutine move_in_contact
 
@@ -143,10 +144,11 @@ contains
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
 
-      if (simulation%scheme%method%transfer%sweeps() > 0) call filter_nodes(simulation, field, dt)
+      if (simulation%scheme%method%transfer%sweeps() > 0) call filter_velocities(simulation, &
+         field, dt)
       if (.not. simulation%scheme%method%remaps()) return
-      call scatter_again(simulation, field, dt)
-      call remap_nodes(simulation, field)
+      call remap_momentum(simulation, field, dt)
+      call find_remapped_velocities(simulation, field)
    end subroutine remap_velocities
 
    !> Time, gravity and counters at the end of the step.

@@ -19,12 +19,12 @@ module step_body_force
    implicit none
    private
 
-   public :: act_gravity, record_body_force, update_gravity
+   public :: average_gravity, record_body_force, update_gravity
 
 contains
 
    !> Let gravity be its mean over the time in which the forces of a step act.
-   pure subroutine act_gravity(scheme, effects, clock)
+   pure subroutine average_gravity(scheme, effects, clock)
       type(scheme_t), intent(in) :: scheme
       type(effects_t), intent(inout) :: effects
       type(clock_t), intent(in) :: clock
@@ -34,7 +34,7 @@ contains
       from = clock%time - scheme%method%lag(clock%dt)
       if (clock%kick > 0.0_wp) &
          effects%gravity = effects%shaking%mean(from, clock%kick)
-   end subroutine act_gravity
+   end subroutine average_gravity
 
    !> Let gravity be that of the present time.
    pure subroutine update_gravity(simulation)

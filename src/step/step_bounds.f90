@@ -6,8 +6,8 @@ module step_bounds
    implicit none
    private
 
-   public :: bounds_t, count_bad, fault_of, find_steepest, guard_t, slow_nodes, &
-      steep_enough
+   public :: bounds_t, count_bad, find_fault, find_steepest, guard_t, are_nodes_slow, &
+      limiting_gradient
 
    integer, parameter, public :: rule_signal = 1      !! A step is as long as signal and motion let
    integer, parameter, public :: rule_growth = 2      !! ... as growth from the one before lets
@@ -122,7 +122,7 @@ contains
    end function count_inverted
 
    !> The fault of a particle as text, with its value.
-   pure subroutine fault_of(store, p, density, bounds, fault, value)
+   pure subroutine find_fault(store, p, density, bounds, fault, value)
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
@@ -163,7 +163,7 @@ contains
       else if (speed > bounds%speed_max) then
          fault = fault_fast
       end if
-   end subroutine fault_of
+   end subroutine find_fault
 
    !> Note the steepest velocity gradient of a tile if it is the steepest so far and may limit the
    !! next step. Of equal gradients the lowest identity counts, so that the order of tiles has no
@@ -210,7 +210,7 @@ contains
    end function count_steep
 
    !> Is every component of the velocities of nodes within a bound? Counted in vectors.
-   pure logical function slow_nodes(components, velocity, most) result(slow)
+   pure logical function are_nodes_slow(components, velocity, most) result(slow)
       integer, intent(in) :: components              !! Three for each node
       real(wp), intent(in) :: velocity(components)   !! One node after another [m/s]
       real(wp), intent(in) :: most                   !! The bound [m/s]
@@ -223,11 +223,11 @@ contains
          fast = fast + merge(0.0_wp, 1.0_wp, abs(velocity(k)) <= most)
       end do
       slow = fast < 0.5_wp
-   end function slow_nodes
+   end function are_nodes_slow
 
    !> Least velocity gradient that can limit the next step, which is at most the previous step times
    !! its allowed growth [1/s].
-   pure real(wp) function steep_enough(bounds, growth, dt) result(rate)
+   pure real(wp) function limiting_gradient(bounds, growth, dt) result(rate)
       type(bounds_t), intent(in) :: bounds           !! What may happen
       real(wp), intent(in) :: growth                 !! Greatest ratio of two steps [1]
       real(wp), intent(in) :: dt                     !! Stable step that was [s]
@@ -235,7 +235,7 @@ contains
 
       rate = 0.0_wp
       if (dt < huge(dt)/growth) rate = (1.0_wp - rounding)*bounds%strain_max/(growth*dt)
-   end function steep_enough
+   end function limiting_gradient
 
    !> Square of the norm of a gradient.
    pure real(wp) function square(gradient, p) result(norm)

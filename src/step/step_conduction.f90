@@ -16,7 +16,7 @@ module step_conduction
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
-   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_heat_boundaries, only: hold_temperature, take_heat
    use step_ledger, only: dissipated
    use step_node_sums, only: divide
@@ -84,7 +84,7 @@ contains
                call record_cost(simulation%machine, tiles(n), began)
             end do
             !$omp end parallel do
-            call pass_patches(simulation, part, simulation%effects%conduction%content)
+            call send_patches(simulation, part, simulation%effects%conduction%content)
          end do
          call ensure_patch(heat%total, rows, nodes, simulation%space%tiles%all)
          call ensure_patch(heat%temperature, 1, nodes, simulation%space%tiles%all)
@@ -116,7 +116,7 @@ contains
             call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, simulation%effects%conduction%flow)
+         call send_patches(simulation, part, simulation%effects%conduction%flow)
       end do
       if (simulation%scheme%method%dual) call each_tile(simulation, push_tile)
    end subroutine find_flow

@@ -14,12 +14,12 @@ module step_contact
    use step_simulation, only: effects_t, guesses, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use transfer_contact, only: bond_traction, contact_bonded, push_apart, state_bonded, &
+   use transfer_contact, only: bond_traction, contact_bonded, separate_bodies, state_bonded, &
       state_closed, state_open
    implicit none
    private
 
-   public :: add_contact_heat, break_bonds, touch_bodies
+   public :: add_contact_heat, break_bonds, apply_contact
 
    real(wp), parameter :: slack = 1.0e-3_wp          !! Gap that counts as none, in cells
    real(wp), parameter :: bond_reach = 0.5_wp        !! Widest gap of a bond, in cells
@@ -29,7 +29,7 @@ contains
 
    !> Exchange contact forces between the bodies at all nodes that they share. This changes their
    !! accelerations and the velocities that strain.
-   subroutine touch_bodies(simulation, dt)
+   subroutine apply_contact(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! Surfaces are known
       real(wp), intent(in) :: dt                     !! Time that the forces act [s]
       real(wp) :: began
@@ -51,7 +51,7 @@ contains
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%contact)
-   end subroutine touch_bodies
+   end subroutine apply_contact
 
    !> Allocate the bonds that break.
    subroutine ensure_broken(space, effects)
@@ -115,7 +115,7 @@ contains
             mass(a) = field(who(a))%nodes%motion%mass(1, node, tile)
             velocity(:, a) = field(who(a))%nodes%motion%strain(:, node, tile)
          end do
-         call push_apart(mass, velocity, normal, state, law, push)
+         call separate_bodies(mass, velocity, normal, state, law, push)
          again = .false.
          do b = 2, size(who)
             do a = 1, b - 1
@@ -128,7 +128,7 @@ contains
                again = .true.
             end do
          end do
-         if (again) call push_apart(mass, velocity, normal, state, law, push)
+         if (again) call separate_bodies(mass, velocity, normal, state, law, push)
       end associate
       call give_push(simulation%fields, tile, node, who, mass, push, dt)
    end subroutine touch_node

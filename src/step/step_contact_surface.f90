@@ -10,7 +10,7 @@ module step_contact_surface
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
-   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: contact_t, effects_t, guesses, machine_t, scratch_t, simulation_t, &
@@ -21,14 +21,14 @@ module step_contact_surface
    implicit none
    private
 
-   public :: area_rows, direction_of, find_surfaces, guess_area, reach_row
+   public :: area_rows, direction_of, find_contact_surfaces, guess_area, reach_row
 
    real(wp), parameter :: faint = 1.0e-9_wp          !! Areas below this have no direction, in faces
 
 contains
 
    !> Outward areas of the bodies on the nodes, and the extent of the bodies there.
-   subroutine find_surfaces(simulation)
+   subroutine find_contact_surfaces(simulation)
       type(simulation_t), intent(inout) :: simulation !! Fields have their masses
       integer :: fields, rows
 
@@ -46,7 +46,7 @@ contains
          call spread(simulation, spread_positions, contact%reach)
       end associate
       call simulation%machine%timer%stop(simulation%machine%phase%contact)
-   end subroutine find_surfaces
+   end subroutine find_contact_surfaces
 
    !> Rows of the patch of areas, for one field.
    pure integer function area_rows(contact) result(rows)
@@ -116,7 +116,7 @@ contains
             call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, patch)
+         call send_patches(simulation, part, patch)
       end do
    end subroutine spread
 

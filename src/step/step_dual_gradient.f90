@@ -15,14 +15,14 @@ module step_dual_gradient
    implicit none
    private
 
-   public :: calm_tile, dual_fields, find_volumes, node_gradient, put_gradient
+   public :: calm_tile, apply_dual_gradient, find_volumes, node_gradient, store_gradient
 
    real(wp), parameter :: small = 3.0e-3_wp          !! Share of a cell that is let pass
 
 contains
 
    !> Weights and volumes of the dual gradient, and the force of the stress on the nodes.
-   subroutine dual_fields(simulation, field)
+   subroutine apply_dual_gradient(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer :: tile
@@ -60,7 +60,7 @@ contains
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
-   end subroutine dual_fields
+   end subroutine apply_dual_gradient
 
    !> Allocate the fields of the dual gradient, except packed patches whose bounds are not known
    !! yet.
@@ -227,7 +227,7 @@ contains
    end subroutine calm_tile
 
    !> Contribution of the cells of a tile to the node gradient of a velocity.
-   pure subroutine put_gradient(space, scheme, field, tile, velocity, gradient)
+   pure subroutine store_gradient(space, scheme, field, tile, velocity, gradient)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
@@ -240,7 +240,7 @@ contains
       call scheme%dual%add_gradient(space%grid, space%tiles%coordinate(:, tile), &
          field%nodes%dual%weight(:, tile), velocity, patch)
       call gradient%put(space%grid, field%nodes%dual%weighted, tile, 1, patch)
-   end subroutine put_gradient
+   end subroutine store_gradient
 
    !> Sum of the packed patches of a node gradient, divided by the volumes of the nodes. Equation
    !! (M.6) of
@@ -279,9 +279,9 @@ contains
          + acceleration(3, :)**2)) > small*grid%spacing
    end function light_may_gain
 
-   !> Bound what a light node gains in the step in the velocity that strains: its force over its
+   !> Bound the gain of a node of small mass in the step in the velocity that strains: its force over its
    !! mass has no bound, while particles near it gain only their share of the force.
-   !! Node volumes count with the weights of cells, so they tell how light a node and its cells are.
+   !! Node volumes count with the weights of cells, so they show how light a node and its cells are.
    !! Gains that move a node by less than a small share of a cell stay. Equation (M.17) of
    !! doc/theory/method.md.
    pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)

@@ -12,7 +12,7 @@ module step_exact_error
    implicit none
    private
 
-   public :: load_errors, save_errors, take_errors
+   public :: load_errors, save_errors, measure_errors
 
    integer, parameter :: errors = 3                  !! Displacement, velocity, stress
    !> Columns of a history.
@@ -26,7 +26,7 @@ contains
    !!
    !! Velocities may be behind positions, and the stress that is updated before the force is that of
    !! the last step; each is compared with the solution at its own time.
-   subroutine take_errors(simulation)
+   subroutine measure_errors(simulation)
       type(simulation_t), intent(inout) :: simulation !! With a solution
       type(exact_sum_t) :: sums(errors + 1)
       real(wp) :: part(errors + 1), farthest, times(errors)
@@ -63,7 +63,7 @@ contains
             simulation%machine%communicator%maximum(farthest))
          case%seen = simulation%clock%step
       end associate
-   end subroutine take_errors
+   end subroutine measure_errors
 
    !> Sums over the particles of one tile in their order.
    subroutine sum_tile(grid, solution, store, tile, times, sums, farthest)

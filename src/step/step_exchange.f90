@@ -7,7 +7,7 @@ module step_exchange
    implicit none
    private
 
-   public :: next_tiles, pass_motion, pass_patches
+   public :: next_tiles, send_motion, send_patches
 
    integer, parameter, public :: edge_tiles = 1      !! Tiles that other ranks may see
    integer, parameter, public :: inner_tiles = 2     !! Tiles that no other rank needs
@@ -30,7 +30,7 @@ contains
    end subroutine next_tiles
 
    !> Send the patches after the edge tiles, and receive those of other ranks after the inner tiles.
-   subroutine pass_patches(simulation, part, patch)
+   subroutine send_patches(simulation, part, patch)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: part                    !! What is done
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
@@ -50,10 +50,10 @@ contains
          if (part == inner_tiles) call simulation%machine%timer%move(phase%exchange, phase%wait, &
             communicator%traffic%waiting - waited)
       end associate
-   end subroutine pass_patches
+   end subroutine send_patches
 
    !> The same for the packed patches of the motion.
-   subroutine pass_motion(simulation, field, part)
+   subroutine send_motion(simulation, field, part)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: part                    !! What is done
@@ -80,5 +80,5 @@ contains
          if (part == inner_tiles) call simulation%machine%timer%move(phase%exchange, phase%wait, &
             communicator%traffic%waiting - waited)
       end associate
-   end subroutine pass_motion
+   end subroutine send_motion
 end module step_exchange

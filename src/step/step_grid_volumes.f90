@@ -26,7 +26,7 @@ module step_grid_volumes
    implicit none
    private
 
-   public :: excess_fill, repack
+   public :: excess_fill, correct_volumes
 
    !> Irregular particle positions make the fill fluctuate. A fill this near to 1 counts as 1: with
    !! a smaller tolerance grains would be packed until the lowest fill is 1 and the mean above it.
@@ -61,7 +61,7 @@ contains
 
    !> Let the particles of a tile grow and shrink. The elastic energy that compressed particles lose
    !! is recorded if they carry no internal energy to keep it. Equation (Y.29).
-   pure subroutine repack(store, tile, material, excess, ledger)
+   pure subroutine correct_volumes(store, tile, material, excess, ledger)
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       type(material_t), intent(in) :: material       !! Their material
@@ -96,7 +96,7 @@ contains
       call material%stored_energy(store%state, first, last, after)
       if (.not. allocated(store%state%energy)) &
          call ledger%sums(dissipated)%add(sum(before - after))
-   end subroutine repack
+   end subroutine correct_volumes
 
    !> Move volume from loose to compressed particles of each cell, until no particle is loose or
    !! none is compressed. All particles take part in proportion to their excess or deficit.

@@ -16,7 +16,7 @@ module step_heat_flux
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
-   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_fields, only: empty_mass
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: locate_particles_plainly
@@ -25,7 +25,7 @@ module step_heat_flux
    implicit none
    private
 
-   public :: smear_heat
+   public :: add_artificial_heat_flux
 
    integer, parameter :: mass = 1, content = 2       !! Rows: [kg], internal energy [J]
    integer, parameter :: passed = 3                  !! Row: share of its flux that a node lets pass
@@ -33,7 +33,7 @@ module step_heat_flux
 contains
 
    !> Apply the flux for one step to all materials that carry an internal energy.
-   subroutine smear_heat(simulation, dt)
+   subroutine add_artificial_heat_flux(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! With artificial viscosity
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: began
@@ -76,7 +76,7 @@ contains
          !$omp end parallel do
       end do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
-   end subroutine smear_heat
+   end subroutine add_artificial_heat_flux
 
    !> Does the energy of a material flow?
    pure logical function flows(simulation, index) result(yes)
@@ -122,7 +122,7 @@ contains
             call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, patch)
+         call send_patches(simulation, part, patch)
       end do
    end subroutine each_own
 

@@ -6,7 +6,7 @@ module step_mean_stress
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
-   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, velocity_field_t
@@ -14,14 +14,14 @@ module step_mean_stress
    implicit none
    private
 
-   public :: find_star
+   public :: find_mean_stress
 
    integer, parameter :: columns = 7                 !! Volume and stress times volume
 
 contains
 
    !> Mean stress on the nodes inside of bodies, decreasing to zero at their surfaces.
-   subroutine find_star(simulation, field)
+   subroutine find_mean_stress(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp) :: began
@@ -43,7 +43,7 @@ contains
                call record_cost(simulation%machine, tiles(n), began)
             end do
             !$omp end parallel do
-            call pass_patches(simulation, part, nodes%stress%mean)
+            call send_patches(simulation, part, nodes%stress%mean)
          end do
          call simulation%machine%timer%stop(simulation%machine%phase%scatter)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
@@ -58,7 +58,7 @@ contains
          !$omp end parallel do
          call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end associate
-   end subroutine find_star
+   end subroutine find_mean_stress
 
    !> Volume and stress of the particles of a tile.
    subroutine scatter_tile(simulation, field, scratch, tile, patch)

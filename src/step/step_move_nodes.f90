@@ -7,7 +7,7 @@ module step_move_nodes
    use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use step_dissipation, only: damps
-   use step_dual_gradient, only: calm_tile, find_volumes, put_gradient
+   use step_dual_gradient, only: calm_tile, find_volumes, store_gradient
    use step_node_displacement, only: examine_tile, worse
    use step_node_fields, only: empty_mass
    use step_node_sums, only: divide, ensure_sums, find_sums, slots
@@ -15,13 +15,14 @@ module step_move_nodes
    use step_simulation, only: clock_t, effects_t, machine_t, reach_t, scheme_t, scratch_t, &
       simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use step_walls, only: impose_walls, keep_at_walls, record_push, record_stopped, stand_walls, &
+   use step_walls, only: apply_walls, hold_at_walls, record_push, record_stopped, start_walls, &
       stop_at_walls, walls_touch
    use transfer_scatter, only: motion_columns
    implicit none
    private
 
-   public :: finish_nodes, move_nodes, recall_seen, remap_nodes, start_nodes, &
+   public :: finish_node_motion, move_nodes, restore_velocities, find_remapped_velocities, &
+      start_node_motion, &
       strain_nodes
 
 contains
@@ -40,7 +41,7 @@ contains
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
       call ensure_moved(simulation, field)
-      call stand_walls(simulation, dt)
+      call start_walls(simulation, dt)
       simulation%scratch%reach = reach_t()
       field%nodes%motion%acting = dt
       if (records_later(simulation%space, simulation%scheme, simulation%effects)) call &
@@ -110,7 +111,7 @@ contains
    end subroutine keep_seen
 
    !> Restore the fields that the particles of a tile see, if they are kept as packed patches.
-   subroutine recall_seen(simulation, field, tile)
+   subroutine restore_velocities(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
@@ -129,10 +130,10 @@ contains
             + nodes%motion%acting*nodes%motion%acceleration(:, :, slot)
          call calm_tile(simulation, field, tile, slot, nodes%motion%acting)
       end associate
-   end subroutine recall_seen
+   end subroutine restore_velocities
 
    !> The first part of the same, for a velocity field that other bodies may change.
-   subroutine start_nodes(simulation, field, dt)
+   subroutine start_node_motion(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
@@ -141,7 +142,7 @@ contains
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
       call ensure_moved(simulation, field)
-      call stand_walls(simulation, dt)
+      call start_walls(simulation, dt)
       call ensure_patch(field%nodes%work%push, 3, simulation%space%grid%tile_nodes, &
          simulation%space%tiles%own)
       !$omp parallel do default(none) shared(simulation, field, dt) private(tile, began) &
@@ -154,10 +155,10 @@ contains
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
-   end subroutine start_nodes
+   end subroutine start_node_motion
 
    !> The second part, after contact: ledger and gradients.
-   subroutine finish_nodes(simulation, field, dt)
+   subroutine finish_node_motion(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
@@ -176,7 +177,7 @@ contains
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
-   end subroutine finish_nodes
+   end subroutine finish_node_motion
 
    !> Record the work of walls and gravity on the nodes of a tile, at the velocity after contact.
    subroutine record_tile(simulation, field, scratch, tile, dt)
@@ -276,18 +277,18 @@ contains
       associate (nodes => field%nodes)
          if (simulation%scheme%method%averages()) then
             ! the velocity that strains at the end of the step is mapped later
-            call put_gradient(simulation%space, simulation%scheme, field, tile, &
+            call store_gradient(simulation%space, simulation%scheme, field, tile, &
                nodes%motion%velocity(:, &
                :, slot), nodes%dual%earlier)
          else
-            call put_gradient(simulation%space, simulation%scheme, field, tile, &
+            call store_gradient(simulation%space, simulation%scheme, field, tile, &
                nodes%motion%strain(:, &
                :, slot), nodes%dual%gradient)
          end if
          if (.not. simulation%scheme%carries_energy) return
          centre = nodes%motion%velocity(:, :, slot) + 0.5_wp*dt*nodes%motion%acceleration(:, :, &
             slot)
-         call put_gradient(simulation%space, simulation%scheme, field, tile, centre, &
+         call store_gradient(simulation%space, simulation%scheme, field, tile, centre, &
             nodes%dual%middle)
       end associate
    end subroutine finish_tile
@@ -316,7 +317,7 @@ contains
       if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
          damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
             brought = velocity
-      if (ruled) call impose_walls(simulation, tile, dt, velocity, acceleration, push, work)
+      if (ruled) call apply_walls(simulation, tile, dt, velocity, acceleration, push, work)
       if (allocated(brought)) call record_stopped(simulation%space, simulation%scheme, field, &
          scratch%ledger, tile, &
          velocity - brought, velocity + dt*acceleration)
@@ -338,10 +339,10 @@ contains
          velocity + 0.5_wp*dt*acceleration, work)
    end subroutine constrain_tile
 
-   !> Book what faces and gravity did to the nodes of a tile at the mean of the velocity before the
-   !! step and the one that strains: with the strain of `musl` the stress works with that, and the
-   !! kinetic energy of particles grows by the product of the forces with it. Equation (L.7) of
-   !! doc/theory/ledger.md.
+   !> Record the work of boundaries and gravity on the nodes of a tile at the mean of the velocity
+   !! before the step and the one that strains: with the strain of `musl` the stress works with this
+   !! mean, and the kinetic energy of particles grows by its product with the forces. Equation (L.7)
+   !! of doc/theory/ledger.md.
    subroutine record_strained(simulation, field, scratch, tile, mapped)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
@@ -383,7 +384,7 @@ contains
 
    !> Node velocities from the momentum that was mapped a second time, or from the previous momentum
    !! and the gain. It is the velocity that strains the particles, unless contact changes it.
-   subroutine remap_nodes(simulation, field)
+   subroutine find_remapped_velocities(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp) :: began
@@ -400,7 +401,7 @@ contains
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%grid)
       call strain_nodes(simulation%space, simulation%scheme, simulation%machine, field)
-   end subroutine remap_nodes
+   end subroutine find_remapped_velocities
 
    !> One tile.
    subroutine remap_tile(simulation, field, scratch, tile)
@@ -424,7 +425,7 @@ contains
          mapped = strain
          none = 0.0_wp
          call stop_at_walls(simulation, tile, strain, none)
-         call keep_at_walls(simulation, field, tile, strain)
+         call hold_at_walls(simulation, field, tile, strain)
       end associate
       if (.not. allocated(field%nodes%work%taken) .or. tile > simulation%space%tiles%own) return
       ! what was gained is added to a velocity that walls have changed already
@@ -462,7 +463,7 @@ contains
       !$omp schedule(static)
       do tile = 1, space%tiles%all
          began = cost_clock(machine)
-         call put_gradient(space, scheme, field, tile, field%nodes%motion%strain(:, :, tile), &
+         call store_gradient(space, scheme, field, tile, field%nodes%motion%strain(:, :, tile), &
             field%nodes%dual%gradient)
          call record_cost(machine, tile, began)
       end do

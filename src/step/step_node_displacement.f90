@@ -3,7 +3,7 @@
 module step_node_displacement
    use base_kinds, only: int64, wp
    use mesh_grid, only: lane_bit
-   use step_bounds, only: slow_nodes
+   use step_bounds, only: are_nodes_slow
    use step_method, only: stress_after
    use step_node_fields, only: empty_mass
    use step_simulation, only: reach_t, simulation_t, velocity_field_t
@@ -60,7 +60,7 @@ contains
       associate (velocity => field%nodes%motion%strain(:, :, slot), grid => simulation%space%grid, &
          mass => field%nodes%motion%mass(1, :, slot))
          ! bounds for each component that hold whatever the other components are
-         if (slow_nodes(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
+         if (are_nodes_slow(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
             *grid%spacing/dt)) return
          call examine_nodes(velocity, mass, far*grid%spacing/dt, reach)
          if (.not. flies(velocity, mass, apart/sqrt(12.0_wp)*grid%spacing/dt)) &

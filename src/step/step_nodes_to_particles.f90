@@ -10,13 +10,13 @@ module step_nodes_to_particles
    use particle_split, only: find_opening
    use particle_store, only: moved_off, store_t
    use particle_stretch, only: stretch_tile
-   use step_bounds, only: count_bad, find_steepest, slow_nodes, steep_enough
+   use step_bounds, only: are_nodes_slow, count_bad, find_steepest, limiting_gradient
    use step_contact, only: add_contact_heat
    use step_dissipation, only: damps, record_damping, record_losses
    use step_dual_gradient, only: node_gradient
-   use step_grid_volumes, only: excess_fill, repack
+   use step_grid_volumes, only: correct_volumes, excess_fill
    use step_method, only: method_t, stress_before
-   use step_move_nodes, only: recall_seen
+   use step_move_nodes, only: restore_velocities
    use step_offending_particle, only: tile_bounds
    use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_pressure_relaxation, only: normalised, relax_pressures
@@ -27,7 +27,7 @@ module step_nodes_to_particles
    use step_velocity_remap, only: find_filtered, find_slopes
    use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
    use transfer_basis, only: expand_spin
-   use transfer_bbar, only: even_gradient
+   use transfer_bbar, only: average_dilatation
    use transfer_shape_data, only: spare
    use transfer_shock_compression, only: bound_jump, find_jump
    implicit none
@@ -138,7 +138,7 @@ contains
          if (all([(simulation%stores(index)%count(tile) == 0, &
             index=field%first_store, field%last_store)])) return
       end if
-      call recall_seen(simulation, field, tile)
+      call restore_velocities(simulation, field, tile)
       call look(simulation, field, tile, parts, view)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
@@ -242,11 +242,11 @@ contains
       type(view_t), intent(inout) :: view            !! What the particles see
 
       associate (method => simulation%scheme%method, grid => simulation%space%grid)
-         view%matters = steep_enough(simulation%clock%guard%bounds, method%step_growth, &
+         view%matters = limiting_gradient(simulation%clock%guard%bounds, method%step_growth, &
             simulation%clock%dt_next)
          if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
          ! nine components, each at most twice the greatest velocity over the edge of a cell
-         view%slow = slow_nodes(3*grid%tile_nodes, field%nodes%motion%strain(:, :, view%slot), &
+         view%slow = are_nodes_slow(3*grid%tile_nodes, field%nodes%motion%strain(:, :, view%slot), &
             0.9_wp/6.0_wp*grid%spacing*view%matters)
       end associate
    end subroutine look_steep
@@ -338,7 +338,7 @@ contains
          call simulation%scheme%method%basis%gather_values(simulation%space%grid, scratch%shape, &
             view%excess, &
             scratch%shape%values)
-         call repack(store, tile, simulation%materials(index), scratch%shape%values, &
+         call correct_volumes(store, tile, simulation%materials(index), scratch%shape%values, &
             scratch%ledger)
       end associate
    end subroutine repack_particles
@@ -429,7 +429,7 @@ contains
          end if
          if (grid%axisymmetric) call method%basis%gather_hoop(grid, shape, store%first(tile), &
             store%position, velocity, dt, scratch%deformation%gradient)
-         if (method%even) call even_gradient(grid, start, store%first(tile), &
+         if (method%even) call average_dilatation(grid, start, store%first(tile), &
             store%state%volume, scratch%deformation%gradient)
       end associate
    end subroutine find_gradient

@@ -17,14 +17,14 @@ module step_normalised_sums
    use mesh_rigid, only: held_t
    use mesh_wall, only: node_place
    use omp_lib, only: omp_get_thread_num
-   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_pressure_relaxation, only: evens_pressure
+   use step_pressure_relaxation, only: relaxes_pressure
    use step_simulation, only: machine_t, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use step_walls, only: stand_walls
+   use step_walls, only: start_walls
    use transfer_cut_cells, only: cut_cells, ramp
    use transfer_edges, only: add_edge_sums, cell_edges, edge_integrals, edges
    use transfer_hoop, only: add_hoop_sums, hoop_edges
@@ -33,7 +33,7 @@ module step_normalised_sums
    implicit none
    private
 
-   public :: choose_normalised, find_factors, find_full
+   public :: choose_normalised, find_edge_factors, find_full
 
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
    !! material beyond the scope
@@ -87,7 +87,7 @@ contains
    end function plain_columns
 
    !> Factors of all edges and nodes for the present particles.
-   subroutine find_factors(simulation, field)
+   subroutine find_edge_factors(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp) :: began
@@ -97,7 +97,7 @@ contains
 
       associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
          call simulation%machine%timer%start(simulation%machine%phase%scatter)
-         evens = any([(evens_pressure(simulation%scheme, simulation%stores, n), n=1, &
+         evens = any([(relaxes_pressure(simulation%scheme, simulation%stores, n), n=1, &
             size(simulation%stores))])
          call ensure_patch(nodes%sums%counted, plain_columns(simulation%scheme) &
             + merge(moments, 0, evens), number, simulation%space%tiles%own)
@@ -115,12 +115,12 @@ contains
                call record_cost(simulation%machine, tiles(n), began)
             end do
             !$omp end parallel do
-            call pass_patches(simulation, part, nodes%sums%counted)
+            call send_patches(simulation, part, nodes%sums%counted)
          end do
          call simulation%machine%timer%stop(simulation%machine%phase%scatter)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
          ! positions of walls do not depend on how long the forces act; all tiles are known by now
-         if (allocated(simulation%space%rigid)) call stand_walls(simulation, 0.0_wp)
+         if (allocated(simulation%space%rigid)) call start_walls(simulation, 0.0_wp)
          call ensure_weights(nodes%dual%weight, simulation%space%grid%tile_cells, &
             simulation%space%tiles%all)
          call ensure_patch(nodes%sums%covered, 1, number, simulation%space%tiles%all)
@@ -140,13 +140,13 @@ contains
          !$omp schedule(static)
          do tile = 1, simulation%space%tiles%all
             began = cost_clock(simulation%machine)
-            call judge_nodes(simulation, field, tile)
+            call check_node_displacement(simulation, field, tile)
             call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
          call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end associate
-   end subroutine find_factors
+   end subroutine find_edge_factors
 
    !> Cells whose nodes count as full, of a material without strength; others are not halved by the
    !! place there is.
@@ -213,7 +213,7 @@ contains
                store%state%volume, sums)
             if (grid%axisymmetric) call add_hoop_sums(grid, start, first, shape%local, &
                store%position, store%state%volume, sums)
-            if (evens_pressure(simulation%scheme, simulation%stores, index)) call &
+            if (relaxes_pressure(simulation%scheme, simulation%stores, index)) call &
                add_moments(grid, start, first, &
                shape%local, store%state%volume, store%state%stress, &
                   plain_columns(simulation%scheme), &
@@ -419,7 +419,7 @@ contains
 
    !> Factors of the node stress and the node gradient along each direction where the cells around
    !! are full, and how full these are. Equation (Q.8).
-   subroutine judge_nodes(simulation, field, tile)
+   subroutine check_node_displacement(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
@@ -451,7 +451,7 @@ contains
             end associate
          end do
       end associate
-   end subroutine judge_nodes
+   end subroutine check_node_displacement
 
    !> Volume that must be filled for a node to count as full: that around the node, for nodes in
    !! rigid regions that of existing cells.

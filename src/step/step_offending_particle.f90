@@ -6,12 +6,13 @@ module step_offending_particle
    use particle_split, only: generation_of, root_of
    use particle_store, only: moved_off, store_t
    use step_bounds, only: bounds_t, fault_fast, fault_inverted, fault_large, fault_none, &
-      fault_of, fault_small, fault_stress, fault_velocity, rule_conduction, rule_strain
+      fault_small, fault_stress, fault_velocity, find_fault, rule_conduction, rule_strain
    use step_simulation, only: clock_t, machine_t, simulation_t
    implicit none
    private
 
-   public :: name_bad, name_limiting, name_particle, replay_text, spread, step_text, tile_bounds
+   public :: name_offending_particle, name_limiting, name_particle, replay_text, spread, &
+      step_text, tile_bounds
 
    !> A particle of this rank, or none.
    type :: found_t
@@ -38,7 +39,7 @@ contains
    end function tile_bounds
 
    !> Text on the particle of lowest identity that is out of its bounds. Collective.
-   subroutine name_bad(simulation, text)
+   subroutine name_offending_particle(simulation, text)
       type(simulation_t), intent(in) :: simulation   !! Just after the step
       character(len=:), allocatable, intent(out) :: text !! Step, time, particle, what is wrong
       type(found_t) :: found
@@ -50,7 +51,7 @@ contains
       text = ""
       if (found%store > 0) then
          associate (store => simulation%stores(found%store))
-            call fault_of(store, found%particle, simulation%materials(found%store)%density, &
+            call find_fault(store, found%particle, simulation%materials(found%store)%density, &
                tile_bounds(simulation%materials, simulation%clock, found%store), fault, value)
          end associate
          text = particle_text(simulation, found)//": "//fault_text(simulation%clock, fault, value)
@@ -58,7 +59,7 @@ contains
       call spread(simulation, text)
       if (len(text) == 0) text = "a wave speed is not a finite number"
       text = step_text(simulation%clock)//": "//text//new_line("a")//replay_text(simulation)
-   end subroutine name_bad
+   end subroutine name_offending_particle
 
    !> How to get the state before the last step. It is not kept, as this would double the memory; a
    !! repeated run gives the same bits.
@@ -140,7 +141,7 @@ contains
             do tile = 1, size(store%count)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   if (store%identity(p) > found%identity .or. store%home(p) == moved_off) cycle
-                  call fault_of(store, p, density, bounds, fault, value)
+                  call find_fault(store, p, density, bounds, fault, value)
                   if (fault /= fault_none) found = found_t(store%identity(p), index, tile, p)
                end do
             end do

@@ -7,11 +7,11 @@ module step_particles_to_nodes
    use mesh_patch, only: clear_patch, empty_box, widen_box
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
-   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_motion
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_motion
    use step_simulation, only: effects_t, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use transfer_bbar, only: even_stress
+   use transfer_bbar, only: average_pressure
    use transfer_scatter, only: dual_columns, motion_columns
    use transfer_shape_data, only: shape_data_t
    implicit none
@@ -47,7 +47,7 @@ contains
             call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_motion(simulation, field, part)
+         call send_motion(simulation, field, part)
       end do
       call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine particles_to_nodes
@@ -232,7 +232,7 @@ contains
          pushed => scratch%pushed, shape => scratch%shape)
          call pushed%copy(store%first(tile), store%count(tile), store%position, &
             store%state%volume, store%state%stress)
-         if (scheme%method%even) call even_stress(grid, start, pushed%volume, pushed%stress)
+         if (scheme%method%even) call average_pressure(grid, start, pushed%volume, pushed%stress)
          if (scheme%method%controlled()) then
             call scheme%method%basis%gather_values(grid, shape, &
                field%nodes%stress%star(:, :, tile), shape%values)

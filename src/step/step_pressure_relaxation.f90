@@ -16,7 +16,7 @@ module step_pressure_relaxation
    implicit none
    private
 
-   public :: evens_pressure, normalised, relax_pressures
+   public :: relaxes_pressure, normalised, relax_pressures
 
    real(wp), parameter :: most = 0.05_wp             !! Of a volume or an energy in a step [1]
    !> Fraction of a difference that decays in the time that a signal needs for a cell [1]
@@ -26,7 +26,7 @@ contains
 
    !> Are the pressures of the particles of a material in a cell relaxed? They are if it is without
    !! strength, carries energy and has normalised sums.
-   pure logical function evens_pressure(scheme, stores, index) result(yes)
+   pure logical function relaxes_pressure(scheme, stores, index) result(yes)
       type(scheme_t), intent(in) :: scheme
       type(store_t), intent(in) :: stores(:)
       integer, intent(in) :: index                   !! Index of the material and of its store
@@ -34,7 +34,7 @@ contains
       yes = .false.
       if (.not. allocated(scheme%flows)) return
       yes = scheme%flows(index) .and. allocated(stores(index)%state%energy)
-   end function evens_pressure
+   end function relaxes_pressure
 
    !> Are the sums of a material normalised?
    pure logical function normalised(simulation, index) result(yes)
@@ -58,7 +58,7 @@ contains
       real(wp) :: slope(3)
       integer :: cell, before, low, high, seen
 
-      if (.not. evens_pressure(simulation%scheme, simulation%stores, index)) return
+      if (.not. relaxes_pressure(simulation%scheme, simulation%stores, index)) return
       associate (store => simulation%stores(index), grid => simulation%space%grid, &
          normal => field%nodes%sums%normal)
          before = store%first(tile) - 1

@@ -7,7 +7,7 @@ module step_remove_particles
    use base_kinds, only: wp
    use material_type, only: material_t
    use particle_store, only: moved_away, moved_off, moved_out, store_t
-   use step_bounds, only: bounds_t, fault_inverted, fault_none, fault_of
+   use step_bounds, only: bounds_t, fault_inverted, fault_none, find_fault
    use step_ledger, only: ledger_t, mass, removed_angular, removed_energy, removed_mass, &
       removed_momentum, removed_particles, retired_mass
    use step_offending_particle, only: step_text, tile_bounds
@@ -37,7 +37,7 @@ contains
       bounds = tile_bounds(materials, clock, index)
       associate (store => stores(index), material => materials(index))
          do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-            call fault_of(store, p, material%density, bounds, fault, value)
+            call find_fault(store, p, material%density, bounds, fault, value)
             if (fault == fault_none) cycle
             if (fault < fault_inverted) then
                sound = .false.

@@ -14,7 +14,7 @@ module step_retry
    implicit none
    private
 
-   public :: judge_nodes
+   public :: check_node_displacement
 
    real(wp), parameter :: slack = 0.9_wp             !! Share of the bounds to be aimed at
    real(wp), parameter :: least_cut = 0.1_wp         !! Least ratio of a step to that before
@@ -24,7 +24,7 @@ contains
    !> Would a node move too far in the step, or two nodes of a cell too far apart? Then the state
    !! before the nodes moved is restored, and the step is repeated with a shorter time step.
    !! Collective. Equation (S.7) of doc/theory/time_step.md.
-   subroutine judge_nodes(simulation, dt, again, error)
+   subroutine check_node_displacement(simulation, dt, again, error)
       type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
       real(wp), intent(inout) :: dt                  !! Time step [s]
       logical, intent(out) :: again                  !! Is the step to be done again?
@@ -59,7 +59,7 @@ contains
          guard%steps(rule_retry) = guard%steps(rule_retry) + 1
       end associate
       call put_back(simulation)
-   end subroutine judge_nodes
+   end subroutine check_node_displacement
 
    !> Restore the sums of the nodes before they moved, and remove the work of walls and gravity from
    !! the ledger.

@@ -9,7 +9,7 @@ module step_stress_difference
    use base_kinds, only: wp
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
-   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
@@ -18,7 +18,7 @@ module step_stress_difference
    implicit none
    private
 
-   public :: find_difference
+   public :: find_stress_difference
 
    integer, parameter :: before = 4                  !! Columns that the force leaves alone
    integer, parameter :: rest = 3                    !! Columns behind those of the force
@@ -27,7 +27,7 @@ module step_stress_difference
 contains
 
    !> Correction of the force of each node. Weights and volumes of the dual gradient are known.
-   subroutine find_difference(simulation, field)
+   subroutine find_stress_difference(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp) :: began
@@ -49,7 +49,7 @@ contains
                call record_cost(simulation%machine, tiles(n), began)
             end do
             !$omp end parallel do
-            call pass_patches(simulation, part, nodes%stress%mean)
+            call send_patches(simulation, part, nodes%stress%mean)
          end do
          call simulation%machine%timer%stop(simulation%machine%phase%scatter)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
@@ -74,7 +74,7 @@ contains
          !$omp end parallel do
          call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end associate
-   end subroutine find_difference
+   end subroutine find_stress_difference
 
    !> Stress times volume of the particles of a tile, and their node forces under unit stress.
    subroutine scatter_tile(simulation, field, scratch, tile, patch)

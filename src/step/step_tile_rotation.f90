@@ -12,13 +12,13 @@ module step_tile_rotation
    use mesh_grid, only: grid_t
    use mesh_patch, only: assemble, clear_patch, ensure_patch, extent_of
    use particle_store, only: store_t
-   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_simulation, only: simulation_t, space_t
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
-   public :: smooth_rotation
+   public :: smooth_tile_rotation
 
    integer, parameter :: corners = 8                 !! Of a tile
    integer, parameter :: columns = 4                 !! Mass times rotation, and mass
@@ -27,7 +27,7 @@ module step_tile_rotation
 contains
 
    !> Give all particles the rotation of the material around them. The particles are sorted.
-   subroutine smooth_rotation(simulation)
+   subroutine smooth_tile_rotation(simulation)
       type(simulation_t), intent(inout) :: simulation !! Its particles carry a rotation
       real(wp) :: began
       integer, allocatable :: tiles(:)
@@ -46,7 +46,7 @@ contains
             call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, simulation%effects%turn)
+         call send_patches(simulation, part, simulation%effects%turn)
       end do
       !$omp parallel do default(none) shared(simulation) private(began, tile) schedule(dynamic, 1)
       do tile = 1, simulation%space%tiles%own
@@ -56,7 +56,7 @@ contains
       end do
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%scatter)
-   end subroutine smooth_rotation
+   end subroutine smooth_tile_rotation
 
    !> Mass and its rotation at the corners of a tile, from its particles.
    subroutine add_tile(simulation, tile, patch)

@@ -5,18 +5,18 @@ module step_time_step
    use base_kinds, only: int64, wp
    use step_bounds, only: rule_conduction, rule_growth, rule_signal, rule_strain
    use step_conduction, only: bulk_volume, conducts
-   use step_offending_particle, only: name_bad
+   use step_offending_particle, only: name_offending_particle
    use step_remove_particles, only: check_retired
    use step_simulation, only: clock_t, scheme_t, simulation_t, space_t
    implicit none
    private
 
-   public :: close_step, conduction_step, greatest_diffusivity, limit_step
+   public :: finish_step, conduction_step, greatest_diffusivity, limit_step
 
 contains
 
    !> Collect the results of the threads: the ledger, the next time step, NaN.
-   subroutine close_step(simulation, error)
+   subroutine finish_step(simulation, error)
       type(simulation_t), intent(inout) :: simulation
       type(error_t), allocatable, intent(out) :: error !! If a value is NaN
       real(wp) :: fastest, diffusivity, rate
@@ -48,7 +48,7 @@ contains
       if (allocated(simulation%effects%conduction)) diffusivity = greatest_diffusivity(simulation)
       call agree(simulation, fastest, diffusivity, rate, retired)
       if (fastest >= huge(fastest)) then
-         call name_bad(simulation, text)
+         call name_offending_particle(simulation, text)
          call fail(error, exit_physics, text)
          return
       end if
@@ -57,7 +57,7 @@ contains
       if (allocated(error)) return
       call set_next_step(simulation%space, simulation%scheme, simulation%clock, fastest, rate)
       if (allocated(simulation%effects%conduction)) call limit_step(simulation, diffusivity)
-   end subroutine close_step
+   end subroutine finish_step
 
    !> Steepest velocity gradient of all threads, and the identity of its particle.
    subroutine find_rate(simulation, rate)

@@ -7,7 +7,7 @@ module step_velocity_remap
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_dual_gradient, only: node_gradient
-   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, pass_patches
+   use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
@@ -19,12 +19,12 @@ module step_velocity_remap
    implicit none
    private
 
-   public :: filter_nodes, find_filtered, find_slopes, scatter_again
+   public :: filter_velocities, find_filtered, find_slopes, remap_momentum
 
 contains
 
    !> The series of node velocities that the transfer requests, on the own tiles.
-   subroutine filter_nodes(simulation, field, dt)
+   subroutine filter_velocities(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -63,7 +63,7 @@ contains
          !$omp end parallel do
          call simulation%machine%timer%stop(simulation%machine%phase%grid)
       end do
-   end subroutine filter_nodes
+   end subroutine filter_velocities
 
    !> Scatter the momentum of the present term at the particles to a second patch.
    subroutine spread_terms(simulation, field)
@@ -88,7 +88,7 @@ contains
             call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, field%nodes%series%extra)
+         call send_patches(simulation, part, field%nodes%series%extra)
       end do
       call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine spread_terms
@@ -176,7 +176,7 @@ contains
 
    !> Scatter the momentum of the new particle velocities, or of their gain, to a second patch, at
    !! the old positions. The particles themselves get these velocities later.
-   subroutine scatter_again(simulation, field, dt)
+   subroutine remap_momentum(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -201,10 +201,10 @@ contains
             call record_cost(simulation%machine, tiles(n), began)
          end do
          !$omp end parallel do
-         call pass_patches(simulation, part, field%nodes%series%extra)
+         call send_patches(simulation, part, field%nodes%series%extra)
       end do
       call simulation%machine%timer%stop(simulation%machine%phase%scatter)
-   end subroutine scatter_again
+   end subroutine remap_momentum
 
    !> One tile: momentum, or mass and momentum of linear velocity fields.
    subroutine scatter_tile(simulation, field, scratch, tile, dt, patch)

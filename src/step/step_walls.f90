@@ -11,14 +11,14 @@ module step_walls
    implicit none
    private
 
-   public :: impose_walls, keep_at_walls, record_push, record_stopped, stand_walls, stop_at_walls
+   public :: apply_walls, hold_at_walls, record_push, record_stopped, start_walls, stop_at_walls
    public :: take_held, walls_touch
 
 contains
 
    !> Set walls that move, or act for a time, at the time of the step, and find the nodes in rigid
    !! regions.
-   subroutine stand_walls(simulation, kick)
+   subroutine start_walls(simulation, kick)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
       real(wp) :: lag
@@ -34,7 +34,7 @@ contains
       if (simulation%space%rigid%looked == simulation%clock%step) return
       simulation%space%rigid%looked = simulation%clock%step
       call find_held(simulation)
-   end subroutine stand_walls
+   end subroutine start_walls
 
    !> Find the nodes in rigid regions.
    subroutine find_held(simulation)
@@ -76,7 +76,7 @@ contains
    !> Impose the walls on the velocities of a tile, and compute the velocity that particles gain
    !! from each node because of them. Equation (R.5) of doc/theory/rigid.md. Equation (L.3) of
    !! doc/theory/ledger.md.
-   pure subroutine impose_walls(simulation, tile, dt, velocity, acceleration, push, &
+   pure subroutine apply_walls(simulation, tile, dt, velocity, acceleration, push, &
       work)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
@@ -116,12 +116,12 @@ contains
       ! particles get the gain of a node relative to the velocity that they brought to it, not to
       ! that of the wall
       work = (1.0_wp - 0.5_wp*share)*dt*sum(acceleration*(free_velocity - velocity), dim=1)
-   end subroutine impose_walls
+   end subroutine apply_walls
 
    !> Where a wall with friction, or a rigid region, held a node in the step, it also holds the
    !! straining velocity after the step. A one-sided condition would let the noise of particles lift
    !! pressed material off the wall, step by step.
-   pure subroutine keep_at_walls(simulation, field, tile, velocity)
+   pure subroutine hold_at_walls(simulation, field, tile, velocity)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
@@ -137,7 +137,7 @@ contains
          simulation%space%boundary%hold_pressed(simulation%space%grid, &
          simulation%space%tiles%coordinate(:, tile), ended, velocity)
       if (allocated(simulation%space%rigid)) call simulation%space%rigid%keep(tile, ended, velocity)
-   end subroutine keep_at_walls
+   end subroutine hold_at_walls
 
    !> Impose the walls on the velocities after the step, and correct the change of the velocities
    !! accordingly.

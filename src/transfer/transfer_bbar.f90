@@ -13,7 +13,7 @@ module transfer_bbar
    implicit none
    private
 
-   public :: even_gradient, even_stress
+   public :: average_dilatation, average_pressure
 
 contains
 
@@ -27,7 +27,7 @@ contains
    end function sharing
 
    !> Give the particles of each cell the mean of their dilatations.
-   pure subroutine even_gradient(grid, start, first, volume, gradient)
+   pure subroutine average_dilatation(grid, start, first, volume, gradient)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: first                           !! First particle of the tile
@@ -58,10 +58,10 @@ contains
             end do
          end do
       end do
-   end subroutine even_gradient
+   end subroutine average_dilatation
 
    !> Give the particles of each cell the mean of their pressures.
-   pure subroutine even_stress(grid, start, volume, stress)
+   pure subroutine average_pressure(grid, start, volume, stress)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle of the tile) [m3]
@@ -91,5 +91,5 @@ contains
             end do
          end do
       end do
-   end subroutine even_stress
+   end subroutine average_pressure
 end module transfer_bbar

@@ -17,7 +17,7 @@ module transfer_contact
    implicit none
    private
 
-   public :: bond_traction, pair_law_t, particle_widths, push_apart, find_reach
+   public :: bond_traction, pair_law_t, particle_widths, separate_bodies, find_reach
 
    integer, parameter, public :: contact_friction = 1    !! Coulomb
    integer, parameter, public :: contact_stick = 2       !! No slip while pressed together
@@ -45,7 +45,7 @@ contains
 
    !> Pushes that keep the bodies at a node from approaching. The sum of the pushes of a pair is
    !! zero to the last bit. Equation (C.3) of doc/theory/contact.md.
-   pure subroutine push_apart(mass, velocity, normal, state, law, push)
+   pure subroutine separate_bodies(mass, velocity, normal, state, law, push)
       real(wp), intent(in) :: mass(:)                !! (body) At the node [kg]
       real(wp), intent(in) :: velocity(:, :)         !! (3, body) At the end of the step [m/s]
       real(wp), contiguous, intent(in) :: normal(:, :, :) !! (3, a, b) From a to b, for a < b [1]
@@ -79,7 +79,7 @@ contains
          end do
          if (gain <= enough*scale) exit
       end do
-   end subroutine push_apart
+   end subroutine separate_bodies
 
    !> Of the push that would stop all relative motion leave what surfaces can bear: no pull, and
    !! along the surface no more than friction. Equation (C.4).
