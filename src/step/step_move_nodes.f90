@@ -21,7 +21,7 @@ module step_move_nodes
    implicit none
    private
 
-   public :: finish_nodes, move_nodes, recall_seen, remap_nodes, start_nodes, &
+   public :: books_later, finish_nodes, move_nodes, recall_seen, remap_nodes, start_nodes, &
       strain_nodes
 
 contains

@@ -17,7 +17,8 @@ module step_particles_to_nodes
    implicit none
    private
 
-   public :: find_places, find_plain_places, nodes_seen, particles_to_nodes, tensor_rows, &
+   public :: find_places, find_plain_places, may_be_lean, nodes_seen, particles_to_nodes, &
+      tensor_rows, &
       vector_rows
 
    integer, parameter :: force_before = 4            !! Columns of a patch before the force
