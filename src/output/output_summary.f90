@@ -16,6 +16,7 @@ module output_summary
    use output_summary_steps, only: add_rules, steps_text
    use step_exact_error, only: measure_errors
    use step_ledger, only: balance_t, ledger_entries, removed_mass, removed_particles
+   use step_node_fields, only: node_needs_t, node_tally_t
    use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles
    use step_trust, only: final_trust, warn_of_balance
@@ -179,6 +180,7 @@ contains
    real(wp) function bytes_per_particle(simulation, particles) result(bytes)
       type(simulation_t), intent(inout) :: simulation
       integer(int64), intent(in) :: particles        !! On all ranks
+      type(node_tally_t) :: tally
       integer(int64) :: total(1)
       integer :: index
 
@@ -190,14 +192,10 @@ contains
          end associate
       end do
       do index = 1, size(simulation%fields)
-         total = total + 8_int64*simulation%fields(index)%nodes%words()
+         call simulation%fields(index)%nodes%count(node_needs_t(), tally)
       end do
-      associate (effects => simulation%effects)
-         if (allocated(effects%contact)) total = total + 8_int64*effects%contact%words()
-         if (allocated(effects%conduction)) total = total + 8_int64*effects%conduction%words()
-         total = total + 8_int64*effects%heat_flux%words()
-         if (allocated(effects%turn)) total = total + 8_int64*size(effects%turn, kind=int64)
-      end associate
+      call simulation%effects%count(simulation%scheme%method, tally)
+      total = total + 8_int64*tally%used
       call simulation%machine%communicator%total(total)
       bytes = 0.0_wp
       if (particles > 0) bytes = real(total(1), wp)/real(particles, wp)

@@ -11,11 +11,14 @@ module program_cost_report
    use program_expected_steps, only: expected_steps, find_first_step
    use program_run_limits, only: limits_t
    use program_solid_volumes, only: solid_volumes_text
-   use scene_contact, only: contact_columns, contact_text
+   use scene_contact, only: contact_text
    use scene_particles, only: survey_t
+   use step_move_nodes, only: records_later
+   use step_node_fields, only: difference_columns, mean_columns, node_needs_t, node_tally_t
+   use step_normalised_sums, only: counted_columns, normal_columns
+   use step_particles_to_nodes, only: may_be_lean, tensor_rows, vector_rows
    use step_simulation, only: simulation_t
    use stream_particles, only: snapshot_bytes
-   use transfer_scatter, only: dual_columns
    implicit none
    private
 
@@ -150,34 +153,57 @@ contains
    real(wp) function memory_bytes(simulation, survey) result(bytes)
       type(simulation_t), intent(in) :: simulation
       type(survey_t), intent(in) :: survey
-      real(wp), &
-         parameter :: spare = 1.07_wp          ! spare capacity of arrays
-      ! mass, velocity, acceleration, velocity of the strain of all nodes
-      integer, parameter :: always = 10
-      real(wp) :: columns
-      integer :: d
+      real(wp), parameter :: spare = 1.07_wp         ! spare capacity of arrays
+      type(node_needs_t) :: needs
+      type(node_tally_t) :: tally
+      integer :: n
 
-      ! packed patches hold the components along the directions of the scene
-      d = simulation%space%grid%dimensions
-      columns = real(always + 1 + 2*d, wp)
-      if (simulation%scheme%method%dual) columns = columns + real(4 + d + d*d, wp)
-      if (simulation%scheme%method%dual .and. simulation%scheme%carries_energy) columns = columns &
-         + real(d*d, wp)
-      if (simulation%scheme%method%controlled()) columns = columns + real(7 + 6, wp)
-      if (simulation%scheme%method%differing()) columns = columns + real(dual_columns + 3 + 6 + 3 &
-         + 3, wp)
-      if (allocated(simulation%effects%contact)) columns = &
-         real(contact_columns(simulation%effects%contact), wp) &
-         + real(size(simulation%fields), wp)*columns
-      if (allocated(simulation%effects%conduction)) columns = columns &
-         + merge(26.0_wp, 7.0_wp, simulation%scheme%method%dual)
-      if (simulation%scheme%repacks) columns = columns + 1.0_wp
-      if (simulation%scheme%method%heat_flux > 0.0_wp) columns = columns + 5.0_wp
-      bytes = spare*real(survey%particles, wp)*particle_bytes(simulation, survey) &
-         + real(size(survey%key), wp)*(8.0_wp*columns &
-         *real(simulation%space%grid%tile_nodes, wp) &
-         + 4.0_wp*real(simulation%space%grid%tile_cells + neighbors + 12, wp))
+      associate (grid => simulation%space%grid)
+         needs = node_needs(simulation, survey)
+         tally%nodes = grid%tile_nodes
+         tally%cells = grid%tile_cells
+         do n = 1, size(simulation%fields)
+            call simulation%fields(n)%nodes%count(needs, tally)
+         end do
+         call simulation%effects%count(simulation%scheme%method, tally)
+         bytes = spare*real(survey%particles, wp)*particle_bytes(simulation, survey) &
+            + real(size(survey%key), wp)*(8.0_wp*real(tally%needed, wp) &
+            + 4.0_wp*real(grid%tile_cells + neighbors + 12, wp))
+      end associate
    end function memory_bytes
+
+   !> Node fields of each velocity field.
+   function node_needs(simulation, survey) result(needs)
+      type(simulation_t), intent(in) :: simulation
+      type(survey_t), intent(in) :: survey
+      type(node_needs_t) :: needs
+
+      associate (space => simulation%space, scheme => simulation%scheme, &
+         method => simulation%scheme%method, effects => simulation%effects)
+         needs%vector = count(vector_rows(space%grid))
+         needs%tensor = count(tensor_rows(space%grid))
+         needs%lean = may_be_lean(scheme, effects) .and. &
+            size(survey%key, kind=int64)*space%grid%tile_nodes > survey%particles
+         needs%dual = method%dual
+         needs%energy = scheme%carries_energy
+         needs%averages = method%averages()
+         needs%repacks = scheme%repacks
+         needs%contact = allocated(effects%contact)
+         needs%filters = method%transfer%sweeps() > 0
+         needs%later = records_later(space, scheme, effects)
+         if (needs%filters) needs%extra = 3
+         if (method%remaps()) needs%extra = merge(4, 3, &
+            method%transfer%affine() .and. .not. method%averages())
+         if (method%controlled()) needs%mean = mean_columns
+         needs%differs = method%differing()
+         if (needs%differs) needs%mean = difference_columns
+         needs%rigid = allocated(space%rigid)
+         if (allocated(scheme%normalises)) then
+            needs%counted = counted_columns(scheme, simulation%stores)
+            needs%normal = normal_columns(scheme, simulation%stores)
+         end if
+      end associate
+   end function node_needs
 
    !> A number with four digits.
    pure function four_digits(value) result(text)

@@ -9,7 +9,8 @@ module scene_contact
    use particle_fill, only: body_t
    use particle_store, only: store_t
    use step_method, only: position_of
-   use step_simulation, only: contact_t, guesses, simulation_t
+   use step_node_fields, only: node_needs_t, node_tally_t, nodes_t
+   use step_simulation, only: contact_t, simulation_t
    use transfer_contact, only: contact_bonded, contact_friction, contact_names, pair_law_t
    implicit none
    private
@@ -294,9 +295,16 @@ contains
    pure integer function contact_columns(contact) result(columns)
       type(contact_t), intent(in) :: contact
 
-      associate (fields => size(contact%law, 1))
-         columns = fields*(3 + 1 + 2*merge(4, 3, contact%bonded) + guesses*fields)
-      end associate
+      type(node_tally_t) :: tally
+      type(nodes_t) :: nodes
+      integer :: field
+
+      tally%nodes = 1
+      call contact%count(tally)
+      do field = 1, size(contact%law, 1)
+         call nodes%work%count(node_needs_t(contact=.true.), tally)
+      end do
+      columns = int(tally%needed)
    end function contact_columns
 
    !> Lines of `--check`: the velocity fields, the pairs and what they cost.

@@ -279,7 +279,8 @@ contains
          + acceleration(3, :)**2)) > small*grid%spacing
    end function light_may_gain
 
-   !> Bound the gain of a node of small mass in the step in the velocity that strains: its force over its
+   !> Bound the gain of a node of small mass in the step in the velocity that strains: its force
+   !! over its
    !! mass has no bound, while particles near it gain only their share of the force.
    !! Node volumes count with the weights of cells, so they show how light a node and its cells are.
    !! Gains that move a node by less than a small share of a cell stay. Equation (M.17) of

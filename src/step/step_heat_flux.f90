@@ -249,8 +249,8 @@ contains
                do direction = 1, 3
                   if (.not. grid%active(direction)) cycle
                   call find_edges(grid, cell, direction, place, edges, low, weight)
-                  call add_flux(grid%stride(direction), low(:edges), &
-                     conductance*weight(:edges), share, energy, patch)
+                  call add_flux(grid%stride(direction), low(:edges), weight(:edges), &
+                     conductance, share, energy, patch)
                end do
             end do
          end do
@@ -258,10 +258,11 @@ contains
    end subroutine spread_flux
 
    !> Energy that flows along the edges around a particle, from the warmer to the colder end [W].
-   pure subroutine add_flux(stride, low, conductance, share, energy, patch)
+   pure subroutine add_flux(stride, low, weight, conductance, share, energy, patch)
       integer, intent(in) :: stride                  !! From the lower end of an edge to the other
       integer, intent(in) :: low(:)                  !! (edge) Node at the lower end
-      real(wp), intent(in) :: conductance(:)         !! (edge) Of the particle [W kg/J]
+      real(wp), intent(in) :: weight(:)              !! (edge) At the particle
+      real(wp), intent(in) :: conductance            !! Of the particle [W kg/J]
       real(wp), intent(in) :: share(:)               !! (node) Of its flux that it lets pass [1]
       real(wp), intent(in) :: energy(:, :)           !! (1, node) [J/kg]
       real(wp), intent(inout) :: patch(:, :)         !! (1, node)
@@ -270,7 +271,7 @@ contains
 
       do edge = 1, size(low)
          high = low(edge) + stride
-         flow = conductance(edge)*min(share(low(edge)), share(high)) &
+         flow = conductance*weight(edge)*min(share(low(edge)), share(high)) &
             *(energy(1, high) - energy(1, low(edge)))
          patch(1, low(edge)) = patch(1, low(edge)) + flow
          patch(1, high) = patch(1, high) - flow

@@ -7,7 +7,7 @@ module step_mean_stress
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
-   use step_node_fields, only: empty_mass
+   use step_node_fields, only: empty_mass, mean_columns
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
@@ -15,8 +15,6 @@ module step_mean_stress
    private
 
    public :: find_mean_stress
-
-   integer, parameter :: columns = 7                 !! Volume and stress times volume
 
 contains
 
@@ -30,7 +28,7 @@ contains
 
       associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
          call simulation%machine%timer%start(simulation%machine%phase%scatter)
-         call ensure_patch(nodes%stress%mean, columns, number, simulation%space%tiles%own)
+         call ensure_patch(nodes%stress%mean, mean_columns, number, simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
             !$omp parallel do default(none) shared(simulation, field, tiles) private(began, n) &
@@ -47,7 +45,7 @@ contains
          end do
          call simulation%machine%timer%stop(simulation%machine%phase%scatter)
          call simulation%machine%timer%start(simulation%machine%phase%grid)
-         call ensure_patch(nodes%stress%star, columns - 1, number, simulation%space%tiles%all)
+         call ensure_patch(nodes%stress%star, mean_columns - 1, number, simulation%space%tiles%all)
          !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
          !$omp schedule(static)
          do tile = 1, simulation%space%tiles%all
@@ -86,7 +84,7 @@ contains
                end do
             end do
             call simulation%scheme%method%basis%scatter_values(simulation%space%grid, &
-               scratch%shape, columns, &
+               scratch%shape, mean_columns, &
                scratch%shape%values, 0, patch)
          end associate
       end do
@@ -99,7 +97,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      real(wp) :: total(columns, simulation%space%grid%tile_nodes)
+      real(wp) :: total(mean_columns, simulation%space%grid%tile_nodes)
       real(wp) :: around(simulation%space%grid%tile_nodes), fill(simulation%space%grid%tile_nodes)
       integer :: node, direction
 

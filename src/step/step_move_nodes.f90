@@ -21,8 +21,8 @@ module step_move_nodes
    implicit none
    private
 
-   public :: finish_node_motion, move_nodes, restore_velocities, find_remapped_velocities, &
-      start_node_motion, &
+   public :: records_later, finish_node_motion, move_nodes, restore_velocities, &
+      find_remapped_velocities, start_node_motion, &
       strain_nodes
 
 contains

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Node fields of bodies that move with one velocity, in families: each is one type, whose `words`
-!> names every field once, so that no field is missing where memory is counted.
+!> Node fields of bodies that move with one velocity, in families. Each family is one type, whose
+!! `count` names every field once: for the memory in use (the summary) and for that which a run
+!! needs (`--check`).
 !!
 !! All are patches of tiles: (component, node, tile). Fields that the method does not need are not
 !! allocated.
@@ -8,14 +9,54 @@ module step_node_fields
    use base_kinds, only: int64, wp
    use mesh_packed_patch, only: node_boxes_t, packed_patch_t
    use omp_lib, only: omp_get_thread_num
+   use transfer_edges, only: cell_edges
+   use transfer_scatter, only: dual_columns
    implicit none
    private
 
-   public :: array_words, nodes_t
+   public :: node_needs_t, node_tally_t, nodes_t
+
+   integer, parameter, public :: mean_columns = 7    !! Volume and stress times volume
+   !> Columns of the sums for differences of stress: those of the force, and force of unit stress
+   integer, parameter, public :: difference_columns = dual_columns + 3
 
    !> Nodes with less mass or volume than this are empty: below any fraction of any mass, and what
    !> it divides stays finite.
    real(wp), parameter, public :: empty_mass = 1.0e-290_wp
+
+   !> Node fields that a run needs, with the components that they have.
+   type :: node_needs_t
+      integer :: vector = 3                          !! Components of a vector in packed patches
+      integer :: tensor = 9                          !! Components of a tensor in packed patches
+      logical :: lean = .false.                      !! Are most fields kept for threads only?
+      logical :: dual = .false.                      !! Dual gradient
+      logical :: energy = .false.                    !! Does some material carry internal energy?
+      logical :: averages = .false.                  !! Strain of two velocities
+      logical :: repacks = .false.                   !! Do nodes correct volumes?
+      logical :: contact = .false.                   !! Bodies with velocity fields of their own
+      logical :: filters = .false.                   !! Series of velocities
+      logical :: later = .false.                     !! Is work recorded after the second mapping?
+      integer :: extra = 0                           !! Columns of what is mapped again
+      integer :: mean = 0                            !! Columns of sums for the mean stress
+      logical :: differs = .false.                   !! Differences of stress
+      integer :: counted = 0                         !! Columns of normalised sums
+      integer :: normal = 0                          !! Columns of their factors
+      logical :: rigid = .false.                     !! Rigid regions
+   end type node_needs_t
+
+   !> Memory of node fields.
+   type :: node_tally_t
+      integer :: nodes = 0                           !! Nodes of a tile
+      integer :: cells = 0                           !! Cells of a tile
+      integer(int64) :: used = 0                     !! Reals in memory
+      integer(int64) :: needed = 0                   !! Reals that a tile needs if all of it is used
+   contains
+      generic :: add => add_patches, add_packed, add_boxes, add_weights
+      procedure, private :: add_patches => tally_patches
+      procedure, private :: add_packed => tally_packed
+      procedure, private :: add_boxes => tally_boxes
+      procedure, private :: add_weights => tally_weights
+   end type node_tally_t
 
    !> Sums over the particles, and how the nodes move.
    type :: motion_nodes_t
@@ -33,7 +74,7 @@ module step_node_fields
       real(wp), allocatable :: acceleration(:, :, :) !! (3) [m/s2]
       real(wp), allocatable :: strain(:, :, :)       !! (3) Velocity of the strain increment [m/s]
    contains
-      procedure :: words => motion_words             !! Reals in all fields
+      procedure :: count => count_motion
    end type motion_nodes_t
 
    !> Dual gradient.
@@ -48,7 +89,7 @@ module step_node_fields
       !! of two, of the velocity before the step [m3/s]
       type(packed_patch_t) :: gradient, middle, earlier
    contains
-      procedure :: words => dual_words               !! Reals in all fields
+      procedure :: count => count_dual
    end type dual_nodes_t
 
    !> Series of velocities that filters them, and momentum that is mapped a second time.
@@ -59,7 +100,7 @@ module step_node_fields
       real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
       real(wp), allocatable :: loss(:, :, :)         !! (1) Kinetic energy that it loses [J/kg]
    contains
-      procedure :: words => series_words             !! Reals in all fields
+      procedure :: count => count_series
    end type series_nodes_t
 
    !> Corrections of the stress: mean stress, local stress difference.
@@ -71,7 +112,7 @@ module step_node_fields
       real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
       real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
    contains
-      procedure :: words => stress_words             !! Reals in all fields
+      procedure :: count => count_stress
    end type stress_nodes_t
 
    !> Normalised sums.
@@ -86,7 +127,7 @@ module step_node_fields
       real(wp), allocatable :: present(:, :, :)      !! (1) Of all cells, with rigid regions [m3]
       real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
    contains
-      procedure :: words => normalised_words         !! Reals in all fields
+      procedure :: count => count_normalised
    end type normalised_nodes_t
 
    !> Work of walls, gravity and contact that is recorded after the nodes have moved.
@@ -95,7 +136,7 @@ module step_node_fields
       real(wp), allocatable :: taken(:, :, :) !! (3) What walls take of those before the step [m/s]
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
    contains
-      procedure :: words => work_words               !! Reals in all fields
+      procedure :: count => count_work
    end type work_nodes_t
 
    !> Node fields of one velocity field.
@@ -108,7 +149,7 @@ module step_node_fields
       type(work_nodes_t) :: work
    contains
       procedure :: slot => nodes_slot                !! Index of the fields of a tile
-      procedure :: words => nodes_words              !! Reals in all fields
+      procedure :: count => count_nodes
    end type nodes_t
 
 contains
@@ -122,77 +163,146 @@ contains
       if (self%motion%lean) slot = 1 + omp_get_thread_num()
    end function nodes_slot
 
-   !> Reals in all node fields of the velocity field.
-   pure integer(int64) function nodes_words(self) result(words)
+   !> Count all node fields of the velocity field.
+   pure subroutine count_nodes(self, needs, tally)
       class(nodes_t), intent(in) :: self
+      type(node_needs_t), intent(in) :: needs
+      type(node_tally_t), intent(inout) :: tally
 
-      words = self%motion%words() + self%dual%words() + self%series%words() + self%stress%words() &
-         + self%sums%words() + self%work%words()
-   end function nodes_words
+      call self%motion%count(needs, tally)
+      call self%dual%count(needs, tally)
+      call self%series%count(needs, tally)
+      call self%stress%count(needs, tally)
+      call self%sums%count(needs, tally)
+      call self%work%count(needs, tally)
+   end subroutine count_nodes
 
-   !> Reals in the fields of the motion.
-   pure integer(int64) function motion_words(self) result(words)
+   !> Count the fields of the motion. The second packed patch has the memory of the gradient.
+   pure subroutine count_motion(self, needs, tally)
       class(motion_nodes_t), intent(in) :: self
+      type(node_needs_t), intent(in) :: needs
+      type(node_tally_t), intent(inout) :: tally
+      integer :: n
 
-      words = box_words(self%touched) + sum(self%packed%length()) + sum(self%seen%length()) &
-         + array_words(self%mass) + array_words(self%velocity) + array_words(self%acceleration) &
-         + array_words(self%strain)
-   end function motion_words
+      call tally%add(self%touched, .true.)
+      call tally%add(self%packed(1), 1 + 2*needs%vector + merge(1, 0, needs%dual))
+      call tally%add(self%packed(2), 0)
+      do n = 1, size(self%seen)
+         call tally%add(self%seen(n), merge(needs%vector, 0, needs%lean))
+      end do
+      call tally%add(self%mass, merge(0, 1, needs%lean))
+      call tally%add(self%velocity, merge(0, 3, needs%lean))
+      call tally%add(self%acceleration, merge(0, 3, needs%lean))
+      call tally%add(self%strain, merge(0, 3, needs%lean))
+   end subroutine count_motion
 
-   !> Reals in the fields of the dual gradient.
-   pure integer(int64) function dual_words(self) result(words)
+   !> Count the fields of the dual gradient. Normalised sums use its weights too.
+   pure subroutine count_dual(self, needs, tally)
       class(dual_nodes_t), intent(in) :: self
+      type(node_needs_t), intent(in) :: needs
+      type(node_tally_t), intent(inout) :: tally
 
-      words = box_words(self%weighted) + self%share%length() + array_words(self%volume) &
-         + array_words(self%filled) + self%force%length() + self%gradient%length() &
-         + self%middle%length() + self%earlier%length()
-      if (allocated(self%weight)) words = words + size(self%weight, kind=int64)
-   end function dual_words
+      call tally%add(self%weighted, needs%dual)
+      call tally%add(self%weight, needs%dual .or. needs%counted > 0)
+      call tally%add(self%share, merge(1, 0, needs%dual))
+      call tally%add(self%volume, merge(1, 0, needs%dual .and. .not. needs%lean))
+      call tally%add(self%filled, merge(1, 0, needs%dual .and. needs%repacks))
+      call tally%add(self%force, merge(needs%vector, 0, needs%dual))
+      call tally%add(self%gradient, merge(needs%tensor, 0, needs%dual))
+      call tally%add(self%middle, merge(needs%tensor, 0, needs%dual .and. needs%energy))
+      call tally%add(self%earlier, merge(needs%tensor, 0, needs%dual .and. needs%averages))
+   end subroutine count_dual
 
-   !> Reals in the fields of the series.
-   pure integer(int64) function series_words(self) result(words)
+   !> Count the fields of the series.
+   pure subroutine count_series(self, needs, tally)
       class(series_nodes_t), intent(in) :: self
+      type(node_needs_t), intent(in) :: needs
+      type(node_tally_t), intent(inout) :: tally
 
-      words = array_words(self%extra) + array_words(self%filtered) + array_words(self%term) &
-         + array_words(self%loss)
-   end function series_words
+      call tally%add(self%extra, needs%extra)
+      call tally%add(self%filtered, merge(3, 0, needs%filters))
+      call tally%add(self%term, merge(3, 0, needs%filters))
+      call tally%add(self%loss, merge(1, 0, needs%filters))
+   end subroutine count_series
 
-   !> Reals in the fields of corrected stress.
-   pure integer(int64) function stress_words(self) result(words)
+   !> Count the fields of corrected stress.
+   pure subroutine count_stress(self, needs, tally)
       class(stress_nodes_t), intent(in) :: self
+      type(node_needs_t), intent(in) :: needs
+      type(node_tally_t), intent(inout) :: tally
 
-      words = array_words(self%mean) + array_words(self%star) + array_words(self%unit) &
-         + array_words(self%difference)
-   end function stress_words
+      call tally%add(self%mean, needs%mean)
+      call tally%add(self%star, merge(6, 0, needs%mean > 0))
+      call tally%add(self%unit, merge(3, 0, needs%differs))
+      call tally%add(self%difference, merge(3, 0, needs%differs))
+   end subroutine count_stress
 
-   !> Reals in the fields of normalised sums.
-   pure integer(int64) function normalised_words(self) result(words)
+   !> Count the fields of normalised sums.
+   pure subroutine count_normalised(self, needs, tally)
       class(normalised_nodes_t), intent(in) :: self
+      type(node_needs_t), intent(in) :: needs
+      type(node_tally_t), intent(inout) :: tally
 
-      words = array_words(self%counted) + array_words(self%covered) + array_words(self%normal) &
-         + array_words(self%present) + array_words(self%factor)
-   end function normalised_words
+      call tally%add(self%counted, needs%counted)
+      call tally%add(self%covered, merge(1, 0, needs%counted > 0))
+      call tally%add(self%normal, needs%normal)
+      call tally%add(self%present, merge(1, 0, needs%counted > 0 .and. needs%rigid))
+      call tally%add(self%factor, merge(cell_edges, 0, needs%counted > 0), tally%cells)
+   end subroutine count_normalised
 
-   !> Reals in the fields of the work.
-   pure integer(int64) function work_words(self) result(words)
+   !> Count the fields of the work.
+   pure subroutine count_work(self, needs, tally)
       class(work_nodes_t), intent(in) :: self
+      type(node_needs_t), intent(in) :: needs
+      type(node_tally_t), intent(inout) :: tally
 
-      words = array_words(self%push) + array_words(self%taken) + array_words(self%rubbed)
-   end function work_words
+      call tally%add(self%push, merge(3, 0, needs%contact .or. needs%later))
+      call tally%add(self%taken, merge(3, 0, needs%later))
+      call tally%add(self%rubbed, merge(1, 0, needs%contact))
+   end subroutine count_work
 
-   !> Reals in an array that may not be allocated.
-   pure integer(int64) function array_words(array) result(words)
-      real(wp), allocatable, intent(in) :: array(:, :, :) !! (component, node, tile)
+   !> Add patches of all tiles.
+   pure subroutine tally_patches(self, patch, needed, sites)
+      class(node_tally_t), intent(inout) :: self
+      real(wp), allocatable, intent(in) :: patch(:, :, :) !! (component, node, tile)
+      integer, intent(in) :: needed                  !! Components, 0 = not needed
+      integer, intent(in), optional :: sites         !! Sites of a tile, if they are not its nodes
 
-      words = 0
-      if (allocated(array)) words = size(array, kind=int64)
-   end function array_words
+      if (allocated(patch)) self%used = self%used + size(patch, kind=int64)
+      if (present(sites)) then
+         self%needed = self%needed + int(needed, int64)*sites
+      else
+         self%needed = self%needed + int(needed, int64)*self%nodes
+      end if
+   end subroutine tally_patches
 
-   !> Boxes of nodes, 28 bytes a tile, counted as reals.
-   pure integer(int64) function box_words(boxes) result(words)
+   !> Add packed patches.
+   pure subroutine tally_packed(self, patch, needed)
+      class(node_tally_t), intent(inout) :: self
+      type(packed_patch_t), intent(in) :: patch
+      integer, intent(in) :: needed                  !! Components, 0 = not needed
+
+      self%used = self%used + patch%length()
+      self%needed = self%needed + int(needed, int64)*self%nodes
+   end subroutine tally_packed
+
+   !> Add boxes of nodes: 28 bytes a tile.
+   pure subroutine tally_boxes(self, boxes, needed)
+      class(node_tally_t), intent(inout) :: self
       type(node_boxes_t), intent(in) :: boxes
+      logical, intent(in) :: needed                  !! Does the method have them?
 
-      words = 0
-      if (allocated(boxes%box)) words = (28_int64*size(boxes%box, 3) + 7)/8
-   end function box_words
+      if (allocated(boxes%box)) self%used = self%used + (28_int64*size(boxes%box, 3) + 7)/8
+      if (needed) self%needed = self%needed + 4
+   end subroutine tally_boxes
+
+   !> Add weights of cells.
+   pure subroutine tally_weights(self, weight, needed)
+      class(node_tally_t), intent(inout) :: self
+      real(wp), allocatable, intent(in) :: weight(:, :) !! (cell, tile)
+      logical, intent(in) :: needed                  !! Does the method have them?
+
+      if (allocated(weight)) self%used = self%used + size(weight, kind=int64)
+      if (needed) self%needed = self%needed + self%cells
+   end subroutine tally_weights
 end module step_node_fields

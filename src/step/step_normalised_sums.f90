@@ -17,6 +17,7 @@ module step_normalised_sums
    use mesh_rigid, only: held_t
    use mesh_wall, only: node_place
    use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
@@ -33,7 +34,7 @@ module step_normalised_sums
    implicit none
    private
 
-   public :: choose_normalised, find_edge_factors, find_full
+   public :: choose_normalised, counted_columns, find_edge_factors, find_full, normal_columns
 
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
    !! material beyond the scope
@@ -86,21 +87,43 @@ contains
       columns = merge(foreign - 1, foreign, all(scheme%normalises))
    end function plain_columns
 
-   !> Factors of all edges and nodes for the present particles.
+   !> Columns of the sums, with the moments of pressure where some material needs them.
+   pure integer function counted_columns(scheme, stores) result(columns)
+      type(scheme_t), intent(in) :: scheme
+      type(store_t), intent(in) :: stores(:)
+
+      columns = plain_columns(scheme) + merge(moments, 0, relaxes_any(scheme, stores))
+   end function counted_columns
+
+   !> Columns of the factors of nodes, with the slopes of pressure where some material needs them.
+   pure integer function normal_columns(scheme, stores) result(columns)
+      type(scheme_t), intent(in) :: scheme
+      type(store_t), intent(in) :: stores(:)
+
+      columns = rows + merge(moments - 1, 0, relaxes_any(scheme, stores))
+   end function normal_columns
+
+   !> Are the pressures of some material brought nearer to each other?
+   pure logical function relaxes_any(scheme, stores) result(yes)
+      type(scheme_t), intent(in) :: scheme
+      type(store_t), intent(in) :: stores(:)
+      integer :: index
+
+      yes = any([(relaxes_pressure(scheme, stores, index), index=1, size(stores))])
+   end function relaxes_any
+
+   !> Factors of all edges and nodes for the particles as they are.
    subroutine find_edge_factors(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp) :: began
       integer, allocatable :: tiles(:)
       integer :: tile, part, n
-      logical :: evens
 
       associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
          call simulation%machine%timer%start(simulation%machine%phase%scatter)
-         evens = any([(relaxes_pressure(simulation%scheme, simulation%stores, n), n=1, &
-            size(simulation%stores))])
-         call ensure_patch(nodes%sums%counted, plain_columns(simulation%scheme) &
-            + merge(moments, 0, evens), number, simulation%space%tiles%own)
+         call ensure_patch(nodes%sums%counted, counted_columns(simulation%scheme, &
+            simulation%stores), number, simulation%space%tiles%own)
          call ensure_patch(nodes%sums%factor, cell_edges, simulation%space%grid%tile_cells, &
             simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
@@ -126,8 +149,8 @@ contains
          call ensure_patch(nodes%sums%covered, 1, number, simulation%space%tiles%all)
          if (allocated(simulation%space%rigid)) call ensure_patch(nodes%sums%present, 1, number, &
             simulation%space%tiles%all)
-         call ensure_patch(nodes%sums%normal, rows + merge(moments - 1, 0, evens), number, &
-            simulation%space%tiles%all)
+         call ensure_patch(nodes%sums%normal, normal_columns(simulation%scheme, &
+            simulation%stores), number, simulation%space%tiles%all)
          !$omp parallel do default(none) shared(simulation, field) private(began, tile) &
          !$omp schedule(static)
          do tile = 1, simulation%space%tiles%all

@@ -17,7 +17,8 @@ module step_particles_to_nodes
    implicit none
    private
 
-   public :: locate_particles, locate_particles_plainly, nodes_seen, particles_to_nodes, &
+   public :: locate_particles, locate_particles_plainly, may_be_lean, nodes_seen, &
+      particles_to_nodes, &
       tensor_rows, &
       vector_rows
 

@@ -21,7 +21,7 @@ module step_simulation
    use step_bounds, only: guard_t
    use step_ledger, only: ledger_t
    use step_method, only: method_t
-   use step_node_fields, only: array_words, nodes_t
+   use step_node_fields, only: node_tally_t, nodes_t
    use step_trust_record, only: trust_t
    use transfer_contact, only: pair_law_t
    use transfer_pushed_stress, only: pushed_stress_t
@@ -57,7 +57,7 @@ module step_simulation
       logical, allocatable :: meets(:)               !! (tile) Are there nodes of several fields?
       logical, allocatable :: broken(:, :, :)        !! (field, node, tile) Does a bond break now?
    contains
-      procedure :: words => contact_words            !! Reals in its node fields
+      procedure :: count => count_contact
    end type contact_t
 
    !> Conduction of heat: node fields as above; those of the dual gradient only with it.
@@ -73,7 +73,7 @@ module step_simulation
       real(wp), allocatable :: slope(:, :, :)        !! Patch (9): gradient in rows 1, 4, 7 [K m2]
       real(wp), allocatable :: push(:, :, :)         !! Patch (3): heat of the node flux, row 1 [W]
    contains
-      procedure :: words => conduction_words         !! Reals in its node fields
+      procedure :: count => count_conduction
    end type conduction_t
 
    !> Artificial heat flux of one material at a time.
@@ -82,7 +82,7 @@ module step_simulation
       real(wp), allocatable :: flux(:, :, :)         !! Patch (1): conductance, then energy [J]
       real(wp), allocatable :: total(:, :, :)        !! (3) Sums of the content, limit of the flux
    contains
-      procedure :: words => heat_flux_words          !! Reals in its node fields
+      procedure :: count => count_heat_flux
    end type heat_flux_t
 
    !> The node that would exceed the bounds on displacement most in a step.
@@ -171,6 +171,8 @@ module step_simulation
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
       real(wp), allocatable :: turn(:, :, :)
+   contains
+      procedure :: count => count_effects
    end type effects_t
 
    !> Time, and the limits of its steps.
@@ -220,29 +222,57 @@ module step_simulation
 
 contains
 
-   !> Reals in the node fields of contact.
-   pure integer(int64) function contact_words(self) result(words)
+   !> Count the node fields of contact.
+   pure subroutine count_contact(self, tally)
       class(contact_t), intent(in) :: self
+      type(node_tally_t), intent(inout) :: tally
 
-      words = array_words(self%outward) + array_words(self%area) + array_words(self%reach)
-   end function contact_words
+      associate (fields => size(self%law, 1), rows => merge(4, 3, self%bonded))
+         call tally%add(self%outward, rows*fields)
+         call tally%add(self%area, rows*fields)
+         call tally%add(self%reach, guesses*fields**2)
+      end associate
+   end subroutine count_contact
 
-   !> Reals in the node fields of heat conduction.
-   pure integer(int64) function conduction_words(self) result(words)
+   !> Count the node fields of heat conduction.
+   pure subroutine count_conduction(self, dual, tally)
       class(conduction_t), intent(in) :: self
+      logical, intent(in) :: dual                    !! Is the gradient the dual one?
+      type(node_tally_t), intent(inout) :: tally
 
-      words = array_words(self%content) + array_words(self%total) + array_words(self%temperature) &
-         + array_words(self%flow) + array_words(self%share) + array_words(self%volume) &
-         + array_words(self%slope) + array_words(self%push)
-      if (allocated(self%weight)) words = words + size(self%weight, kind=int64)
-   end function conduction_words
+      call tally%add(self%content, merge(3, 2, dual))
+      call tally%add(self%total, merge(3, 2, dual))
+      call tally%add(self%temperature, 1)
+      call tally%add(self%flow, merge(5, 2, dual))
+      call tally%add(self%weight, dual)
+      call tally%add(self%share, merge(1, 0, dual))
+      call tally%add(self%volume, merge(1, 0, dual))
+      call tally%add(self%slope, merge(9, 0, dual))
+      call tally%add(self%push, merge(3, 0, dual))
+   end subroutine count_conduction
 
-   !> Reals in the node fields of the artificial heat flux.
-   pure integer(int64) function heat_flux_words(self) result(words)
+   !> Count the node fields of the artificial heat flux.
+   pure subroutine count_heat_flux(self, needed, tally)
       class(heat_flux_t), intent(in) :: self
+      logical, intent(in) :: needed
+      type(node_tally_t), intent(inout) :: tally
 
-      words = array_words(self%content) + array_words(self%flux) + array_words(self%total)
-   end function heat_flux_words
+      call tally%add(self%content, merge(2, 0, needed))
+      call tally%add(self%flux, merge(1, 0, needed))
+      call tally%add(self%total, merge(3, 0, needed))
+   end subroutine count_heat_flux
+
+   !> Count the node fields of all effects.
+   pure subroutine count_effects(self, method, tally)
+      class(effects_t), intent(in) :: self
+      type(method_t), intent(in) :: method
+      type(node_tally_t), intent(inout) :: tally
+
+      if (allocated(self%contact)) call self%contact%count(tally)
+      if (allocated(self%conduction)) call self%conduction%count(method%dual, tally)
+      call self%heat_flux%count(method%heat_flux > 0.0_wp, tally)
+      call tally%add(self%turn, merge(4, 0, method%smooth_turn))
+   end subroutine count_effects
 
    !> Record the load balance of a step.
    pure subroutine load_look(self, step, ratio)

@@ -10,6 +10,7 @@ module step_stress_difference
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
+   use step_node_fields, only: difference_columns
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: locate_particles
    use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
@@ -22,7 +23,6 @@ module step_stress_difference
 
    integer, parameter :: before = 4                  !! Columns that the force leaves alone
    integer, parameter :: rest = 3                    !! Columns behind those of the force
-   integer, parameter :: columns = dual_columns + rest
 
 contains
 
@@ -36,7 +36,8 @@ contains
 
       associate (nodes => field%nodes, number => simulation%space%grid%tile_nodes)
          call simulation%machine%timer%start(simulation%machine%phase%scatter)
-         call ensure_patch(nodes%stress%mean, columns, number, simulation%space%tiles%own)
+         call ensure_patch(nodes%stress%mean, difference_columns, number, &
+            simulation%space%tiles%own)
          do part = edge_tiles, inner_tiles
             call next_tiles(simulation, part, tiles)
             !$omp parallel do default(none) shared(simulation, field, tiles) private(began, n) &
@@ -122,7 +123,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      real(wp) :: total(columns, simulation%space%grid%tile_nodes)
+      real(wp) :: total(difference_columns, simulation%space%grid%tile_nodes)
       real(wp) :: stress(9, simulation%space%grid%tile_nodes)
       integer :: node, k
 
@@ -130,8 +131,8 @@ contains
          call assemble(simulation%space%grid, simulation%space%tiles, nodes%stress%mean, tile, &
             total)
          nodes%stress%star(:before, :, tile) = total(:before, :)
-         nodes%stress%star(before + 1:, :, tile) = total(dual_columns + 1:columns - 1, :)
-         call divide(total, columns, nodes%stress%star(:, :, tile))
+         nodes%stress%star(before + 1:, :, tile) = total(dual_columns + 1:difference_columns - 1, :)
+         call divide(total, difference_columns, nodes%stress%star(:, :, tile))
          nodes%stress%difference(:, :, tile) = total(before + 1:before + 3, :)
          stress = total(before + 5:dual_columns, :)
          call divide(nodes%dual%volume(:, :, tile), 1, stress)
