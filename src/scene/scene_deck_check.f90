@@ -6,7 +6,7 @@ module scene_deck_check
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
    use scene_bodies, only: check_bodies
-   use scene_deck_check_scene, only: check_boundaries
+   use scene_boundary, only: check_boundaries
    use scene_effects, only: check_effects
    use scene_grid, only: check_grid
    use scene_regions, only: check_regions

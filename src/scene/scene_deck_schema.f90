@@ -4,8 +4,8 @@ module scene_deck_schema
    use base_schema, only: schema_t
    use material_keys, only: declare_material_keys
    use scene_bodies, only: declare_body
+   use scene_boundary, only: declare_boundary
    use scene_contact, only: declare_contact
-   use scene_deck_groups, only: declare_boundary
    use scene_effects, only: declare_effects
    use scene_exact, only: declare_exact
    use scene_grid, only: declare_grid

@@ -10,6 +10,7 @@ module scene_setup
    use particle_store, only: traits_t
    use scene_absorbing, only: read_absorbing
    use scene_bodies, only: read_bodies
+   use scene_boundary, only: read_boundaries, read_walls
    use scene_contact, only: read_contact
    use scene_effects, only: read_effects
    use scene_exact, only: read_exact
@@ -19,7 +20,6 @@ module scene_setup
    use scene_points_clock, only: check_clocks
    use scene_regions, only: named_shape_t, read_shapes
    use scene_time, only: read_bounds
-   use scene_walls, only: read_boundaries, read_walls
    use step_simulation, only: simulation_t
    implicit none
    private
