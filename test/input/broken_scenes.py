@@ -15,7 +15,7 @@ CONTRADICTIONS = [
      "&region 'ball': the name is taken by the &region of deck.nml:6"),
     ("plain", "density = 2700", "", 4,
      "&material 'metal': density must be given (density of the reference state)"),
-    ("plain", "name = 'metal'", "", 4, "&material: name must be given (what bodies refer to)"),
+    ("plain", "name = 'metal'", "", 4, "&material: name must be given (name that bodies refer to)"),
     ("plain", "young = 70e9", "", 5,
      "&material 'metal': young must be set [Pa], as poisson is given"),
     ("plain", "poisson = 0.3", "", 5,
