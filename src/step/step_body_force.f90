@@ -13,7 +13,7 @@ module step_body_force
    use omp_lib, only: omp_get_thread_num
    use step_ledger, only: cross, external_work, impulse, torque
    use step_particles_to_nodes, only: locate_particles
-   use step_simulation, only: clock_t, effects_t, scheme_t, scratch_t, simulation_t, &
+   use step_simulation, only: clock_t, scheme_t, scratch_t, simulation_effects_t, simulation_t, &
       velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
@@ -26,7 +26,7 @@ contains
    !> Let gravity be its mean over the time in which the forces of a step act.
    pure subroutine average_gravity(scheme, effects, clock)
       type(scheme_t), intent(in) :: scheme
-      type(effects_t), intent(inout) :: effects
+      type(simulation_effects_t), intent(inout) :: effects
       type(clock_t), intent(in) :: clock
       real(wp) :: from
 

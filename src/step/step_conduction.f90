@@ -21,7 +21,7 @@ module step_conduction
    use step_ledger, only: dissipated
    use step_node_sums, only: divide
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: effects_t, scratch_t, simulation_t, space_t
+   use step_simulation, only: scratch_t, simulation_effects_t, simulation_t, space_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_scatter, only: dual_columns, motion_columns
    use transfer_shape_data, only: shape_data_t, spare
@@ -144,7 +144,7 @@ contains
    !> Allocate the fields of the dual gradient.
    subroutine ensure_dual(space, effects)
       type(space_t), intent(in) :: space
-      type(effects_t), intent(inout) :: effects
+      type(simulation_effects_t), intent(inout) :: effects
 
       associate (heat => effects%conduction, nodes => space%grid%tile_nodes, &
          all => space%tiles%all)
@@ -368,7 +368,7 @@ contains
    !> Gradient of temperature on the nodes of a tile.
    subroutine node_slope(space, effects, tile, slope)
       type(space_t), intent(in) :: space
-      type(effects_t), intent(in) :: effects
+      type(simulation_effects_t), intent(in) :: effects
       integer, intent(in) :: tile
       real(wp), allocatable, intent(out) :: slope(:, :) !! (9, node) [K/m]
 

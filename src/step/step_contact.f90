@@ -11,8 +11,8 @@ module step_contact
    use step_ledger, only: dissipated
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: effects_t, guesses, scheme_t, scratch_t, simulation_t, space_t, &
-      velocity_field_t
+   use step_simulation, only: guesses, scheme_t, scratch_t, simulation_effects_t, simulation_t, &
+      space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_contact, only: bond_traction, contact_bonded, separate_bodies, state_bonded, &
       state_closed, state_open
@@ -56,7 +56,7 @@ contains
    !> Allocate the bonds that break.
    subroutine ensure_broken(space, effects)
       type(space_t), intent(in) :: space
-      type(effects_t), intent(inout) :: effects
+      type(simulation_effects_t), intent(inout) :: effects
 
       associate (contact => effects%contact, all => space%tiles%all)
          if (allocated(contact%broken)) then

@@ -13,8 +13,8 @@ module step_contact_surface
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
-   use step_simulation, only: contact_t, effects_t, guesses, machine_t, scratch_t, simulation_t, &
-      space_t, velocity_field_t
+   use step_simulation, only: contact_t, guesses, machine_t, scratch_t, simulation_effects_t, &
+      simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_contact, only: find_reach, particle_widths
    use transfer_scatter, only: motion_columns
@@ -59,7 +59,7 @@ contains
    subroutine find_meetings(space, fields, effects, machine)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: fields(:)
-      type(effects_t), intent(inout) :: effects
+      type(simulation_effects_t), intent(inout) :: effects
       type(machine_t), intent(inout) :: machine
       integer :: tile, field
       real(wp) :: began

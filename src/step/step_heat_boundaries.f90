@@ -3,7 +3,7 @@
 module step_heat_boundaries
    use base_kinds, only: wp
    use step_ledger, only: external_work, ledger_t
-   use step_simulation, only: effects_t, space_t
+   use step_simulation, only: simulation_effects_t, space_t
    implicit none
    private
 
@@ -14,7 +14,7 @@ contains
    !> Set the nodes of a tile on such boundaries to the temperature of the boundary.
    pure subroutine hold_temperature(space, effects, tile)
       type(space_t), intent(in) :: space
-      type(effects_t), intent(inout) :: effects
+      type(simulation_effects_t), intent(inout) :: effects
       integer, intent(in) :: tile
       real(wp) :: held(space%grid%tile_nodes)
 
@@ -27,7 +27,7 @@ contains
    !! its own particles.
    pure subroutine take_heat(space, effects, ledger, tile, heat, change)
       type(space_t), intent(in) :: space
-      type(effects_t), intent(in) :: effects
+      type(simulation_effects_t), intent(in) :: effects
       type(ledger_t), intent(inout) :: ledger        !! Of this thread
       integer, intent(in) :: tile
       integer, intent(in) :: heat                    !! Row of heat capacity in the patch

@@ -12,8 +12,8 @@ module step_move_nodes
    use step_node_fields, only: empty_mass
    use step_node_sums, only: divide, ensure_sums, find_sums, slots
    use step_particles_to_nodes, only: vector_rows
-   use step_simulation, only: clock_t, effects_t, machine_t, reach_t, scheme_t, scratch_t, &
-      simulation_t, space_t, velocity_field_t
+   use step_simulation, only: clock_t, machine_t, reach_t, scheme_t, scratch_t, &
+      simulation_effects_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use step_walls, only: apply_walls, hold_at_walls, record_push, record_stopped, start_walls, &
       stop_at_walls, walls_touch
@@ -68,7 +68,7 @@ contains
    pure logical function records_later(space, scheme, effects) result(later)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
-      type(effects_t), intent(in) :: effects
+      type(simulation_effects_t), intent(in) :: effects
       integer :: face
 
       later = scheme%method%remaps() .and. .not. scheme%carries_energy

@@ -163,7 +163,7 @@ contains
          !$omp schedule(static)
          do tile = 1, simulation%space%tiles%all
             began = cost_clock(simulation%machine)
-            call check_node_displacement(simulation, field, tile)
+            call find_node_factors(simulation, field, tile)
             call record_cost(simulation%machine, tile, began)
          end do
          !$omp end parallel do
@@ -442,7 +442,7 @@ contains
 
    !> Factors of the node stress and the node gradient along each direction where the cells around
    !! are full, and how full these are. Equation (Q.8).
-   subroutine check_node_displacement(simulation, field, tile)
+   subroutine find_node_factors(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
@@ -474,7 +474,7 @@ contains
             end associate
          end do
       end associate
-   end subroutine check_node_displacement
+   end subroutine find_node_factors
 
    !> Volume that must be filled for a node to count as full: that around the node, for nodes in
    !! rigid regions that of existing cells.

@@ -8,7 +8,7 @@ module step_particles_to_nodes
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_motion
-   use step_simulation, only: effects_t, scheme_t, scratch_t, simulation_t, space_t, &
+   use step_simulation, only: scheme_t, scratch_t, simulation_effects_t, simulation_t, space_t, &
       velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use transfer_bbar, only: average_pressure
@@ -103,7 +103,7 @@ contains
    !> Does no effect need the fields of all nodes beyond the step itself?
    pure logical function may_be_lean(scheme, effects) result(lean)
       type(scheme_t), intent(in) :: scheme
-      type(effects_t), intent(in) :: effects
+      type(simulation_effects_t), intent(in) :: effects
 
       associate (method => scheme%method)
          lean = .not. (scheme%keeps_nodes .or. allocated(effects%contact) .or. &

@@ -29,7 +29,8 @@ module step_simulation
    implicit none
    private
 
-   public :: clock_t, conduction_t, conservation_t, contact_t, effects_t, load_t, machine_t, &
+   public :: clock_t, conduction_t, conservation_t, contact_t, simulation_effects_t, load_t, &
+      machine_t, &
       phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
 
@@ -162,7 +163,7 @@ module step_simulation
    end type scheme_t
 
    !> Physical effects besides stress. Those that a scene does not have are not allocated.
-   type :: effects_t
+   type :: simulation_effects_t
       type(contact_t), allocatable :: contact        !! Between bodies with their own velocities
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
       type(heat_flux_t) :: heat_flux                 !! Artificial heat flux
@@ -173,7 +174,7 @@ module step_simulation
       real(wp), allocatable :: turn(:, :, :)
    contains
       procedure :: count => count_effects
-   end type effects_t
+   end type simulation_effects_t
 
    !> Time, and the limits of its steps.
    type :: clock_t
@@ -212,7 +213,7 @@ module step_simulation
       type(store_t), allocatable :: stores(:)        !! (material) Particles, with contact more
       type(velocity_field_t), allocatable :: fields(:) !! One without contact
       type(scheme_t) :: scheme
-      type(effects_t) :: effects
+      type(simulation_effects_t) :: effects
       type(clock_t) :: clock
       type(conservation_t) :: balance
       type(machine_t) :: machine
@@ -264,7 +265,7 @@ contains
 
    !> Count the node fields of all effects.
    pure subroutine count_effects(self, method, tally)
-      class(effects_t), intent(in) :: self
+      class(simulation_effects_t), intent(in) :: self
       type(method_t), intent(in) :: method
       type(node_tally_t), intent(inout) :: tally
 
