@@ -25,7 +25,6 @@ module mesh_packed_patch
       procedure :: ensure => boxes_ensure            !! Reserve memory for tiles
       procedure :: line_up => boxes_find_offsets    !! Find where the packed patches begin
       procedure :: nodes => boxes_nodes              !! Nodes of all tiles
-      procedure :: move_to => boxes_move_to          !! Hand over to another holder
    end type node_boxes_t
 
    !> The packed patches of all tiles.
@@ -37,7 +36,6 @@ module mesh_packed_patch
       procedure :: keep => packed_keep               !! Choose the rows
       procedure :: ensure => packed_ensure           !! Reserve memory for nodes
       procedure :: grow => packed_grow               !! Reserve memory for more nodes
-      procedure :: move_to => packed_move_to         !! Hand over to another holder
       procedure :: put => packed_pack                 !! Pack the patch of a tile
       procedure :: get => packed_unpack                 !! Unpack the patch of a tile
       procedure :: assemble => packed_assemble       !! Sum of all tiles around the nodes of one
@@ -81,15 +79,6 @@ contains
             + product(max(self%box(:, 2, tile) - self%box(:, 1, tile) + 1, 0))
       end do
    end subroutine boxes_find_offsets
-
-   !> Hand all over to another holder, without a copy.
-   pure subroutine boxes_move_to(self, other)
-      class(node_boxes_t), intent(inout) :: self          !! Empty afterwards
-      type(node_boxes_t), intent(inout) :: other          !! Gets it
-
-      call move_alloc(self%box, other%box)
-      call move_alloc(self%before, other%before)
-   end subroutine boxes_move_to
 
    !> Nodes of the boxes of all tiles.
    pure integer function boxes_nodes(self) result(nodes)
@@ -136,16 +125,6 @@ contains
       values(:self%length()) = self%values
       call move_alloc(values, self%values)
    end subroutine packed_grow
-
-   !> Hand all over to another holder, without a copy.
-   pure subroutine packed_move_to(self, other)
-      class(packed_patch_t), intent(inout) :: self         !! Empty afterwards
-      type(packed_patch_t), intent(inout) :: other         !! Gets it
-
-      other%rows = self%rows
-      call move_alloc(self%row, other%row)
-      call move_alloc(self%values, other%values)
-   end subroutine packed_move_to
 
    !> Capacity in numbers.
    elemental integer(int64) function packed_length(self) result(numbers)

@@ -245,17 +245,17 @@ contains
    !> Sum of the packed patches of a node gradient, divided by the volumes of the nodes. Equation
    !! (M.6) of
    !! doc/theory/method.md.
-   subroutine node_gradient(space, field, tile, pieces, gradient)
+   subroutine node_gradient(space, field, tile, shares, gradient)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      type(packed_patch_t), intent(in) :: pieces           !! Shares of the cells [m3/s]
+      type(packed_patch_t), intent(in) :: shares           !! Shares of the cells [m3/s]
       !> (9, node) [1/s]; only where the particles of the tile see it
       real(wp), allocatable, intent(inout) :: gradient(:, :)
       integer :: low, high
 
       if (.not. allocated(gradient)) allocate (gradient(9, space%grid%tile_nodes))
-      call pieces%assemble(space%grid, space%tiles, field%nodes%dual%weighted, tile, &
+      call shares%assemble(space%grid, space%tiles, field%nodes%dual%weighted, tile, &
          gradient)
       call nodes_seen(space, field, tile, low, high)
       if (allocated(field%nodes%sums%normal)) then
