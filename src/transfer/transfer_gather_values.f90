@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Single values from nodes to particles with the linear functions of the cell: the coefficients of
-!! the polynomial of a cell are found once, then four particles of the cell at a time are the lanes.
+!! the polynomial of a cell are found once, then particles of the cell are the lanes, eight in three
+!! dimensions and four in a plane.
 !!
 !! The last lanes of a cell may hold particles of the next cells or none. What they get is
 !! overwritten when those cells come, so cells are taken in order, and columns have `spare` rows
@@ -8,10 +9,13 @@
 module transfer_gather_values
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
+   use transfer_cell_terms, only: find_plane_terms, find_terms, plane_terms
    implicit none
    private
 
    public :: find_polynomial, gather_hoop, gather_values, gather_vector
+
+   integer, parameter :: half = lanes/2              !! Particles at a time in a plane
 
 contains
 
@@ -32,8 +36,9 @@ contains
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
          call find_polynomial(grid, cell, 1, scale, nodes, u)
-         call evaluate_plane(start(cell) + 1, start(cell + 1), u, local(:, 1), local(:, 3), &
-            gradient(:, 5))
+         do p = start(cell) + 1, start(cell + 1), half
+            call find_plane(1, 1, u, p, size(local, 1), local, size(gradient, 1), gradient(:, 5))
+         end do
       end do
       do p = 1, start(grid%tile_cells)
          gradient(p, 5) = gradient(p, 5)/position(first + p - 1, 1)
@@ -68,23 +73,61 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
-      real(wp) :: u(lanes)
-      integer :: cell, c
+      integer :: rows
 
+      rows = 4*((size(nodes, 1) + 3)/4)
+      if (grid%dimensions == 3) then
+         call gather_space(grid, start, local, rows, nodes, values)
+      else
+         call gather_plane(grid, start, local, rows, nodes, values)
+      end if
+   end subroutine gather_values
+
+   !> The same in three dimensions.
+   pure subroutine gather_space(grid, start, local, rows, nodes, values)
+      type(grid_t), intent(in) :: grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      integer, intent(in) :: rows                            !! Columns, a multiple of four
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+      real(wp) :: u(rows, lanes)
+      integer :: cell, p, ways(lanes)
+
+      ways = size(nodes, 1)*grid%lane_offset
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         do c = 1, size(nodes, 1)
-            call find_polynomial(grid, cell, c, 1.0_wp, nodes, u)
-            if (grid%dimensions == 3) then
-               call evaluate_space(start(cell) + 1, start(cell + 1), u, local(:, 1), &
-                  local(:, 2), local(:, 3), values(:, c))
-            else
-               call evaluate_plane(start(cell) + 1, start(cell + 1), u, local(:, 1), &
-                  local(:, 3), values(:, c))
-            end if
+         call find_terms(size(nodes, 1), rows, grid%first_node(cell), ways, size(nodes), nodes, &
+            1.0_wp, u)
+         do p = start(cell) + 1, start(cell + 1), lanes
+            call find_space(size(nodes, 1), rows, u, p, size(local, 1), local, size(values, 1), &
+               values)
          end do
       end do
-   end subroutine gather_values
+   end subroutine gather_space
+
+   !> The same in a plane or on a line.
+   pure subroutine gather_plane(grid, start, local, rows, nodes, values)
+      type(grid_t), intent(in) :: grid
+      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
+      real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
+      integer, intent(in) :: rows                            !! Columns, a multiple of four
+      real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
+      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
+      real(wp) :: u(rows, plane_terms)
+      integer :: cell, p, ways(plane_terms)
+
+      ways = size(nodes, 1)*grid%lane_offset(:plane_terms)
+      do cell = 0, grid%tile_cells - 1
+         if (start(cell + 1) == start(cell)) cycle
+         call find_plane_terms(size(nodes, 1), rows, grid%first_node(cell), ways, size(nodes), &
+            nodes, u)
+         do p = start(cell) + 1, start(cell + 1), half
+            call find_plane(size(nodes, 1), rows, u, p, size(local, 1), local, size(values, 1), &
+               values)
+         end do
+      end do
+   end subroutine gather_plane
 
    !> Coefficients of the polynomial of one component of a node field in a cell, by differences
    !! along x, then z, then y; those of a missing direction are not found.
@@ -116,38 +159,68 @@ contains
       end do
    end subroutine find_polynomial
 
-   !> Values of a polynomial with all terms at the particles of a cell.
-   pure subroutine evaluate_space(low, high, u, x, y, z, values)
-      integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
-      real(wp), intent(in) :: u(lanes)                       !! Coefficients
-      real(wp), contiguous, intent(in) :: x(:), y(:), z(:)   !! (particle) Local coordinates [1]
-      real(wp), contiguous, intent(inout) :: values(:)       !! (particle)
-      integer :: p, lane
+   !> Values of polynomials with all terms at eight particles.
+   pure subroutine find_space(columns, rows, u, p, length, local, depth, values)
+      integer, intent(in) :: columns                         !! Of the values
+      integer, intent(in) :: rows                            !! The same, a multiple of four
+      real(wp), intent(in) :: u(rows, lanes)                 !! (column, term) Coefficients
+      integer, intent(in) :: p                               !! First of the particles
+      integer, intent(in) :: length                          !! Of a column of the next
+      real(wp), intent(in) :: local(length, 3)               !! (particle, 3) Local coordinates
+      integer, intent(in) :: depth                           !! Of a column of the next
+      real(wp), intent(inout) :: values(depth, columns)      !! (particle, column)
+      integer :: c
 
-      do p = low, high, 4
-         !$omp simd
-         do lane = p, p + 3
-            values(lane) = ((u(1) + u(2)*x(lane)) + (u(3) + u(4)*x(lane))*z(lane)) &
-               + ((u(5) + u(6)*x(lane)) + (u(7) + u(8)*x(lane))*z(lane))*y(lane)
-         end do
+      do c = 1, columns
+         call evaluate_space(rows, u(c, 1), local(p, 1), local(p, 2), local(p, 3), values(p, c))
+      end do
+   end subroutine find_space
+
+   !> Values of a polynomial at eight particles.
+   pure subroutine evaluate_space(rows, u, x, y, z, values)
+      integer, intent(in) :: rows                            !! From term to term
+      real(wp), intent(in) :: u(rows*(lanes - 1) + 1)        !! Coefficients
+      real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Local coordinates [1]
+      real(wp), intent(inout) :: values(lanes)               !! (lane)
+      integer :: lane
+
+      !$omp simd
+      do lane = 1, lanes
+         values(lane) = ((u(1) + u(rows + 1)*x(lane)) &
+            + (u(2*rows + 1) + u(3*rows + 1)*x(lane))*z(lane)) &
+            + ((u(4*rows + 1) + u(5*rows + 1)*x(lane)) &
+            + (u(6*rows + 1) + u(7*rows + 1)*x(lane))*z(lane))*y(lane)
       end do
    end subroutine evaluate_space
 
-   !> Values of a polynomial of x and z at the particles of a cell.
-   pure subroutine evaluate_plane(low, high, u, x, z, values)
-      integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
-      real(wp), intent(in) :: u(lanes)                       !! Coefficients, of which four count
-      real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Local coordinates [1]
-      real(wp), contiguous, intent(inout) :: values(:)       !! (particle)
-      integer :: p, lane
+   !> Values of polynomials of x and z at four particles.
+   pure subroutine find_plane(columns, rows, u, p, length, local, depth, values)
+      integer, intent(in) :: columns                         !! Of the values
+      integer, intent(in) :: rows                            !! The same, a multiple of four
+      real(wp), intent(in) :: u(rows, plane_terms)           !! (column, term) Coefficients
+      integer, intent(in) :: p                               !! First of the particles
+      integer, intent(in) :: length                          !! Of a column of the next
+      real(wp), intent(in) :: local(length, 3)               !! (particle, 3) Local coordinates
+      integer, intent(in) :: depth                           !! Of a column of the next
+      real(wp), intent(inout) :: values(depth, columns)      !! (particle, column)
+      integer :: c
 
-      do p = low, high, 4
-         !$omp simd
-         do lane = p, p + 3
-            values(lane) = (u(1) + u(2)*x(lane)) + (u(3) + u(4)*x(lane))*z(lane)
-         end do
+      do c = 1, columns
+         call evaluate_plane(u(c, 1), u(c, 2), u(c, 3), u(c, 4), local(p, 1), local(p, 3), &
+            values(p, c))
+      end do
+   end subroutine find_plane
+
+   !> Values of a polynomial at four particles.
+   pure subroutine evaluate_plane(u1, u2, u3, u4, x, z, values)
+      real(wp), intent(in) :: u1, u2, u3, u4                 !! Coefficients
+      real(wp), intent(in) :: x(half), z(half)               !! (lane) Local coordinates [1]
+      real(wp), intent(inout) :: values(half)                !! (lane)
+      integer :: lane
+
+      !$omp simd
+      do lane = 1, half
+         values(lane) = (u1 + u2*x(lane)) + (u3 + u4*x(lane))*z(lane)
       end do
    end subroutine evaluate_plane
 end module transfer_gather_values
