@@ -13,7 +13,8 @@ module step_advance
    use step_method, only: stress_before
    use step_move_nodes, only: find_remapped_velocities, finish_node_motion, move_nodes, &
       start_node_motion
-   use step_nodes_to_particles, only: gather_parts_t, nodes_to_particles
+   use step_node_view, only: gather_parts_t
+   use step_nodes_to_particles, only: nodes_to_particles
    use step_normalised_sums, only: find_edge_factors
    use step_particles_to_nodes, only: particles_to_nodes
    use step_retry, only: check_node_displacement

@@ -4,28 +4,27 @@
 module step_nodes_to_particles
    use base_kinds, only: int64, wp
    use constitutive_kinematics, only: centre_backward, centre_gradient
-   use mesh_patch, only: combine
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_split, only: find_opening
    use particle_store, only: moved_off, store_t
    use particle_stretch, only: stretch_tile
-   use step_bounds, only: are_nodes_slow, count_bad, find_steepest, limiting_gradient
+   use step_bounds, only: count_bad, find_steepest
    use step_contact, only: add_contact_heat
    use step_dissipation, only: damps, record_damping, record_losses
-   use step_dual_gradient, only: node_gradient
-   use step_grid_volumes, only: correct_volumes, excess_fill
+   use step_grid_volumes, only: correct_volumes
    use step_method, only: method_t, stress_before
    use step_move_nodes, only: restore_velocities
    use step_offending_particle, only: tile_bounds
-   use step_particles_to_nodes, only: locate_particles, nodes_seen
+   use step_node_view, only: gather_parts_t, look, view_t
+   use step_particles_to_nodes, only: locate_particles
    use step_pressure_relaxation, only: normalised, relax_pressures
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
-   use step_strain_average, only: average_strain, keep_earlier
+   use particle_strain_average, only: average_strain, keep_earlier
    use step_tile_cost, only: cost_clock, record_cost
-   use step_velocity_remap, only: find_filtered, find_slopes
-   use transfer_affine, only: gather_affine_heat, keep_affine, moment_fields
+   use step_velocity_remap, only: find_slopes
+   use transfer_affine, only: gather_affine_heat, keep_affine
    use transfer_basis, only: expand_spin
    use transfer_bbar, only: average_dilatation
    use transfer_shape_data, only: spare
@@ -33,40 +32,7 @@ module step_nodes_to_particles
    implicit none
    private
 
-   public :: gather_parts_t, nodes_to_particles
-
-   !> Which parts of the transfer to the particles are to be done.
-   type :: gather_parts_t
-      logical :: work = .false.                      !! Work of the stress of the force
-      logical :: strain = .false.                    !! Strain and stress
-      logical :: motion = .false.                    !! Particle velocities, positions and cells
-   end type gather_parts_t
-
-   !> Kinetic energy lost at the nodes of a tile, as the particles see it.
-   type :: loss_view_t
-      real(wp), allocatable :: heat(:, :)            !! (column, node) Of the particles
-      real(wp), allocatable :: scalar(:, :)          !! (1, node) Of the nodes [J/kg]
-      real(wp), allocatable :: turn(:, :)            !! (3, node) Of linear velocity fields [m/s]
-      real(wp), allocatable :: moments(:, :)         !! (9, node) Their moments [m2/s]
-   end type loss_view_t
-
-   !> Node fields of one tile that the particles see. What is not called for is not allocated.
-   type :: view_t
-      real(wp), allocatable :: centre(:, :)          !! (3, node) Mid-step velocity [m/s]
-      real(wp), allocatable :: push(:, :) !! (3, node) Adds to what a particle keeps [m/s]
-      real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
-      real(wp), allocatable :: after(:, :)           !! (3, node) Velocity after the step [m/s]
-      real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
-      real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
-      real(wp), allocatable :: earlier(:, :)         !! (9, node) Of that before the step [1/s]
-      type(loss_view_t) :: loss                      !! Lost kinetic energy
-      real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
-      real(wp), allocatable :: excess(:, :) !! (1, node) Fill less 1, for loose material [1]
-      real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
-      logical :: slow = .false.                      !! Is no gradient that steep?
-      logical :: moved = .false.                     !! Have the particles moved already?
-      integer :: slot = 0                            !! Where the fields of the tile are
-   end type view_t
+   public :: nodes_to_particles
 
 contains
 
@@ -147,6 +113,8 @@ contains
             call scratch%deformation%reserve(store%count(tile) + spare)
             if (parts%work .and. allocated(store%state%energy)) &
                call add_work(simulation, scratch, store, tile, view)
+            if (parts%motion .and. view%at_once) call view%increments%gather( &
+               simulation%space%grid, simulation%scheme%method%basis, scratch%shape)
             ! before the strain, which may renew the linear velocity fields
             if (parts%motion .and. allocated(store%state%energy)) &
                call add_heat(simulation%space, simulation%scheme, scratch, store, tile, view)
@@ -200,100 +168,6 @@ contains
       end associate
    end subroutine judge_particles
 
-   !> The node fields of a tile as the particles see them.
-   subroutine look(simulation, field, tile, parts, view)
-      type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile
-      type(gather_parts_t), intent(in) :: parts      !! What is to be done
-      type(view_t), intent(inout) :: view            !! What the particles see
-      integer :: low, high
-
-      view%slow = .false.
-      view%moved = .not. parts%motion
-      view%slot = field%nodes%slot(tile)
-      if (parts%work) then
-         call nodes_seen(simulation%space, field, tile, low, high)
-         if (.not. allocated(view%centre)) &
-            allocate (view%centre(3, simulation%space%grid%tile_nodes), source=0.0_wp)
-         view%centre(:, low:high) = field%nodes%motion%velocity(:, low:high, view%slot) &
-            + 0.5_wp*simulation%clock%kick*field%nodes%motion%acceleration(:, low:high, view%slot)
-      end if
-      if (parts%motion) call look_motion(simulation%space, simulation%scheme, field, tile, &
-         simulation%clock%kick, view)
-      if (parts%strain) call look_steep(simulation, field, view)
-      if (.not. simulation%scheme%method%dual) return
-      if (parts%motion .and. simulation%scheme%repacks) call excess_fill(simulation%space%grid, &
-         simulation%space%boundary, simulation%space%tiles%coordinate(:, tile), &
-         field%nodes%dual%filled(:, :, tile), field%nodes%dual%volume(:, :, tile), view%excess)
-      if (parts%strain .or. (parts%motion .and. simulation%scheme%method%transfer%affine())) &
-         call node_gradient(simulation%space, field, tile, field%nodes%dual%gradient, view%gradient)
-      if (parts%work .and. simulation%scheme%carries_energy) &
-         call node_gradient(simulation%space, field, tile, field%nodes%dual%middle, view%middle)
-      if (parts%strain .and. simulation%scheme%method%averages()) &
-         call node_gradient(simulation%space, field, tile, field%nodes%dual%earlier, view%earlier)
-   end subroutine look
-
-   !> Find which velocity gradients can limit the next step, and whether any node gradient is that
-   !! steep. Node velocities alone decide this only where gradients are those of shape functions.
-   subroutine look_steep(simulation, field, view)
-      type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(in) :: field
-      type(view_t), intent(inout) :: view            !! What the particles see
-
-      associate (method => simulation%scheme%method, grid => simulation%space%grid)
-         view%matters = limiting_gradient(simulation%clock%guard%bounds, method%step_growth, &
-            simulation%clock%dt_next)
-         if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
-         ! nine components, each at most twice the greatest velocity over the edge of a cell
-         view%slow = are_nodes_slow(3*grid%tile_nodes, field%nodes%motion%strain(:, :, view%slot), &
-            0.9_wp/6.0_wp*grid%spacing*view%matters)
-      end associate
-   end subroutine look_steep
-
-   !> The node fields that move the particles of a tile, and those of the kinetic energy that the
-   !! transfers to the nodes and back lose. Without leapfrog, equation (M.21) of
-   !! doc/theory/method.md moves them.
-   subroutine look_motion(space, scheme, field, tile, dt, view)
-      type(space_t), intent(in) :: space
-      type(scheme_t), intent(in) :: scheme
-      type(velocity_field_t), intent(in) :: field
-      integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      type(view_t), intent(inout) :: view            !! What the particles see
-      real(wp) :: none(1, 0)
-
-      if (.not. allocated(view%push)) allocate (view%push(3, space%grid%tile_nodes), &
-         view%carry(3, space%grid%tile_nodes))
-      call find_filtered(space, scheme, field, tile, dt, view%filtered)
-      associate (transfer => scheme%method%transfer, nodes => field%nodes, &
-         velocity => field%nodes%motion%velocity(:, :, view%slot), filtered => view%filtered, &
-         acceleration => field%nodes%motion%acceleration(:, :, view%slot))
-         call transfer%velocity_increment(dt, acceleration, filtered, view%push)
-         if (scheme%method%leapfrog) then
-            call transfer%advection_velocity(dt, velocity, acceleration, filtered, view%carry)
-         else
-            call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, view%carry)
-         end if
-         if (transfer%affine()) view%after = velocity + dt*acceleration
-         if (.not. scheme%carries_energy) return
-         if (transfer%sweeps() > 0) then
-            call transfer%heat_fields(dt, velocity, acceleration, filtered, &
-               nodes%series%term(:, :, tile), nodes%series%loss(:, :, tile), view%loss%heat, &
-                  view%loss%scalar)
-         else
-            call transfer%heat_fields(dt, velocity, acceleration, filtered, filtered, none, &
-               view%loss%heat, view%loss%scalar)
-         end if
-         if (.not. transfer%affine()) return
-         view%loss%turn = (1.0_wp - transfer%flip_fraction())*velocity &
-            - transfer%flip_fraction()*dt*acceleration
-         if (.not. allocated(view%loss%moments)) &
-            allocate (view%loss%moments(9, space%grid%tile_nodes))
-         call moment_fields(space%grid, view%loss%turn, view%loss%moments)
-      end associate
-   end subroutine look_motion
-
    !> Heat from the kinetic energy that the transfers to the nodes and back lose.
    subroutine add_heat(space, scheme, scratch, store, tile, view)
       type(space_t), intent(in) :: space
@@ -306,6 +180,11 @@ contains
 
       associate (grid => space%grid, method => scheme%method, shape => scratch%shape, &
          start => store%cell_start(:, tile), first => store%first(tile))
+         if (view%at_once) then
+            call view%increments%add_heat(grid, shape, first, store%velocity, store%spin, &
+               store%affine, store%state%energy)
+            return
+         end if
          call method%transfer%heat(grid, method%basis, shape, first, view%loss%heat, &
             view%loss%scalar, &
             store%velocity, store%state%energy)
@@ -356,10 +235,18 @@ contains
          scratch%shape, &
          store => simulation%stores(index), start => simulation%stores(index)%cell_start(:, tile), &
          first => simulation%stores(index)%first(tile))
-         call method%basis%gather_motion(grid, shape, first, view%push, view%carry, &
-            method%transfer%flip_fraction(), dt, store%velocity, store%position)
+         if (view%at_once) then
+            call view%increments%move(shape, first, dt, store%velocity, store%position)
+         else
+            call method%basis%gather_motion(grid, shape, first, view%push, view%carry, &
+               method%transfer%flip_fraction(), dt, store%velocity, store%position)
+         end if
          if (damps(method, simulation%scheme%carries_energy)) then
-            call method%basis%gather_values(grid, shape, view%carry, shape%vector)
+            if (view%at_once) then
+               call view%increments%find_way(shape)
+            else
+               call method%basis%gather_values(grid, shape, view%carry, shape%vector)
+            end if
             call record_damping(scratch%ledger, store, tile, shape%vector, &
                method%transfer%flip_fraction())
          end if

@@ -62,9 +62,11 @@ module transfer_shape_data
       real(wp), allocatable :: vector(:, :)          !! (particle, 3) What is mapped
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
       real(wp), allocatable :: affine(:, :)          !! (particle, 9) Linear velocity fields [1/s]
+      real(wp), allocatable :: increments(:, :)      !! (particle, column) Of `transfer_increments`
    contains
       procedure :: reserve => shape_reserve
       procedure :: reserve_affine => shape_reserve_affine
+      procedure :: reserve_increments => shape_reserve_increments
       procedure :: take_tile => shape_take_tile      !! Cells and local coordinates of a tile
    end type shape_data_t
 
@@ -96,6 +98,20 @@ contains
       end if
       allocate (self%affine(column_length(particles), 9))
    end subroutine shape_reserve_affine
+
+   !> Reserve memory for what particles get from the nodes. Former values are lost.
+   pure subroutine shape_reserve_increments(self, particles, columns)
+      class(shape_data_t), intent(inout) :: self
+      integer, intent(in) :: particles               !! Most particles in a tile
+      integer, intent(in) :: columns                 !! Columns, the multiple of three above counts
+
+      if (allocated(self%increments)) then
+         if (size(self%increments, 1) >= particles + spare .and. &
+            size(self%increments, 2) >= columns + 2) return
+         deallocate (self%increments)
+      end if
+      allocate (self%increments(column_length(particles), columns + 2))
+   end subroutine shape_reserve_increments
 
    !> Reserve memory for functions with extended support. Former values are lost.
    pure subroutine spline_reserve(self, particles)

@@ -8,7 +8,7 @@
 !! the particles have moved, after the force of the next step. So each step predicts it at the
 !! present positions and keeps it, and the next step replaces it by the computed one. Equation
 !! (T.14) of doc/theory/transfers.md.
-module step_strain_average
+module particle_strain_average
    use base_kinds, only: wp
    use particle_store, only: store_t
    implicit none
@@ -63,4 +63,4 @@ contains
          end do
       end do
    end subroutine average_strain
-end module step_strain_average
+end module particle_strain_average
