@@ -174,7 +174,7 @@ contains
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), intent(out) :: volume(:)             !! (node of the tile) [m3]
       real(wp) :: line(-self%margin:maxval(self%width) + self%margin, 3), weight(0:1), area
-      integer :: direction, place, cell, extent(3), first(3), last(3), node, x, y, z
+      integer :: direction, cell, global, extent(3), first(3), last(3), node, x, y, z
 
       extent = self%tile_extent(coordinate)
       line = 0.0_wp
@@ -183,15 +183,13 @@ contains
             line(0, direction) = 1.0_wp
             cycle
          end if
-         do place = -self%margin, extent(direction) + self%margin
-            do cell = place - 1, place
-               associate (global => coordinate(direction)*self%width(direction) + cell)
-                  if (.not. self%periodic(direction) .and. &
-                     (global < 0 .or. global >= self%cells(direction))) cycle
-                  weight = self%line_weight(direction, global)
-                  line(place, direction) = line(place, direction) + weight(place - cell)
-               end associate
-            end do
+         do cell = -self%margin - 1, extent(direction) + self%margin
+            global = coordinate(direction)*self%width(direction) + cell
+            if (.not. self%periodic(direction) .and. &
+               (global < 0 .or. global >= self%cells(direction))) cycle
+            weight = self%line_weight(direction, global)
+            if (cell >= -self%margin) line(cell, direction) = line(cell, direction) + weight(0)
+            if (cell < extent(direction) + self%margin) line(cell + 1, direction) = weight(1)
          end do
       end do
       volume = 0.0_wp

@@ -9,13 +9,15 @@
 module mesh_packed_patch
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
-   use mesh_packed_sums, only: add_box, add_rows
+   use mesh_packed_sums, only: add_box, add_plane, add_rows
    use mesh_patch, only: clear_patch, extent_of
    use mesh_tiles, only: neighbors, tiles_t
    implicit none
    private
 
    public :: node_boxes_t, move_packed_patches, packed_patch_t
+
+   integer, parameter :: middle = (neighbors + 1)/2  !! The tile itself among its neighbours
 
    !> Boxes of nodes that the particles of each tile touch, and where their packed patches begin.
    type :: node_boxes_t
@@ -360,6 +362,77 @@ contains
       type(node_boxes_t), intent(in) :: boxes             !! Their boxes
       integer, intent(in) :: tile                    !! Whose nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows
+
+      if (grid%dimensions == 3) then
+         call sum_space(self, grid, tiles, boxes, tile, total)
+      else
+         call sum_plane(self, grid, tiles, boxes, tile, total)
+      end if
+   end subroutine sum_neighbours
+
+   !> The same in scenes of one or two dimensions, along x and z. Where tiles are sparse, finding
+   !! what two boxes share costs more than adding it, so this is done with single numbers.
+   pure subroutine sum_plane(self, grid, tiles, boxes, tile, total)
+      class(packed_patch_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(tiles_t), intent(in) :: tiles
+      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
+      integer, intent(in) :: tile                    !! Whose nodes
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows
+      integer :: margin(3), extent(3), x(-1:1), z(-1:1), i, k, other, rows
+      integer :: low_x, high_x, low_z, high_z, from, here, there
+
+      margin = merge(grid%margin, 0, grid%active)
+      extent = extent_of(grid, tiles, tile)
+      x = lower_corners(grid, tiles, 1, tile, extent(1))
+      z = lower_corners(grid, tiles, 3, tile, extent(3))
+      rows = size(self%row)
+      do k = -1, 1
+         do i = -1, 1
+            other = tiles%neighbor(middle + i + 9*k, tile)
+            if (other == 0) cycle
+            from = x(i) + boxes%box(1, 1, other)
+            low_x = max(-margin(1), from)
+            high_x = min(extent(1) + margin(1), x(i) + boxes%box(1, 2, other))
+            if (high_x < low_x) cycle
+            low_z = max(-margin(3), z(k) + boxes%box(3, 1, other))
+            high_z = min(extent(3) + margin(3), z(k) + boxes%box(3, 2, other))
+            if (high_z < low_z) cycle
+            here = low_x + margin(1) + (low_z + margin(3))*grid%stride(3)
+            there = boxes%before(other) + low_x - from &
+               + (low_z - z(k) - boxes%box(3, 1, other)) &
+               *(boxes%box(1, 2, other) - boxes%box(1, 1, other) + 1)
+            call add_plane(self%row, high_x - low_x + 1, high_z - low_z + 1, here, &
+               grid%stride(3), int(rows, int64)*there, &
+               boxes%box(1, 2, other) - boxes%box(1, 1, other) + 1, self%values, total)
+         end do
+      end do
+   end subroutine sum_plane
+
+   !> Lower corners of the tiles before, at and after a tile along one direction, seen from it.
+   !! Before the first tile lies the last one.
+   pure function lower_corners(grid, tiles, direction, tile, extent) result(corners)
+      type(grid_t), intent(in) :: grid
+      type(tiles_t), intent(in) :: tiles
+      integer, intent(in) :: direction               !! 1 to 3
+      integer, intent(in) :: tile                    !! The tile
+      integer, intent(in) :: extent                  !! Its cells along the direction
+      integer :: corners(-1:1)
+
+      corners = [-grid%width(direction), 0, extent]
+      if (tiles%coordinate(direction, tile) == 0) corners(-1) = &
+         (grid%tiles(direction) - 1)*grid%width(direction) - grid%cells(direction)
+      if (.not. grid%active(direction)) corners = 0
+   end function lower_corners
+
+   !> The same in three dimensions.
+   pure subroutine sum_space(self, grid, tiles, boxes, tile, total)
+      class(packed_patch_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(tiles_t), intent(in) :: tiles
+      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
+      integer, intent(in) :: tile                    !! Whose nodes
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows
       integer :: place, other, direction, shift(3), extent(3), origin(3, -1:1), margin(3), low(3), &
          high(3), first(3), last(3), rows
       logical :: apart
@@ -397,5 +470,5 @@ contains
             end if
          end associate
       end do
-   end subroutine sum_neighbours
+   end subroutine sum_space
 end module mesh_packed_patch

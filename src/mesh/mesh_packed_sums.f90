@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Sums of packed patches over the box of nodes that they share with a tile.
 module mesh_packed_sums
-   use base_kinds, only: wp
+   use base_kinds, only: int64, wp
    implicit none
    private
 
-   public :: add_box, add_rows
+   public :: add_box, add_plane, add_rows
 
 contains
 
@@ -97,4 +97,75 @@ contains
          end do
       end do
    end subroutine add_rows
+   !> Add a box of nodes in the plane of x and z to sums of all rows, or of the kept ones alone.
+   ! gate: long kernel because a box in a box needs its corners and lengths
+   pure subroutine add_plane(row, nodes, lines, here, stride, there, length, packed, total)
+      integer, contiguous, intent(in) :: row(:)      !! Rows that are kept
+      integer, intent(in) :: nodes                   !! Nodes along x
+      integer, intent(in) :: lines                   !! Nodes along z
+      integer, intent(in) :: here                    !! Nodes of the sums before the first one
+      integer, intent(in) :: stride                  !! Nodes from line to line in the sums
+      integer(int64), intent(in) :: there            !! Numbers of the packed patches before it
+      integer, intent(in) :: length                  !! Nodes of a line of the packed patch
+      real(wp), contiguous, intent(in) :: packed(:)  !! (row kept, node) Flat, all tiles
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums
+      integer :: line, node
+      integer(int64) :: at
+
+      do line = 0, lines - 1
+         at = there + int(size(row), int64)*(line*length)
+         node = here + line*stride
+         if (size(row) == size(total, 1)) then
+            call add_numbers(size(row)*nodes, size(row)*node, &
+               packed(at + 1:at + size(row)*nodes), size(total), total)
+            cycle
+         end if
+         select case (size(row))
+         case (2)
+            call spread_rows(2, row, nodes, node, packed(at + 1:at + size(row)*nodes), &
+               total)
+         case (4)
+            call spread_rows(4, row, nodes, node, packed(at + 1:at + size(row)*nodes), &
+               total)
+         case (6)
+            call spread_rows(6, row, nodes, node, packed(at + 1:at + size(row)*nodes), &
+               total)
+         case default
+            call spread_rows(size(row), row, nodes, node, packed(at + 1:at + size(row)*nodes), &
+               total)
+         end select
+      end do
+   end subroutine add_plane
+
+   !> Add a line of numbers to sums.
+   pure subroutine add_numbers(number, before, packed, numbers, sums)
+      integer, intent(in) :: number                  !! How many
+      integer, intent(in) :: before                  !! Numbers of the sums before them
+      real(wp), intent(in) :: packed(number)         !! Flat
+      integer, intent(in) :: numbers                 !! Of the sums
+      real(wp), intent(inout) :: sums(numbers)       !! Flat
+      integer :: n
+
+      do n = 1, number
+         sums(before + n) = sums(before + n) + packed(n)
+      end do
+   end subroutine add_numbers
+
+   !> Add the kept rows of a line of nodes to sums of all rows. A number that the compiler knows
+   !! leaves no loop over them.
+   pure subroutine spread_rows(kept, row, nodes, before, packed, total)
+      integer, intent(in) :: kept                    !! How many rows
+      integer, intent(in) :: row(kept)               !! Rows that are kept
+      integer, intent(in) :: nodes                   !! Nodes of the line
+      integer, intent(in) :: before                  !! Nodes of the sums before them
+      real(wp), intent(in) :: packed(kept, nodes)    !! (row kept, node)
+      real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums
+      integer :: node, k
+
+      do node = 1, nodes
+         do k = 1, kept
+            total(row(k), before + node) = total(row(k), before + node) + packed(k, node)
+         end do
+      end do
+   end subroutine spread_rows
 end module mesh_packed_sums
