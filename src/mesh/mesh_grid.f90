@@ -38,6 +38,8 @@ module mesh_grid
       real(wp) :: lane_slope(lanes, 3) = 0.0_wp
       integer, allocatable :: cell_position(:, :)    !! (3, 0:cells - 1) Place of a cell in its tile
       integer, allocatable :: first_node(:)          !! (0:cells - 1) Its first node in the tile
+      !> (node of the grid, 3) Integral of the function of a node along each direction [m, m2]
+      real(wp), allocatable :: line(:, :)
    contains
       procedure :: start => grid_start               !! Derive everything from corners and spacing
       procedure :: tile_extent => grid_tile_extent   !! Cells of one tile along each direction
@@ -95,6 +97,7 @@ contains
          end do
       end do
       call number_cells(self)
+      call integrate_lines(self)
    end subroutine grid_start
 
    !> Cells along a tile. The halo needs so many layers of cells before the next tile but one, so in
@@ -153,6 +156,32 @@ contains
       end do
    end subroutine number_cells
 
+   !> Integrals of the functions of all nodes along each direction, those of the margin included.
+   pure subroutine integrate_lines(grid)
+      class(grid_t), intent(inout) :: grid
+      real(wp) :: weight(0:1)
+      integer :: direction, cell, most
+
+      most = maxval(grid%cells) + grid%margin
+      if (allocated(grid%line)) deallocate (grid%line)
+      allocate (grid%line(-grid%margin:most, 3), source=0.0_wp)
+      do direction = 1, 3
+         if (.not. grid%active(direction)) then
+            grid%line(0, direction) = 1.0_wp
+            cycle
+         end if
+         do cell = -grid%margin - 1, grid%cells(direction) + grid%margin
+            if (.not. grid%periodic(direction) .and. &
+               (cell < 0 .or. cell >= grid%cells(direction))) cycle
+            weight = grid%line_weight(direction, cell)
+            if (cell >= -grid%margin) grid%line(cell, direction) = grid%line(cell, direction) &
+               + weight(0)
+            if (cell < grid%cells(direction) + grid%margin) grid%line(cell + 1, direction) = &
+               weight(1)
+         end do
+      end do
+   end subroutine integrate_lines
+
    !> Place of a node in its tile along each direction, 0 on the lower face, less in the margin.
    pure function grid_node_position(self, node) result(position)
       class(grid_t), intent(in) :: self
@@ -173,35 +202,21 @@ contains
       class(grid_t), intent(in) :: self
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), intent(out) :: volume(:)             !! (node of the tile) [m3]
-      real(wp) :: line(-self%margin:maxval(self%width) + self%margin, 3), weight(0:1), area
-      integer :: direction, cell, global, extent(3), first(3), last(3), node, x, y, z
+      real(wp) :: area
+      integer :: extent(3), first(3), last(3), at(3), node, x, y, z
 
       extent = self%tile_extent(coordinate)
-      line = 0.0_wp
-      do direction = 1, 3
-         if (.not. self%active(direction)) then
-            line(0, direction) = 1.0_wp
-            cycle
-         end if
-         do cell = -self%margin - 1, extent(direction) + self%margin
-            global = coordinate(direction)*self%width(direction) + cell
-            if (.not. self%periodic(direction) .and. &
-               (global < 0 .or. global >= self%cells(direction))) cycle
-            weight = self%line_weight(direction, global)
-            if (cell >= -self%margin) line(cell, direction) = line(cell, direction) + weight(0)
-            if (cell < extent(direction) + self%margin) line(cell + 1, direction) = weight(1)
-         end do
-      end do
       volume = 0.0_wp
       first = merge(-self%margin, 0, self%active)
       last = merge(extent + self%margin, 0, self%active)
+      at = merge(coordinate*self%width, 0, self%active)
       do z = first(3), last(3)
          do y = first(2), last(2)
-            area = self%depth*line(y, 2)*line(z, 3)
+            area = self%depth*self%line(at(2) + y, 2)*self%line(at(3) + z, 3)
             node = (y - first(2))*self%stride(2) + (z - first(3))*self%stride(3)
             do x = first(1), last(1)
                node = node + 1
-               volume(node) = area*line(x, 1)
+               volume(node) = area*self%line(at(1) + x, 1)
             end do
          end do
       end do

@@ -6,6 +6,7 @@ module step_dual_gradient
    use mesh_grid, only: grid_t
    use mesh_packed_patch, only: packed_patch_t
    use mesh_patch, only: clear_patch, empty_box, ensure_patch, ensure_weights, widen_box
+   use step_bounds, only: are_nodes_slow
    use step_method, only: stress_after
    use step_node_fields, only: empty_mass
    use step_node_sums, only: divide, ensure_sums, keep_sums, slots
@@ -269,14 +270,15 @@ contains
          gradient)
    end subroutine node_gradient
 
-   !> Does any node gain so much that its volume matters? Most tiles have none and need no volumes.
+   !> May any node gain so much that its volume matters? Most tiles have none and need no volumes.
+   !! Each component is compared with a bound that holds whatever the others are.
    pure logical function light_may_gain(grid, dt, acceleration) result(may)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
 
-      may = dt**2*sqrt(maxval(acceleration(1, :)**2 + acceleration(2, :)**2 &
-         + acceleration(3, :)**2)) > small*grid%spacing
+      may = .not. are_nodes_slow(size(acceleration), acceleration, &
+         small*grid%spacing/(sqrt(3.0_wp)*dt**2))
    end function light_may_gain
 
    !> Bound the gain of a node of small mass in the step in the velocity that strains: its force
@@ -297,7 +299,6 @@ contains
       real(wp) :: around(size(volume)), share, gain
       integer :: node
 
-      if (.not. light_may_gain(grid, dt, acceleration)) return
       call grid%node_volume(coordinate, around)
       do node = 1, size(volume)
          if (.not. volume(node) < light*around(node)) cycle

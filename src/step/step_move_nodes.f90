@@ -10,7 +10,7 @@ module step_move_nodes
    use step_dual_gradient, only: calm_tile, find_volumes, store_gradient
    use step_node_displacement, only: examine_tile, worse
    use step_node_fields, only: empty_mass
-   use step_node_sums, only: divide, ensure_sums, find_sums, slots
+   use step_node_sums, only: divide, divide_motion, ensure_sums, find_sums, slots
    use step_particles_to_nodes, only: vector_rows
    use step_simulation, only: clock_t, machine_t, reach_t, scheme_t, scratch_t, &
       simulation_effects_t, simulation_t, space_t, velocity_field_t
@@ -126,8 +126,8 @@ contains
             nodes%motion%acceleration(:, :, slot))
          if (simulation%scheme%method%dual) call find_volumes(simulation, field, tile, slot)
          ! with the same numbers as before, so to the same bits where the particles see it
-         nodes%motion%strain(:, :, slot) = nodes%motion%velocity(:, :, slot) &
-            + nodes%motion%acting*nodes%motion%acceleration(:, :, slot)
+         call combine(1.0_wp, nodes%motion%velocity(:, :, slot), nodes%motion%acting, &
+            nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
          call calm_tile(simulation, field, tile, slot, nodes%motion%acting)
       end associate
    end subroutine restore_velocities
@@ -249,8 +249,7 @@ contains
          end if
          if (simulation%scheme%method%differing()) &
             acceleration = acceleration + nodes%stress%difference(:, :, tile)
-         call divide(nodes%motion%mass(:, :, slot), 1, velocity)
-         call divide(nodes%motion%mass(:, :, slot), 1, acceleration)
+         call divide_motion(nodes%motion%mass(:, :, slot), velocity, acceleration)
          if (allocated(simulation%effects%gravity)) then
             do component = 1, 3
                where (mass > empty_mass) acceleration(component, :) = &
@@ -286,8 +285,8 @@ contains
                :, slot), nodes%dual%gradient)
          end if
          if (.not. simulation%scheme%carries_energy) return
-         centre = nodes%motion%velocity(:, :, slot) + 0.5_wp*dt*nodes%motion%acceleration(:, :, &
-            slot)
+         call combine(1.0_wp, nodes%motion%velocity(:, :, slot), 0.5_wp*dt, &
+            nodes%motion%acceleration(:, :, slot), centre)
          call store_gradient(simulation%space, simulation%scheme, field, tile, centre, &
             nodes%dual%middle)
       end associate

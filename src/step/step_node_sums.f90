@@ -9,7 +9,9 @@ module step_node_sums
    implicit none
    private
 
-   public :: divide, ensure_sums, find_sums, keep_sums, renew_sums, slots
+   public :: divide, divide_motion, ensure_sums, find_sums, keep_sums, renew_sums, slots
+
+   integer, parameter :: most = 64                   !! Nodes at a time: needs no allocation
 
 contains
 
@@ -83,16 +85,12 @@ contains
       real(wp), contiguous, intent(in) :: by(:, :)         !! (component, node)
       integer, intent(in) :: row                           !! Component that divides
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (component, node)
-      integer, parameter :: most = 64                      ! nodes at a time: needs no allocation
       real(wp) :: inverse(most)
-      integer :: node, before, nodes
+      integer :: before, nodes
 
       do before = 0, size(by, 2) - 1, most
          nodes = min(most, size(by, 2) - before)
-         do node = 1, nodes
-            inverse(node) = merge(1.0_wp/max(by(row, before + node), empty_mass), 0.0_wp, &
-               by(row, before + node) > empty_mass)
-         end do
+         call invert(nodes, size(by, 1), by(:, before + 1:before + nodes), row, inverse)
          ! constant sizes let the compiler vectorise over components
          select case (size(values, 1))
          case (3)
@@ -105,6 +103,38 @@ contains
          end select
       end do
    end subroutine divide
+
+   !> Divide momentum and force of nodes by their mass; nodes without any get zero.
+   pure subroutine divide_motion(mass, velocity, acceleration)
+      real(wp), contiguous, intent(in) :: mass(:, :)       !! (1, node) [kg]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Momentum, velocity [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) Force, [m/s2]
+      real(wp) :: inverse(most)
+      integer :: before, nodes
+
+      do before = 0, size(mass, 2) - 1, most
+         nodes = min(most, size(mass, 2) - before)
+         call invert(nodes, 1, mass(:, before + 1:before + nodes), 1, inverse)
+         call multiply_nodes(3, nodes, inverse, velocity(:, before + 1:before + nodes))
+         call multiply_nodes(3, nodes, inverse, acceleration(:, before + 1:before + nodes))
+      end do
+   end subroutine divide_motion
+
+   !> One over a component of some nodes; zero where it is too small.
+   pure subroutine invert(nodes, components, by, row, inverse)
+      integer, intent(in) :: nodes                   !! How many
+      integer, intent(in) :: components              !! Numbers a node
+      real(wp), intent(in) :: by(components, nodes)  !! (component, node)
+      integer, intent(in) :: row                     !! Component that divides
+      real(wp), intent(inout) :: inverse(nodes)      !! (node)
+      integer :: node
+
+      !$omp simd
+      do node = 1, nodes
+         inverse(node) = merge(1.0_wp/max(by(row, node), empty_mass), 0.0_wp, &
+            by(row, node) > empty_mass)
+      end do
+   end subroutine invert
 
    !> Multiply the components of nodes by a factor of each node.
    pure subroutine multiply_nodes(components, nodes, factor, values)

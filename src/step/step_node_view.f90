@@ -8,6 +8,7 @@ module step_node_view
    use step_dissipation, only: damps
    use step_dual_gradient, only: node_gradient
    use step_grid_volumes, only: excess_fill
+   use step_method, only: stress_before
    use step_particles_to_nodes, only: nodes_seen
    use step_simulation, only: scheme_t, simulation_t, space_t, velocity_field_t
    use step_velocity_remap, only: find_filtered
@@ -71,8 +72,9 @@ contains
          call nodes_seen(simulation%space, field, tile, low, high)
          if (.not. allocated(view%centre)) &
             allocate (view%centre(3, simulation%space%grid%tile_nodes), source=0.0_wp)
-         view%centre(:, low:high) = field%nodes%motion%velocity(:, low:high, view%slot) &
-            + 0.5_wp*simulation%clock%kick*field%nodes%motion%acceleration(:, low:high, view%slot)
+         call combine(1.0_wp, field%nodes%motion%velocity(:, low:high, view%slot), &
+            0.5_wp*simulation%clock%kick, field%nodes%motion%acceleration(:, low:high, view%slot), &
+            view%centre(:, low:high))
       end if
       if (parts%motion) call look_motion(simulation%space, simulation%scheme, field, tile, &
          simulation%clock%kick, view)
@@ -105,6 +107,15 @@ contains
             0.9_wp/6.0_wp*grid%spacing*view%matters)
       end associate
    end subroutine look_steep
+
+   !> Do linear velocity fields of any material come from the velocity of the nodes after the step,
+   !! and not from the strain?
+   pure logical function needs_velocity_after(scheme) result(needs)
+      type(scheme_t), intent(in) :: scheme
+
+      needs = scheme%method%transfer%affine() .and. (allocated(scheme%normalises) .or. &
+         .not. scheme%method%dual .or. scheme%method%stress == stress_before)
+   end function needs_velocity_after
 
    !> Can particles get their velocity, their way and the lost kinetic energy from fields that are
    !! gathered once? Without energy and damping the fields go straight to velocity and position.
@@ -139,9 +150,10 @@ contains
          call view%increments%set_nodes(low, high, dt, &
             field%nodes%motion%velocity(:, :, view%slot), &
             field%nodes%motion%acceleration(:, :, view%slot))
-         if (scheme%method%transfer%affine()) view%after = &
-            field%nodes%motion%velocity(:, :, view%slot) &
-            + dt*field%nodes%motion%acceleration(:, :, view%slot)
+         if (.not. needs_velocity_after(scheme)) return
+         if (.not. allocated(view%after)) allocate (view%after(3, space%grid%tile_nodes))
+         call combine(1.0_wp, field%nodes%motion%velocity(:, :, view%slot), dt, &
+            field%nodes%motion%acceleration(:, :, view%slot), view%after)
          return
       end if
       if (.not. allocated(view%push)) allocate (view%push(3, space%grid%tile_nodes), &

@@ -18,6 +18,8 @@ module transfer_gather_plane
    integer, parameter :: terms = 4                   !! Of a polynomial
    integer, parameter :: vector = 3                  !! Components of a vector
    integer, parameter :: tensor = 9                  !! Of a tensor
+   integer, parameter :: in_plane(2) = [1, 3]        !! Components of a vector in the plane
+   integer, parameter :: in_tensor(4) = [1, 3, 7, 9] !! Components of a tensor: xx, zx, xz, zz
    !> Components of a tensor with y, which are zero: yx, xy, yy, zy, yz.
    integer, parameter :: out_of_plane(5) = [2, 4, 5, 6, 8]
 
@@ -59,19 +61,19 @@ contains
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (9, node) Node gradient [1/s]
       real(wp), intent(in) :: scale                          !! Time step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: u(vector, size(nodes, 2), terms), w(tensor, size(nodes, 2), terms)
-      integer :: cell, node
+      integer :: cell, node, x, z
 
       call clear_columns(start(grid%tile_cells), gradient)
-      call find_terms(vector*grid%stride(1), vector*grid%stride(3), size(velocity), velocity, &
-         scale/grid%spacing, u)
-      call find_terms(tensor*grid%stride(1), tensor*grid%stride(3), size(nodes), nodes, scale, w)
+      x = grid%stride(1)
+      z = grid%stride(3)
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
          node = grid%first_node(cell)
-         call blend_slopes(start(cell) + 1, start(cell + 1), size(nodes, 2), node, u, w, &
-            local(:, 1), local(:, 3), alpha(:, 1), alpha(:, 3), gradient(:, 1), gradient(:, 3), &
-            gradient(:, 7), gradient(:, 9))
+         call blend_slopes(start(cell) + 1, start(cell + 1), scale/grid%spacing, &
+            velocity(:, node), velocity(:, node + x), velocity(:, node + z), &
+            velocity(:, node + x + z), scale, nodes(:, node), nodes(:, node + x), &
+            nodes(:, node + z), nodes(:, node + x + z), local(:, 1), local(:, 3), alpha(:, 1), &
+            alpha(:, 3), gradient(:, 1), gradient(:, 3), gradient(:, 7), gradient(:, 9))
       end do
    end subroutine dual_gradient_plane
 
@@ -163,37 +165,57 @@ contains
 
    !> Slopes of two polynomials at the particles of a cell, blended with four other polynomials.
    ! gate: long kernel because components are columns of their own
-   pure subroutine blend_slopes(low, high, nodes, node, u, w, x, z, ax, az, xx, zx, xz, zz)
+   pure subroutine blend_slopes(low, high, slope_scale, ua, ub, uc, ud, scale, wa, wb, wc, wd, x, &
+      z, ax, az, xx, zx, xz, zz)
       integer, intent(in) :: low                             !! First particle of the cell
       integer, intent(in) :: high                            !! Last one
-      integer, intent(in) :: nodes                           !! Nodes of the tile
-      integer, intent(in) :: node                            !! First node of the cell
-      real(wp), intent(in) :: u(vector, nodes, terms)        !! (component, node, term) Velocity
-      real(wp), intent(in) :: w(tensor, nodes, terms)        !! The same of its node gradient
+      real(wp), intent(in) :: slope_scale                    !! Factor of velocities
+      !> Velocity on the first node, the next along x, along z, and along both
+      real(wp), intent(in) :: ua(vector), ub(vector), uc(vector), ud(vector)
+      real(wp), intent(in) :: scale                          !! Factor of its node gradients
+      !> Node gradients on the same nodes
+      real(wp), intent(in) :: wa(tensor), wb(tensor), wc(tensor), wd(tensor)
       real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Local coordinates [1]
       real(wp), contiguous, intent(in) :: ax(:), az(:)       !! (particle) Weights alpha [1]
       real(wp), contiguous, intent(inout) :: xx(:), zx(:)    !! (particle) Slopes along x
       real(wp), contiguous, intent(inout) :: xz(:), zz(:)    !! (particle) Slopes along z
-      integer :: p, lane
+      real(wp) :: u(terms, 2), w(terms, 4)
+      integer :: p, lane, k
 
+      do k = 1, 2
+         call take_terms(slope_scale, ua(in_plane(k)), ub(in_plane(k)), uc(in_plane(k)), &
+            ud(in_plane(k)), u(:, k))
+      end do
+      do k = 1, 4
+         call take_terms(scale, wa(in_tensor(k)), wb(in_tensor(k)), wc(in_tensor(k)), &
+            wd(in_tensor(k)), w(:, k))
+      end do
       do p = low, high, 4
          !$omp simd
          do lane = p, p + 3
-            xx(lane) = ax(lane)*(u(1, node, 2) + u(1, node, 4)*z(lane)) &
-               + (1.0_wp - ax(lane))*((w(1, node, 1) + w(1, node, 2)*x(lane)) &
-               + (w(1, node, 3) + w(1, node, 4)*x(lane))*z(lane))
-            zx(lane) = ax(lane)*(u(3, node, 2) + u(3, node, 4)*z(lane)) &
-               + (1.0_wp - ax(lane))*((w(3, node, 1) + w(3, node, 2)*x(lane)) &
-               + (w(3, node, 3) + w(3, node, 4)*x(lane))*z(lane))
-            xz(lane) = az(lane)*(u(1, node, 3) + u(1, node, 4)*x(lane)) &
-               + (1.0_wp - az(lane))*((w(7, node, 1) + w(7, node, 2)*x(lane)) &
-               + (w(7, node, 3) + w(7, node, 4)*x(lane))*z(lane))
-            zz(lane) = az(lane)*(u(3, node, 3) + u(3, node, 4)*x(lane)) &
-               + (1.0_wp - az(lane))*((w(9, node, 1) + w(9, node, 2)*x(lane)) &
-               + (w(9, node, 3) + w(9, node, 4)*x(lane))*z(lane))
+            xx(lane) = ax(lane)*(u(2, 1) + u(4, 1)*z(lane)) + (1.0_wp - ax(lane)) &
+               *((w(1, 1) + w(2, 1)*x(lane)) + (w(3, 1) + w(4, 1)*x(lane))*z(lane))
+            zx(lane) = ax(lane)*(u(2, 2) + u(4, 2)*z(lane)) + (1.0_wp - ax(lane)) &
+               *((w(1, 2) + w(2, 2)*x(lane)) + (w(3, 2) + w(4, 2)*x(lane))*z(lane))
+            xz(lane) = az(lane)*(u(3, 1) + u(4, 1)*x(lane)) + (1.0_wp - az(lane)) &
+               *((w(1, 3) + w(2, 3)*x(lane)) + (w(3, 3) + w(4, 3)*x(lane))*z(lane))
+            zz(lane) = az(lane)*(u(3, 2) + u(4, 2)*x(lane)) + (1.0_wp - az(lane)) &
+               *((w(1, 4) + w(2, 4)*x(lane)) + (w(3, 4) + w(4, 4)*x(lane))*z(lane))
          end do
       end do
    end subroutine blend_slopes
+
+   !> Coefficients of a polynomial from the values on the four nodes of a cell.
+   pure subroutine take_terms(scale, a, b, c, d, u)
+      real(wp), intent(in) :: scale                          !! Factor
+      real(wp), intent(in) :: a, b, c, d                     !! First node, next along x, z, both
+      real(wp), intent(inout) :: u(terms)                    !! Coefficients
+
+      u(1) = scale*a
+      u(2) = scale*b - u(1)
+      u(3) = scale*c - u(1)
+      u(4) = (scale*d - scale*c) - u(2)
+   end subroutine take_terms
 
    !> Move the particles of a cell.
    ! gate: long kernel because components are columns of their own

@@ -107,33 +107,53 @@ contains
       real(wp), intent(in) :: dt                             !! Time the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
+
+      ! a number of directions that the compiler knows leaves no loop over them
+      select case (self%axes)
+      case (3)
+         call set_fields(self, 3, [1, 2, 3], low, high, dt, velocity, acceleration)
+      case (2)
+         call set_fields(self, 2, [1, 3], low, high, dt, velocity, acceleration)
+      case default
+         call set_fields(self, self%axes, self%axis, low, high, dt, velocity, acceleration)
+      end select
+   end subroutine increments_set_nodes
+
+   !> The same for given directions.
+   pure subroutine set_fields(self, axes, axis, low, high, dt, velocity, acceleration)
+      class(increments_t), intent(inout) :: self
+      integer, intent(in) :: axes                            !! Active directions
+      integer, intent(in) :: axis(axes)                      !! Which they are
+      integer, intent(in) :: low                             !! First node that particles see
+      integer, intent(in) :: high                            !! Last one
+      real(wp), intent(in) :: dt                             !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp) :: u, d, t(3), lost
       integer :: node, k, l
 
       do node = low, high
          lost = 0.0_wp
-         do l = 1, self%axes
-            k = self%axis(l)
+         do l = 1, axes
+            k = axis(l)
             u = velocity(k, node)
             d = dt*acceleration(k, node)
             self%nodes(l, node) = d + self%pic*u
-            self%nodes(self%axes + l, node) = u + self%ahead*d
+            self%nodes(axes + l, node) = u + self%ahead*d
             lost = lost + (0.5_wp*(d*d) + self%pic*(u*(u + d)))
             t(l) = self%pic*u - (1.0_wp - self%pic)*d
          end do
          if (.not. self%heats) cycle
-         self%nodes(2*self%axes + 1, node) = lost
+         self%nodes(2*axes + 1, node) = lost
          select case (self%moments)
          case (rotation)
-            call set_rotation(self%axes, self%place(:, node), t, &
-               self%nodes(2*self%axes + 2:, node))
+            call set_rotation(axes, self%place(:, node), t, self%nodes(2*axes + 2:, node))
          case (linear_field)
-            call set_linear_field(self%axes, self%place(:, node), t, &
-               self%nodes(2*self%axes + 2:, node))
+            call set_linear_field(axes, self%place(:, node), t, self%nodes(2*axes + 2:, node))
          case default
          end select
       end do
-   end subroutine increments_set_nodes
+   end subroutine set_fields
 
    !> Angular momentum of a vector at one node.
    pure subroutine set_rotation(axes, x, t, columns)
