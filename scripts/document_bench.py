@@ -68,15 +68,16 @@ def value_of(action):
 
 def man_page():
     """The page of man."""
-    lines = [f'.\\" Written by scripts/document_commands.py; do not edit it.\n.TH SCREE-BENCH 1 "" "scree {__version__}" '
-             '"Scree"', ".SH NAME", "scree\\-bench \\- how fast scree is on this machine", ".SH SYNOPSIS",
-             ".B scree\\-bench", "[\\fIoptions\\fR]", ".SH DESCRIPTION", *map(roff, command.parser().description.split("\n")),
-             ".SH OPTIONS"]
+    lines = [f'.\\" {NOTICE.capitalize()}', f'.TH SCREE-BENCH 1 "" "scree {__version__}" "Scree"', ".SH NAME",
+             "scree\\-bench \\- how fast scree is on this machine", ".SH SYNOPSIS",
+             ".B scree\\-bench", "[\\fIoptions\\fR]", ".SH DESCRIPTION",
+             *map(roff, command.parser().description.split("\n")), ".SH OPTIONS"]
     for action in actions():
         typed = f"{', '.join(action.option_strings)} {value_of(action)}".strip()
         lines += [".TP", f".B {roff(typed)}", roff(action.help)]
-    lines += [".SH EXIT STATUS", ".nf", *(roff(word) for word in re.split(r", (?=\d)", command.CODES.partition(": ")[2])),
-              ".fi", ".SH ENVIRONMENT", ".TP", ".B SCREE", "the program, without \\-\\-scree", ".SH EXAMPLES", ".nf",
+    codes = re.split(r", (?=\d)", command.CODES.partition(": ")[2])
+    lines += [".SH EXIT STATUS", ".nf", *map(roff, codes), ".fi", ".SH ENVIRONMENT", ".TP", ".B SCREE",
+              "the program, without \\-\\-scree", ".SH EXAMPLES", ".nf",
               *(roff(line.strip()) for line in command.EXAMPLES.strip().split("\n")[1:]), ".fi", ".SH SEE ALSO",
               ".BR scree (1)", ""]
     return "\n".join(lines)
@@ -112,7 +113,8 @@ def zsh_text():
         name = action.option_strings[-1].lstrip("-")
         meaning = re.sub(r"[\[\]:\"`$\\]", " ", action.help)
         rows += [f'  "{form}[{meaning}]{zsh_value(name, action)}"' for form in action.option_strings]
-    return f"#compdef scree-bench\n# Completion of scree-bench for zsh, {NOTICE}\n_arguments -s \\\n" + " \\\n".join(rows) + "\n"
+    head = f"#compdef scree-bench\n# Completion of scree-bench for zsh, {NOTICE}\n_arguments -s \\\n"
+    return head + " \\\n".join(rows) + "\n"
 
 
 def files():

@@ -26,11 +26,13 @@ EXAMPLES = """examples:
 def parser():
     """All options."""
     made = Parser(prog="scree-bench", formatter_class=argparse.RawDescriptionHelpFormatter,
-                  description="How fast scree is on this machine: particle updates per second of usual cases, by phases,\n"
-                              "beside the speed at which a core copies memory.", epilog=f"{EXAMPLES}\n{CODES}")
+                  description="How fast scree is on this machine: particle updates per second of usual cases,\n"
+                              "by phases, beside the speed at which a core copies memory.",
+                  epilog=f"{EXAMPLES}\n{CODES}")
     add = made.add_argument
     add("--list", action="store_true", help="list the cases and end")
-    add("--size", choices=cases.SIZES, default="small", help="small, the default: blocks of 20^3 cells; full: 64^3 cells, 2 GB of memory, about an hour")
+    add("--size", choices=cases.SIZES, default="small",
+        help="small, the default: blocks of 20^3 cells; full: 64^3 cells, 2 GB of memory, about an hour")
     add("--only", default="", metavar="PATTERN", help="cases with this in their names, or like 'block*,debris'")
     add("--layouts", default="2x1,1x2", metavar="RxT", help="ranks x threads of the cases that run in parallel too")
     add("--repeat", type=int, default=3, metavar="N", help="runs of each case, in turns; default 3")

@@ -15,7 +15,7 @@ COPY_NAME = "memory_copy"
 COPY_FOLDER = "../libexec/scree"         # relative to that of scree
 COPY_MEGABYTES, COPY_REPEATS = 128, 3
 VERSION = re.compile(r"^scree (\S+) \(git ([^)]*)\)\s+(\S+ \S+) (\S+) (.*?)\s{2,}(.*)$", re.M)
-# Open MPI refuses root and more ranks than cores unless told otherwise, and would bind the threads of a rank to one core.
+# Open MPI refuses root and more ranks than cores by default, and would bind the threads of a rank to one core.
 DEFAULTS = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
             "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
             "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OMP_WAIT_POLICY": "passive"}

@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from scree_post.errors import PostError
+from scree_post.errors import EXIT_USAGE, PostError
 from scree_post.progress import Progress
 from scree_post.study import reason_of
 
@@ -107,7 +107,8 @@ def mpiexec_words(text):
     except ValueError:
         words = ()
     if not words:
-        raise PostError(f"--mpiexec '{text}' names no command; write --mpiexec mpiexec or --mpiexec 'srun --exclusive'", 2)
+        raise PostError(f"--mpiexec '{text}' names no command; write --mpiexec mpiexec, or 'srun --exclusive'",
+                        EXIT_USAGE)
     return words
 
 

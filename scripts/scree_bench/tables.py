@@ -16,7 +16,8 @@ def head(whole):
     here, one = whole["machine"], whole["programs"][0]
     return [f"{here['processor']}, {here['cores']} cores, {here['vectors'] or 'vectors unknown'}, "
             f"{here['memory_gib']:g} GiB; {here['system']}",
-            f"scree {one['version']} (git {one['commit']}), {one['compiler']} {one['build']} {one['flags']}, {one['mpi']}",
+            f"scree {one['version']} (git {one['commit']}), {one['compiler']} {one['build']} {one['flags']}, "
+            f"{one['mpi']}",
             f"--size {whole['size']}, best of {whole['repeats']}, measured {whole['begun']} in "
             f"{whole['seconds'] / 60.0:.1f} minutes"]
 
@@ -104,10 +105,9 @@ def terminal(whole):
 
 def legend():
     """What the columns are."""
-    return ("M/s: million particle updates per second of core time and of wall time. ns: core time of a particle and "
-            "step, and of its phases;\n+%: slowest repeat over the best. bytes: of fields per particle. copy: GB/s of a "
-            "core, measured beside. per MB: updates in the time\nin which a core copies 1 MB; compare machines and "
-            "versions by it.")
+    return ("M/s: million particle updates per second of core time and of wall time. ns: core time of a particle and\n"
+            "step, and of its phases; +%: slowest repeat over the best. bytes: of fields per particle. copy: GB/s of a\n"
+            "core, measured beside. per MB: updates in the time in which a core copies 1 MB.")
 
 
 def markdown(whole):
@@ -179,5 +179,6 @@ COMPARED = ["case", "ns A", "ns B", "speed B:A", "per MB A", "per MB B", "B:A", 
 
 def slower_in_turns(whole, limit):
     """Sentences on cases in which the first program is slower than the other by more than the limit."""
-    return [f"{entry['case']}: {1.0 / entry['turns']['median']:.2f} times slower than the other program, limit {limit:g}"
-            for entry in whole["results"] if entry.get("turns") and entry["turns"]["median"] * limit < 1.0]
+    medians = {entry["case"]: entry["turns"]["median"] for entry in whole["results"] if entry.get("turns")}
+    return [f"{case}: {1.0 / median:.2f} times slower than the other program, limit {limit:g}"
+            for case, median in medians.items() if median * limit < 1.0]

@@ -33,7 +33,7 @@ def raw(repeat, spent, copied=20.0, **more):
             "particle_updates_per_s": 1.0e9 / spent, "particles": 50000, "steps": 20, "bytes_per_particle": 300.0,
             "timers": {"points to nodes": 1.0, "grid": 0.5, "nodes to points": 1.5, "eos": 0.4, "strength": 0.6,
                        "a new phase": 0.25, "output": 100.0},
-            "copy_before": {"copy": copied - 2.0, "triad": copied}, "copy_after": {"copy": copied, "triad": copied}, **more}
+            "copy_before": {"copy": copied - 2.0, "triad": copied}, "copy_after": {"copy": copied, "triad": copied}} | more
 
 
 def whole(spent=300.0, copied=20.0, names=("block_ddmp", "metal_mpm", "block_ddmp_1x2"), other=None, size="small"):
@@ -45,7 +45,8 @@ def whole(spent=300.0, copied=20.0, names=("block_ddmp", "metal_mpm", "block_ddm
             entry["programs"][0]["runs"] = [raw(n + 1, spent * factor, copied * run.cores)
                                             for n, factor in enumerate((1.3, 1.0, 2.0))]
             if other:
-                entry["programs"][1]["runs"] = [raw(n + 1, other * factor, copied) for n, factor in enumerate((1.3, 1.1, 2.0))]
+                entry["programs"][1]["runs"] = [raw(n + 1, other * factor, copied)
+                                                for n, factor in enumerate((1.3, 1.1, 2.0))]
             result.finish(entry)
             entries.append(entry)
     one = machine.Program("/p", "0.1.0", "abc", "gfortran 12.2.0", "Release", "-O3", "MPI").record()
@@ -85,6 +86,15 @@ class Numbers(unittest.TestCase):
         self.assertAlmostEqual(parts["material"], 300.0 * 1.0 / 4.25, 9)
         self.assertAlmostEqual(parts["a new phase"], 300.0 * 0.25 / 4.25, 9)
         self.assertNotIn("output", parts)
+
+    def test_phases_of_all_runs(self):
+        """Would catch phases of one run alone, whose few samples of the laws scatter."""
+        entry = result.started(cases.plan("line")[0], "d", "", 1)
+        entry["programs"][0]["runs"] = [raw(1, 300.0), raw(2, 310.0, timers={"grid": 0.75, "output": 9.0})]
+        result.finish(entry)
+        parts = entry["programs"][0]["phases_ns"]
+        self.assertAlmostEqual(sum(parts.values()), 300.0, 9)
+        self.assertAlmostEqual(parts["nodes"], 300.0 * 1.25 / 5.0, 9)
 
     def test_printed_phases_add_up(self):
         """Would catch a table whose phases do not add up to its time, to half a nanosecond a column."""
@@ -210,8 +220,9 @@ class Command(unittest.TestCase):
                 words = [word for setting in one.overrides(size) for word in ("--set", setting)]
                 if size == "full" and (one.example or one.files):
                     continue
-                answer = subprocess.run([OPTIONS.scree, "--check", "--no-estimate", *words, bench.prepare(one)], text=True,
-                                        capture_output=True, check=False, cwd=FOLDER, env={**os.environ, **case.OPEN_MPI})
+                answer = subprocess.run([OPTIONS.scree, "--check", "--no-estimate", *words, bench.prepare(one)],
+                                        text=True, capture_output=True, check=False, cwd=FOLDER,
+                                        env={**os.environ, **case.OPEN_MPI})
                 self.assertEqual(answer.returncode, 0, f"{one.name}: {answer.stdout}{answer.stderr}")
 
     def test_exit_codes(self):
@@ -236,14 +247,17 @@ class Command(unittest.TestCase):
         for words, code, part in (
                 (("--only", "blok"), 2, "no case 'blok'; did you mean 'block"),
                 (("--lost",), 2, "did you mean '--list'"), (("--size", "huge"), 2, "huge"),
-                (("--repeat", "0"), 2, "from 1"), (("--repeat", "x"), 2, "--repeat"), (("--limit", "0.5"), 2, "1 or more"),
+                (("--repeat", "0"), 2, "from 1"), (("--repeat", "x"), 2, "--repeat"),
+                (("--limit", "0.5"), 2, "1 or more"),
                 (("--layouts", "2by1"), 2, "such as 2x1"), (("--list", "--show", "a.json"), 2, "exclude"),
-                (("--compare", "a.json"), 2, "2 arguments"), (("--compare", "a.json", "b.json"), 3, "no such file: b.json"),
+                (("--compare", "a.json"), 2, "2 arguments"),
+                (("--compare", "a.json", "b.json"), 3, "no such file: b.json"),
                 (("--show", "text.json"), 3, "not JSON"), (("--show", "other.json"), 3, "--out"),
                 (("--show", "damaged.json"), 3, "measure again"), (("--show", "newer.json"), 3, "version 99"),
                 (("--show", "."), 3, "folder"), (("--mpiexec", "", *few), 2, "names no command"),
                 (("--scree", "nowhere/scree", *few), 3, "no program nowhere/scree"),
-                (("--scree", "/bin/true", *few), 3, "is not scree"), (("--turns", "/bin/false", *few), 3, "is it scree"),
+                (("--scree", "/bin/true", *few), 3, "is not scree"),
+                (("--turns", "/bin/false", *few), 3, "is it scree"),
                 (("--out", "nowhere/x.json", *few), 3, "--out"), (("--markdown", "plain.md", *few), 3, tables.BEGIN),
                 (("--markdown", "nowhere/x.md", *few), 3, "--markdown"), (("--work", "a.json/x", *few), 3, "--work")):
             said = call(*words, code=code)[1].strip()
@@ -264,8 +278,8 @@ class Machine(unittest.TestCase):
 
     def test_version(self):
         """Would catch a version, commit, compiler or flags that are read wrongly."""
-        found = machine.read_version("p", "scree 0.1.0 (git v0.1-3-gabc-dirty)  gfortran 12.2.0 Release -O3 -march=native"
-                                     "  Open MPI v4.1.4\n")
+        found = machine.read_version("p", "scree 0.1.0 (git v0.1-3-gabc-dirty)  gfortran 12.2.0 Release -O3 "
+                                     "-march=native  Open MPI v4.1.4\n")
         self.assertEqual(list(found.record().values()), ["0.1.0", "v0.1-3-gabc-dirty", "gfortran 12.2.0", "Release",
                                                         "-O3 -march=native", "Open MPI v4.1.4"])
         self.assertRaises(PostError, machine.read_version, "p", "something 1.0")
