@@ -33,7 +33,8 @@ def raw(repeat, spent, copied=20.0, **more):
             "particle_updates_per_s": 1.0e9 / spent, "particles": 50000, "steps": 20, "bytes_per_particle": 300.0,
             "timers": {"points to nodes": 1.0, "grid": 0.5, "nodes to points": 1.5, "eos": 0.4, "strength": 0.6,
                        "a new phase": 0.25, "output": 100.0},
-            "copy_before": {"copy": copied - 2.0, "triad": copied}, "copy_after": {"copy": copied, "triad": copied}} | more
+            "copy_before": {"copy": copied - 2.0, "triad": copied}, "copy_after": {"copy": copied, "triad": copied},
+            **more}
 
 
 def whole(spent=300.0, copied=20.0, names=("block_ddmp", "metal_mpm", "block_ddmp_1x2"), other=None, size="small"):
