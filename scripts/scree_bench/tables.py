@@ -106,8 +106,8 @@ def terminal(whole):
 def legend():
     """What the columns are."""
     return ("M/s: million particle updates per second of core time and of wall time. ns: core time of a particle and\n"
-            "step, and of its phases; +%: slowest repeat over the best. bytes: of fields per particle. copy: GB/s of a\n"
-            "core, measured beside. per MB: updates in the time in which a core copies 1 MB.")
+            "step, and of its phases; +%: slowest repeat over the best. bytes: of fields per particle. copy: GB/s of\n"
+            "a core, measured beside. per MB: updates in the time in which a core copies 1 MB.")
 
 
 def markdown(whole):

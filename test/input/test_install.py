@@ -102,14 +102,14 @@ class Install(unittest.TestCase):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         bench = PLACE / "bin/scree-bench"
-        code, said, wrong = run("env", "-u", "SCREE", "-u", "PYTHONPATH", bench, "--only", "line", "--repeat", "1",
-                                folder=folder)
+        alone = ("env", "-u", "SCREE", "-u", "PYTHONPATH", bench, "--only", "line", "--repeat", "1")
+        code, said, wrong = run(*alone, folder=folder)
         self.assertEqual(code, 0, said + wrong)
         self.assertRegex(said, r"line_ddmp +\d")
         self.assertEqual(len(list(folder.glob("scree_bench_*.json"))), 1)
         self.assertFalse(list(PLACE.rglob("__pycache__")), "written into the installation")
         shutil.move(PLACE / "libexec/scree/memory_copy", folder)
-        code, _, wrong = run(bench, "--only", "line", folder=folder)
+        code, _, wrong = run(*alone, folder=folder)
         shutil.move(folder / "memory_copy", PLACE / "libexec/scree/memory_copy")
         self.assertEqual(code, 3)
         self.assertIn("no program memory_copy beside", wrong)
