@@ -98,7 +98,7 @@ def compare(options):
     if not rows:
         raise PostError("\n".join([f"{options.compare[0]} and {options.compare[1]} have no case in common", *missing]))
     print(tables.plain(tables.COMPARED, rows))
-    print("\n".join([*missing, *slower] or ["no case is slower than the limit"]))
+    print("\n".join([*missing, *(slower or [f"no case is more than {options.limit:g} times slower"])]))
     return EXIT_DIFFERENT if slower else 0
 
 
@@ -133,7 +133,18 @@ def run_cases(options, beside, copies):
 
     with scratch(options.work) as folder:
         bench = measure.Bench(programs, copy, folder, options.size, mpiexec)
-        results = measure.measure(bench, runs, options.repeat, lambda found: result.write(path, whole(found)))
+        written = []
+
+        def save(found):
+            result.write(path, whole(found))
+            written.append(path)
+
+        try:
+            results = measure.measure(bench, runs, options.repeat, save)
+        except KeyboardInterrupt:
+            print(f"results of {len(written)} repeats in {path}" if written else "no repeat was finished",
+                  file=sys.stderr)
+            raise
     found = whole(results)
     if options.markdown:
         tables.write_page(options.markdown, tables.markdown(found))

@@ -14,11 +14,12 @@ LEAST = 0.005                            # share of a case's time from which a p
 def head(whole):
     """Lines that say what was measured, on what."""
     here, one = whole["machine"], whole["programs"][0]
+    repeats = max((len(program["runs"]) for entry in whole["results"] for program in entry["programs"]), default=0)
     return [f"{here['processor']}, {here['cores']} cores, {here['vectors'] or 'vectors unknown'}, "
             f"{here['memory_gib']:g} GiB; {here['system']}",
             f"scree {one['version']} (git {one['commit']}), {one['compiler']} {one['build']} {one['flags']}, "
             f"{one['mpi']}",
-            f"--size {whole['size']}, best of {whole['repeats']}, measured {whole['begun']} in "
+            f"--size {whole['size']}, best of {repeats}, measured {whole['begun']} in "
             f"{whole['seconds'] / 60.0:.1f} minutes"]
 
 
@@ -154,15 +155,15 @@ def compared(first, second, limit):
     """
     old = {entry["case"]: entry for entry in first["results"]}
     new = {entry["case"]: entry for entry in second["results"]}
-    rows, slower, missing = [], [], []
+    rows, slower, lacking, differing = [], [], {"first": [], "second": []}, []
     for name in [*old, *(name for name in new if name not in old)]:
         pair = [held.get(name, {"programs": [{}]})["programs"][0] for held in (old, new)]
-        lacks = [which for which, one in zip(("first", "second"), pair) if "ns" not in one]
-        if lacks:
-            missing.append(f"{name}: no numbers in the {' and the '.join(lacks)} file")
-        elif old[name]["deck"] != new[name]["deck"]:
-            missing.append(f"{name}: not compared, the decks differ")
-        else:
+        for which, one in zip(lacking, pair):
+            if "ns" not in one:
+                lacking[which].append(name)
+        if all("ns" in one for one in pair) and old[name]["deck"] != new[name]["deck"]:
+            differing.append(name)
+        elif all("ns" in one for one in pair):
             speed = pair[0]["ns"] / pair[1]["ns"]
             ratio = pair[1]["updates_per_mb"] / pair[0]["updates_per_mb"]
             is_slower = ratio * limit < 1.0
@@ -171,7 +172,8 @@ def compared(first, second, limit):
                          "slower" if is_slower else ""])
             if is_slower:
                 slower.append(f"{name}: {1.0 / ratio:.2f} times slower per MB copied, limit {limit:g}")
-    return rows, slower, missing
+    missing = [f"no numbers in the {which} file: {', '.join(names)}" for which, names in lacking.items() if names]
+    return rows, slower, missing + ([f"not compared, the decks differ: {', '.join(differing)}"] if differing else [])
 
 
 COMPARED = ["case", "ns A", "ns B", "speed B:A", "per MB A", "per MB B", "B:A", ""]
