@@ -8,8 +8,10 @@ target_link_libraries(memory_copy PRIVATE scree_options OpenMP::OpenMP_Fortran $
 set_target_properties(memory_copy PROPERTIES
    RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/libexec/scree"
    Fortran_MODULE_DIRECTORY "${PROJECT_BINARY_DIR}/modules/main")
-# Who builds the program alone can measure it too.
-add_dependencies(scree memory_copy)
+# A build of the program alone can be measured too.
+if(TARGET scree)
+   add_dependencies(scree memory_copy)
+endif()
 
 # In the build tree the package is a link below share/scree, as in an installation.
 file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/share/scree")

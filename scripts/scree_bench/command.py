@@ -78,9 +78,21 @@ def listing(options):
         f", {run.ranks} ranks x {run.threads} threads" if run.cores > 1 else "") for run in runs)
 
 
+def read(path):
+    """A file of results that has all that tables and comparisons need."""
+    whole = result.read(path)
+    try:
+        tables.terminal(whole)
+        tables.compared(whole, whole, 1.0)
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError, ZeroDivisionError) as error:
+        raise PostError(f"{path} is a damaged file of results ({type(error).__name__}: {error}); "
+                        "measure again") from error
+    return whole
+
+
 def show(options):
     """The table of a file."""
-    whole = result.read(options.show)
+    whole = read(options.show)
     if options.markdown:
         tables.write_page(options.markdown, tables.markdown(whole))
     print(tables.terminal(whole))
@@ -89,7 +101,7 @@ def show(options):
 
 def compare(options):
     """Two files beside each other; the exit code."""
-    first, second = (result.read(path) for path in options.compare)
+    first, second = (read(path) for path in options.compare)
     result.comparable(first, second, options.compare)
     rows, slower, missing = tables.compared(first, second, options.limit)
     for name, whole in zip("AB", (first, second)):

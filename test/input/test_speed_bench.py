@@ -56,6 +56,14 @@ def whole(spent=300.0, copied=20.0, names=("block_ddmp", "metal_mpm", "block_ddm
                                         "system": "none"}, "programs": [one] * (2 if other else 1)}, entries)
 
 
+def places(held, where=()):
+    """Ways to all values of a file, from the outside."""
+    pairs = held.items() if isinstance(held, dict) else enumerate(held) if isinstance(held, list) else ()
+    for key, inner in pairs:
+        yield (*where, key)
+        yield from places(inner, (*where, key))
+
+
 def call(*words, code=0):
     """What the command prints, on both streams."""
     answer = subprocess.run([str(COMMAND), *map(str, words)], cwd=FOLDER, text=True, capture_output=True, check=False,
@@ -266,6 +274,28 @@ class Command(unittest.TestCase):
             self.assertEqual(len(said.splitlines()), 1, said)
             self.assertTrue(said.startswith("scree-bench: "), said)
         self.assertEqual((FOLDER / "plain.md").read_text(encoding="utf-8"), "text\n")
+
+    def test_damaged_files(self):
+        """Would catch a traceback for a file that lacks a key, or has another kind of value there."""
+        path, refused, tried = FOLDER / "broken.json", 0, 0
+        for where in places(whole(names=("block_ddmp",), other=200.0)):
+            for value in (None, "text", 0, [], {}):
+                broken = whole(names=("block_ddmp",), other=200.0)
+                inner = broken
+                for key in where[:-1]:
+                    inner = inner[key]
+                inner[where[-1]] = value
+                if value is None and isinstance(inner, dict):
+                    del inner[where[-1]]
+                path.write_text(json.dumps(broken), encoding="utf-8")
+                tried += 1
+                try:
+                    command.read(str(path))
+                except PostError as error:
+                    refused += 1
+                    self.assertIn("broken.json", str(error))
+        self.assertGreater(tried, 400)
+        self.assertGreater(refused, 100)
 
     def test_layout_that_cannot_run(self):
         """Would catch a layout of more cores than there are that is measured, or left out without a word."""
