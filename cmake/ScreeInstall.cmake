@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# cmake --install build --prefix PLACE: program, man page, completion, libraries, modules, CMake
-# package, post-processing and scenes.
+# cmake --install build --prefix PLACE: program, man pages, completion, libraries, modules, CMake
+# package, post-processing and scenes. scree-bench: ScreeBench.cmake.
 
 include(CMakePackageConfigHelpers)
 
@@ -19,11 +19,13 @@ install(FILES "${PROJECT_BINARY_DIR}/cmake/screeConfig.cmake"
 if(TARGET scree)
    install(TARGETS scree RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
-install(FILES "${PROJECT_SOURCE_DIR}/doc/man/scree.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
-install(FILES "${PROJECT_SOURCE_DIR}/scripts/completion/scree.bash"
-   DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME scree)
-install(FILES "${PROJECT_SOURCE_DIR}/scripts/completion/_scree"
-   DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions")
+foreach(name scree scree-bench)
+   install(FILES "${PROJECT_SOURCE_DIR}/doc/man/${name}.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
+   install(FILES "${PROJECT_SOURCE_DIR}/scripts/completion/${name}.bash"
+      DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME "${name}")
+   install(FILES "${PROJECT_SOURCE_DIR}/scripts/completion/_${name}"
+      DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions")
+endforeach()
 # Modules of gfortran fit one generation of compilers, hence beside the libraries.
 install(DIRECTORY "${PROJECT_BINARY_DIR}/modules/" DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree/modules"
    FILES_MATCHING PATTERN "*.mod"

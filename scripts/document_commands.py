@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write the man page of scree and its completion for bash and zsh from what `scree --help` says.
+"""Write the man pages of scree and scree-bench and their completion for bash and zsh from what the help says.
 
     python3 scripts/document_commands.py build/bin/scree             write the files
     python3 scripts/document_commands.py build/bin/scree --check     exit code 1 if they are out of date
 
-The files are doc/man/scree.1, scripts/completion/scree.bash and scripts/completion/_scree; `cmake --install` puts
-them where man, bash and zsh look. Only the standard library is needed.
+The files are doc/man/scree.1, scripts/completion/scree.bash and scripts/completion/_scree, and those of scree-bench
+(scripts/document_bench.py); `cmake --install` puts them where man, bash and zsh look. Only the standard library is
+needed.
 """
 import argparse
 import re
 import subprocess
 import sys
 from pathlib import Path
+
+import document_bench
 
 ROOT = Path(__file__).resolve().parents[1]
 MAN = ROOT / "doc/man/scree.1"
@@ -175,8 +178,8 @@ def main():
     chosen = parser.parse_args()
     program = str(chosen.scree.resolve())
     stale = []
-    for path, write in ((MAN, man_page), (BASH, bash_text), (ZSH, zsh_text)):
-        text = write(program)
+    texts = [(path, write(program)) for path, write in ((MAN, man_page), (BASH, bash_text), (ZSH, zsh_text))]
+    for path, text in texts + [(path, write()) for path, write in document_bench.files()]:
         if path.is_file() and path.read_text(encoding="utf-8") == text:
             continue
         stale.append(str(path.relative_to(ROOT)))

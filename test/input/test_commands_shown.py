@@ -3,8 +3,8 @@
 """Every command that README, guide and scenes show is typed, in a folder that looks like a clone.
 
 Would catch a command of a document that nobody tried, a deck or a script that was renamed, an option that is gone.
-Runs of the program are cut after a few steps, checks make no estimate of the time, and studies that take minutes are
-asked for their options; commands
+Runs of the program are cut after a few steps, checks make no estimate of the time, scree-bench measures its smallest
+case, and studies that take minutes are asked for their options; commands
 of scree-post are run by test_post_documents, two pages as a whole by tests of their own, those of single messages by
 test_message_pages.
 """
@@ -28,6 +28,7 @@ ELSEWHERE = {"build/venv/bin/scree-post": "test_post_documents.py", "scree-post"
              "build/bin/scree [options]": "a pattern", "build/bin/scree scene.nml & sleep": "test_first_hour.py",
              "build/bin/scree --check bad.nml": "test_documents.py", "ctest": "the tests themselves"}
 FEW = ("--set", "time.max_steps=3")
+SMALLEST = ("--only", "line", "--repeat", "1", "--size", "small")
 NO_RUN = ("--check", "--preview", "--template", "--list", "--new", "--job", "--digest", "--explain")
 LEAST = 60                             # commands that the documents are known to show
 
@@ -89,6 +90,19 @@ class Clone:
         """A checkpoint of the deck scene.nml."""
         return str(max((self.folder / "out").glob("*/*_chk_*.h5"), key=lambda path: path.stat().st_mtime))
 
+    def bench(self, words):
+        """scree-bench with its smallest case, and this program in place of another one; any may be faster."""
+        words = ["page.md" if before == "--markdown" else "build/bin/scree" if before == "--turns" else word
+                 for before, word in zip(["", *words], words)]
+        if "--compare" in words:
+            for name in words[2:4]:
+                if not (self.folder / name).exists():
+                    shutil.copy(next(self.folder.glob("*.json")), self.folder / name)
+        elif "--list" not in words:
+            words += SMALLEST
+        code, said = self.run(words)
+        return code == 0 or code == 1 and "--turns" in words and "times slower" in said, said
+
     def script(self, words):
         """A study or a script of the shell: its options."""
         shell = words[0].endswith(".sh")
@@ -108,6 +122,8 @@ class Clone:
             return True, ""
         if words[0] in ("build/bin/scree", "mpirun"):
             return self.program(words)
+        if words[0] == "build/bin/scree-bench":
+            return self.bench(words)
         if words[0].endswith("python") or words[0].startswith("python") or words[0].endswith(".sh"):
             return self.script(words)
         return False, "nobody knows how to try this command"

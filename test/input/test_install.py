@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""An installation: program, scenes, man page and completion, in a folder with a blank and an umlaut in its name.
+"""An installation: programs, scenes, man pages and completion, in a folder with a blank and an umlaut in its name.
 
 Would catch: a file that is not installed, a program that needs the tree it was built in, a man page that man cannot
 read, a completion that lacks an option of `scree --help` or completes nothing, and a man page or a completion that was
@@ -22,11 +22,12 @@ BUILD = OPTIONS.scree.parents[1]
 PLACE = OPTIONS.work / "opt scree ü"
 OPTION = re.compile(r"(?<![\w-])(--[a-z][a-z-]*|-[a-zA-Z](?=, --))")
 ASK = """set -u
-source "$1/share/bash-completion/completions/scree"
-shift
+source "$1/share/bash-completion/completions/$2"
+program="$2"
+shift 2
 COMP_WORDS=("$@")
 COMP_CWORD=$(($# - 1))
-"$(complete -p scree | sed 's/.*-F \\([^ ]*\\) .*/\\1/')"
+"$(complete -p "${program}" | sed 's/.*-F \\([^ ]*\\) .*/\\1/')"
 printf '%s\\n' "${COMPREPLY[@]}"
 """
 
@@ -58,9 +59,9 @@ def run(*words, folder="/"):
     return answer.returncode, answer.stdout, answer.stderr
 
 
-def completed(*words, folder="/"):
+def completed(*words, folder="/", command="scree"):
     """What bash offers for the last word of a line."""
-    code, said, wrong = run("bash", "-c", ASK, "bash", PLACE, PLACE / "bin/scree", *words, folder=folder)
+    code, said, wrong = run("bash", "-c", ASK, "bash", PLACE, command, PLACE / "bin" / command, *words, folder=folder)
     if code or wrong:
         raise AssertionError(f"{words}: {code} {wrong}")
     return set(said.split("\n")) - {""}
@@ -94,6 +95,43 @@ class Install(unittest.TestCase):
         self.assertEqual(code, 0, wrong)
         self.assertIn("ended     max_steps reached", said)
         self.assertTrue((folder / "discs/out/two_discs/two_discs_p.hdf.series").is_file())
+
+    def test_speed(self):
+        """Would catch a scree-bench that is not installed, or without its package, its copy of memory or scree."""
+        folder = OPTIONS.work / "speed ü"
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        bench = PLACE / "bin/scree-bench"
+        alone = ("env", "-u", "SCREE", "-u", "PYTHONPATH", bench, "--only", "line", "--repeat", "1")
+        code, said, wrong = run(*alone, folder=folder)
+        self.assertEqual(code, 0, said + wrong)
+        self.assertRegex(said, r"line_ddmp +\d")
+        self.assertEqual(len(list(folder.glob("scree_bench_*.json"))), 1)
+        self.assertFalse(list(PLACE.rglob("__pycache__")), "written into the installation")
+        shutil.move(PLACE / "libexec/scree/memory_copy", folder)
+        code, _, wrong = run(*alone, folder=folder)
+        shutil.move(folder / "memory_copy", PLACE / "libexec/scree/memory_copy")
+        self.assertEqual(code, 3)
+        self.assertIn("no program memory_copy beside", wrong)
+
+    def test_speed_page_and_completion(self):
+        """Would catch an option of scree-bench that its man page or its completion lacks."""
+        code, said, _ = run(PLACE / "bin/scree-bench", "--help")
+        self.assertEqual(code, 0)
+        known = set(re.findall(r"^  (?:-\w, )?(--[a-z]+)", said, re.M))
+        self.assertGreater(len(known), 12)
+        page = PLACE / "share/man/man1/scree-bench.1"
+        text = page.read_text(encoding="utf-8").replace("\\-", "-")
+        zsh = (PLACE / "share/zsh/site-functions/_scree-bench").read_text(encoding="utf-8")
+        for option in known:
+            self.assertIn(option, text)
+            self.assertIn(f'"{option}[', zsh)
+        self.assertLessEqual(known, completed("-", command="scree-bench"))
+        self.assertEqual(completed("--size", "f", command="scree-bench"), {"full"})
+        self.assertIn("debris_1x2", completed("--only", "de", command="scree-bench"))
+        if shutil.which("man") is not None:
+            code, _, wrong = run("man", "--warnings", "-l", page)
+            self.assertEqual((code, wrong), (0, ""))
 
     def test_libraries(self):
         """Would catch a package that CMake does not find, and a library or a module that it lacks."""

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What the memory gives: copy and triad of 8-byte numbers in arrays far larger than the caches.
 !!
-!! bench_stream [MEGABYTES] [REPEATS]   of each of three arrays; the best of the repeats counts.
+!! memory_copy [MEGABYTES] [REPEATS]   of each of three arrays; the best of the repeats counts.
 !!
 !! J. D. McCalpin's STREAM counts in the same way: what the loop names is moved once, 16 bytes an
 !! element for a copy and 24 for a triad. Times are those that the processor worked on all threads,
 !! over their number, so others on the machine disturb less than they would a clock on the wall.
-program bench_stream
+program memory_copy
    use base_kinds, only: int64, wp
    use base_timer, only: process_seconds
    use omp_lib, only: omp_get_max_threads
@@ -87,4 +87,4 @@ contains
       end do
       !$omp end parallel do
    end subroutine triad
-end program bench_stream
+end program memory_copy
