@@ -155,6 +155,7 @@ contains
       integer :: y, z, node, at, nodes, low(3), high(3), margin(3)
 
       at = boxes%before(tile)
+      if (boxes%before(tile + 1) == at) return
       if (boxes%before(tile + 1) - at == size(patch, 2)) then
          call put_line(self, first - 1, at, 0, size(patch, 2), patch)
          return

@@ -14,6 +14,7 @@ module scene_grid
 
    real(wp), parameter :: most_cells = 1.0e6_wp          !! Cells along one direction
    real(wp), parameter :: tolerance = 1.0e-9_wp          !! Relative error of a number of cells
+   integer, parameter :: most_block = 16             !! Cells along a tile in three dimensions
 
 contains
 
@@ -27,7 +28,7 @@ contains
       call schema%real("grid", "dx", "edge of a cell; (hi-lo)/dx must be whole", unit="m", &
          range="> 0")
       call schema%integer("grid", "cells(3)", "cells along x, y, z instead of dx", range="> 0")
-      call schema%integer("grid", "block", "cells along the edge of a tile, 0 = automatic", &
+      call schema%integer("grid", "block", "cells along the edge of a tile, 0 = automatic; at most 16 in three dimensions", &
          default="0", range=">= 0 <= 64")
       call schema%require("grid", "lo hi")
    end subroutine declare_grid
@@ -39,7 +40,7 @@ contains
       type(group_t) :: grid
       real(wp) :: lo(3), hi(3)
       logical :: active(3), needed(3)
-      integer :: k
+      integer :: k, edge
 
       grid = deck%group("grid")
       if (.not. (grid%known("lo") .and. grid%known("hi"))) return
@@ -61,6 +62,10 @@ contains
       end do
       if (dimension == "axisymmetric" .and. abs(lo(1)) > 0.0_wp) call deck%complain(grid, &
          "axisymmetric needs lo(1) = 0, the axis", "lo")
+      call grid%get("block", edge)
+      if (count(active) == 3 .and. edge > most_block) call deck%complain(grid, &
+         "tiles of more than 16 cells along an edge are too large for the stack of a thread in "// &
+         "three dimensions; write block = 0 or at most 16", "block")
       if (grid%given("cells")) then
          call check_cells(deck, grid, lo, hi, active)
       else if (.not. grid%given("dx")) then
