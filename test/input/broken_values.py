@@ -273,6 +273,9 @@ NUMBERS = [
      "&grid: (hi-lo)/dx = 3.33333 is not whole in x; nearest: hi = 0.9 or dx = 0.333333"),
     ("plain", "dx = 0.1", "dx = 0.1  block = 65", 2,
      "&grid: block = 65  <- must be >= 0 and <= 64"),
+    ("shock", "dx = 0.5", "dx = 0.5  block = 17", 4,
+     "&grid: tiles of more than 16 cells along an edge are too large for the stack of a thread in three dimensions; "
+     "write block = 0 or at most 16"),
 ]
 
 # Keys, groups and words that are not known.
