@@ -416,7 +416,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
       integer, intent(in) :: direction               !! 1 to 3
-      integer, intent(in) :: tile                    !! The tile
+      integer, intent(in) :: tile
       integer, intent(in) :: extent                  !! Its cells along the direction
       integer :: corners(-1:1)
 

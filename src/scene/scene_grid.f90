@@ -28,8 +28,8 @@ contains
       call schema%real("grid", "dx", "edge of a cell; (hi-lo)/dx must be whole", unit="m", &
          range="> 0")
       call schema%integer("grid", "cells(3)", "cells along x, y, z instead of dx", range="> 0")
-      call schema%integer("grid", "block", "cells along the edge of a tile, 0 = automatic; at most 16 in three dimensions", &
-         default="0", range=">= 0 <= 64")
+      call schema%integer("grid", "block", "cells along the edge of a tile, 0 = "// &
+         "automatic; at most 16 in three dimensions", default="0", range=">= 0 <= 64")
       call schema%require("grid", "lo hi")
    end subroutine declare_grid
 

@@ -24,9 +24,9 @@ module transfer_increments
    type :: increments_t
       private
       integer :: axes = 0                            !! Active directions
-      integer :: axis(3) = 0                         !! Which they are
+      integer :: axis(3) = 0                         !! Their numbers
       integer :: columns = 0                         !! Columns of the fields
-      integer :: moments = no_moments                !! Which moments there are
+      integer :: moments = no_moments                !! Kind of the moments
       logical :: heats = .false.                     !! Is lost kinetic energy found?
       real(wp) :: pic = 0.0_wp                       !! Share g of pic [1]
       real(wp) :: ahead = 1.0_wp                     !! Part c of the gain in the way [1]
@@ -86,7 +86,7 @@ contains
 
    !> Number of columns of moments.
    pure integer function number_of_moments(moments, axes) result(number)
-      integer, intent(in) :: moments                 !! Which
+      integer, intent(in) :: moments                 !! Kind
       integer, intent(in) :: axes                    !! Active directions
 
       select case (moments)
@@ -158,7 +158,7 @@ contains
    !> Angular momentum of a vector at one node.
    pure subroutine set_rotation(axes, x, t, columns)
       integer, intent(in) :: axes                    !! Active directions
-      real(wp), intent(in) :: x(3)                   !! Place in the tile along them [m]
+      real(wp), intent(in) :: x(3)                   !! Position in the tile along them [m]
       real(wp), intent(in) :: t(3)                   !! Vector along them [m/s]
       real(wp), intent(inout) :: columns(:)          !! Its moments [m2/s]
 
@@ -173,10 +173,10 @@ contains
       end select
    end subroutine set_rotation
 
-   !> Products of a vector and the place of its node.
+   !> Products of a vector and the position of its node.
    pure subroutine set_linear_field(axes, x, t, columns)
       integer, intent(in) :: axes                    !! Active directions
-      real(wp), intent(in) :: x(3)                   !! Place in the tile along them [m]
+      real(wp), intent(in) :: x(3)                   !! Position in the tile along them [m]
       real(wp), intent(in) :: t(3)                   !! Vector along them [m/s]
       real(wp), intent(inout) :: columns(:)          !! (k, l) in k + axes (l - 1) [m2/s]
       integer :: k, l
@@ -239,7 +239,7 @@ contains
             heat)
       end do
       if (self%moments /= no_moments) then
-         call find_places(self, grid, shape)
+         call find_offsets(self, grid, shape)
          if (self%moments == rotation) then
             call turn(self, shape, first, spin, heat)
          else
@@ -278,9 +278,9 @@ contains
       end do
    end subroutine lose_energy
 
-   !> Places of the particles in their tile along the active directions, in the first columns of the
-   !! scratch values [m].
-   pure subroutine find_places(self, grid, shape)
+   !> Positions of the particles from the corner of their tile along the active directions, in the
+   !! first columns of the scratch values [m].
+   pure subroutine find_offsets(self, grid, shape)
       class(increments_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(inout) :: shape
@@ -299,13 +299,13 @@ contains
             end do
          end do
       end do
-   end subroutine find_places
+   end subroutine find_offsets
 
    !> Heat of particles that carry a rotation: the spin times the angular momentum of the vector
    !! about the particle.
    pure subroutine turn(self, shape, first, spin, heat)
       class(increments_t), intent(in) :: self
-      type(shape_data_t), intent(in) :: shape                !! With places and vectors
+      type(shape_data_t), intent(in) :: shape                !! With offsets and vectors
       integer, intent(in) :: first                           !! First particle of the tile
       real(wp), contiguous, intent(in) :: spin(:, :)         !! (particle, 3) [1/s]
       real(wp), contiguous, intent(inout) :: heat(:)         !! [J/kg]
@@ -327,7 +327,7 @@ contains
    !> Heat of particles that carry a linear velocity field.
    pure subroutine stretch(self, shape, first, affine, heat)
       class(increments_t), intent(in) :: self
-      type(shape_data_t), intent(in) :: shape                !! With places and vectors
+      type(shape_data_t), intent(in) :: shape                !! With offsets and vectors
       integer, intent(in) :: first                           !! First particle of the tile
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) [1/s]
       real(wp), contiguous, intent(inout) :: heat(:)         !! [J/kg]
