@@ -118,8 +118,9 @@ contains
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
       call return_to_strength(first, last, self, deformation%strength%old_damage, &
-         deformation%strength%strain_rate, state%volume, state%stress, deformation%pressure, &
-         deformation%plastic_increment, deformation%plastic_work)
+         deformation%strength%strain_rate, deformation%strength%tangent, state%volume, &
+         state%stress, deformation%pressure, deformation%plastic_increment, &
+         deformation%plastic_work)
    end subroutine law_jh2_update
 
    !> Equivalent rate of strain, sqrt(2/3 d:d) of its deviator.
@@ -140,13 +141,15 @@ contains
    end subroutine strain_rate
 
    !> Kernel of the above.
-   pure subroutine return_to_strength(first, last, law, damage, rate, volume, stress, pressure, &
-      plastic_increment, plastic_work)
+   ! gate: long kernel because it reads the state before the step and changes five fields
+   pure subroutine return_to_strength(first, last, law, damage, rate, strength, volume, stress, &
+      pressure, plastic_increment, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       type(law_jh2_t), intent(in) :: law             !! Constants
       real(wp), contiguous, intent(in) :: damage(:)  !! Before the step (range) [1]
       real(wp), contiguous, intent(in) :: rate(:)    !! Of strain (range) [1/s]
+      real(wp), contiguous, intent(inout) :: strength(:)   !! At yield (range) [Pa]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)  !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
@@ -157,18 +160,19 @@ contains
       real(wp) :: trial, limit, scaling
       integer :: i, k
 
-      ! Not vectorised: vector powers differ in the last bits from scalar ones.
-      !GCC$ novector
-      do i = 1, last - first + 1
+      do concurrent (i=1:last - first + 1)
+         pressure(i) = max(pressure(i), -law%constants%tension*(1.0_wp - damage(i)))
+      end do
+      call law%constants%find_strengths(last - first + 1, pressure, rate, damage, strength)
+      do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          trial = plastic_increment(i)
-         pressure(i) = max(pressure(i), -law%constants%tension*(1.0_wp - damage(i)))
-         limit = law%constants%strength(pressure(i), rate(i), damage(i))
+         limit = strength(i)
          plastic_increment(i) = max(0.0_wp, trial - limit)/(3.0_wp*law%shear)
          plastic_work(i) = volume(k)*mean_work(law%shear, trial, limit, plastic_increment(i), &
             plastic_work(i))
-         if (trial <= limit) cycle
-         scaling = limit/trial
+         scaling = min(limit, trial)/max(trial, tiny(1.0_wp))
+         scaling = merge(scaling, 1.0_wp, trial > limit)
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)
          stress(k, 3) = scaling*stress(k, 3)
