@@ -120,7 +120,7 @@ contains
 
    !> Exponential function. It is 0 below -745.13 and infinite above 709.78.
    elemental real(wp) function exponential(x) result(value)
-      real(wp), intent(in) :: x
+      real(wp), intent(in) :: x                            !! Argument
 
       value = exponential_of_sum(x, 0.0_wp)
    end function exponential
@@ -128,7 +128,7 @@ contains
    !> Natural logarithm: -infinity of 0, NaN of negative numbers. ln(1 + f) is found as 2 artanh(s)
    !! with s = f/(2 + f), where f - f**2/2 is split off.
    elemental real(wp) function logarithm(x) result(value)
-      real(wp), intent(in) :: x
+      real(wp), intent(in) :: x                            !! Argument
       !> Coefficients of (ln((1 + s)/(1 - s))/s - 2)/s**2 as a polynomial of s**2.
       real(wp), parameter :: c(7) = [0.666666666666667_wp, 0.3999999999989889_wp, &
          0.28571428626253836_wp, 0.22222211089379496_wp, 0.1818289243253687_wp, &
@@ -273,7 +273,7 @@ contains
    !> Powers with one exponent in place of their bases.
    pure subroutine take_powers(count, exponent, x)
       integer, intent(in) :: count                         !! Numbers
-      real(wp), intent(in) :: exponent
+      real(wp), intent(in) :: exponent                     !! Of all bases
       real(wp), contiguous, intent(inout) :: x(:)          !! (at least count)
       real(wp) :: bounded, at_zero, at_infinity
       integer :: i
@@ -292,7 +292,7 @@ contains
    !! above 0.01.
    pure subroutine take_fast_powers(count, exponent, x)
       integer, intent(in) :: count                         !! Numbers
-      real(wp), intent(in) :: exponent
+      real(wp), intent(in) :: exponent                     !! Of all bases
       real(wp), contiguous, intent(inout) :: x(:)          !! (at least count)
       real(wp), parameter :: least = -1.0e5_wp
       integer :: i

@@ -34,7 +34,7 @@ module constitutive_hardening
       real(wp) :: upper(most_lanes)                  !! Increment that is too large [1]
       real(wp) :: factor(most_lanes)                 !! Of the rate [1]
       real(wp) :: tilt(most_lanes)                   !! Its derivative to the increment [1]
-      logical :: going(most_lanes)                   !! Increment still to be found
+      real(wp) :: going(most_lanes) !! 1 if the increment is still to be found, else 0
    end type flow_lanes_t
 
    !> Constants of hardening that all lanes share.
@@ -64,7 +64,7 @@ contains
       call raise(filled, power, lanes%amplitude, lanes%argument, hardening)
       call start_lanes(filled, power, hardening, lanes)
       do iteration = 1, most_iterations
-         if (.not. any(lanes%going(:filled))) exit
+         if (.not. any(lanes%going(:filled) > 0.0_wp)) exit
          base(:filled) = lanes%argument(:filled) + power%growth*lanes%increment(:filled)
          call raise(filled, power, lanes%amplitude, base, hardening)
          if (power%rate_coefficient > 0.0_wp) call find_rate_factor(filled, power, lanes)
@@ -120,7 +120,7 @@ contains
          limit = min(lanes%fixed(l) + hardening(l), lanes%greatest(l))
          excess = max(lanes%trial(l) - limit, 0.0_wp)
          flows = excess > 0.0_wp .and. limit > 0.0_wp
-         lanes%going(l) = flows
+         lanes%going(l) = merge(1.0_wp, 0.0_wp, flows)
          lanes%limit(l) = min(limit, lanes%trial(l))
          lanes%lower(l) = 0.0_wp
          lanes%upper(l) = excess/lanes%stiffness(l)
@@ -170,44 +170,51 @@ contains
       real(wp), intent(in) :: hardening(most_lanes)  !! [Pa]
       type(flow_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: tolerance = 1.0e-12_wp, short = 0.25_wp, back = 1.0_wp/128.0_wp
-      real(wp) :: at_rest, limit, slope, curvature, residual, change, x, next, enough, lower, upper
-      logical :: bounded, right, smooth
+      real(wp) :: exponent, growth, rest, at_rest, limit, slope, curvature, residual, change, x, &
+         next
+      real(wp) :: enough, lower, upper, margin, right, smooth
       integer :: l
 
+      ! Constants that a choice would load lane by lane keep a loop from becoming a vector.
+      exponent = power%exponent
+      growth = power%growth
+      rest = power%rest
       !$omp simd private(at_rest, limit, slope, curvature, residual, change, x, next, enough) &
-      !$omp& private(lower, upper, bounded, right, smooth)
+      !$omp& private(lower, upper, margin, right, smooth)
       do l = 1, filled
          x = lanes%increment(l)
-         at_rest = lanes%fixed(l) + hardening(l)
-         bounded = at_rest >= lanes%greatest(l)
-         at_rest = min(at_rest, lanes%greatest(l))
-         slope = merge(0.0_wp, power%exponent*hardening(l), bounded)*power%growth &
+         at_rest = min(lanes%fixed(l) + hardening(l), lanes%greatest(l))
+         slope = merge(exponent*hardening(l)*growth, 0.0_wp, at_rest < lanes%greatest(l)) &
             /max(base(l), tiny(1.0_wp))
          limit = lanes%factor(l)*at_rest
-         curvature = lanes%factor(l)*slope*abs(1.0_wp - power%exponent)*power%growth &
+         curvature = lanes%factor(l)*slope*abs(1.0_wp - exponent)*growth &
             /max(base(l), tiny(1.0_wp)) + lanes%tilt(l)*(2.0_wp*slope + at_rest/max(x, &
                tiny(1.0_wp)))
          slope = lanes%tilt(l)*at_rest + lanes%factor(l)*slope
          residual = lanes%trial(l) - lanes%stiffness(l)*x - limit
          enough = tolerance*limit
-         right = abs(residual) <= enough + 4.0_wp*epsilon(1.0_wp)*lanes%trial(l)
+         right = merge(1.0_wp, 0.0_wp, abs(residual) <= enough &
+            + 4.0_wp*epsilon(1.0_wp)*lanes%trial(l))
          lower = merge(x, lanes%lower(l), residual > 0.0_wp)
          upper = merge(lanes%upper(l), x, residual > 0.0_wp)
          change = residual/(lanes%stiffness(l) + slope)
          next = x + change
          ! no kink between both: those of the greatest yield stress and of the rate
-         smooth = merge(residual, lanes%greatest(l)*lanes%factor(l) - (limit + slope*change), &
-            bounded) >= 0.0_wp .and. (x > power%rest .eqv. next > power%rest)
-         smooth = smooth .and. abs(change) <= short*x .and. 2.0_wp*curvature*change*change <= enough
-         smooth = smooth .and. next > lower .and. next < upper .and. .not. right
+         margin = merge(lanes%greatest(l)*lanes%factor(l) - (limit + slope*change), residual, &
+            at_rest < lanes%greatest(l))
+         margin = min(margin, (x - rest)*(next - rest), short*x - abs(change), &
+            enough - 2.0_wp*curvature*change*change)
+         smooth = merge(1.0_wp - right, 0.0_wp, margin >= 0.0_wp)
+         smooth = merge(smooth, 0.0_wp, min(next - lower, upper - next) > 0.0_wp)
+         margin = next - lower
          next = merge(next, 0.5_wp*(lower + upper), next < upper)
-         next = merge(next, lower + back*(upper - lower), x + change > lower)
-         limit = limit + merge(slope*change, 0.0_wp, smooth)
-         lanes%limit(l) = merge(limit, lanes%limit(l), lanes%going(l))
-         lanes%increment(l) = merge(next, x, lanes%going(l) .and. .not. right)
+         next = merge(next, lower + back*(upper - lower), margin > 0.0_wp)
+         limit = limit + smooth*slope*change
+         lanes%limit(l) = merge(limit, lanes%limit(l), lanes%going(l) > 0.0_wp)
+         lanes%increment(l) = merge(next, x, lanes%going(l)*(1.0_wp - right) > 0.0_wp)
          lanes%lower(l) = lower
          lanes%upper(l) = upper
-         lanes%going(l) = lanes%going(l) .and. .not. (right .or. smooth)
+         lanes%going(l) = lanes%going(l)*(1.0_wp - right)*(1.0_wp - smooth)
       end do
    end subroutine improve
 

@@ -110,8 +110,13 @@ contains
       real(wp), contiguous, intent(inout) :: stress(:)   !! (range) [Pa]
       integer, parameter :: most_lanes = 64
       real(wp), dimension(most_lanes) :: factor, whole, broken
+      real(wp) :: intact, fractured, most, least
       integer :: i, l, number, offset
 
+      intact = self%intact
+      fractured = self%fractured
+      most = self%fractured_limit
+      least = -self%tension
       do offset = 0, count - 1, most_lanes
          number = min(most_lanes, count - offset)
          !$omp simd private(i)
@@ -133,10 +138,11 @@ contains
          do l = 1, number
             i = offset + l
             factor(l) = 1.0_wp + self%rate_coefficient*factor(l)
-            whole(l) = merge(factor(l)*self%intact*whole(l), 0.0_wp, pressure(i) > -self%tension)
-            broken(l) = merge(min(self%fractured_limit, factor(l)*self%fractured*broken(l)), &
-               0.0_wp, pressure(i) > 0.0_wp)
-            stress(i) = self%stress*((1.0_wp - damage(i))*whole(l) + damage(i)*broken(l))
+            whole(l) = merge(factor(l)*whole(l), 0.0_wp, pressure(i) > least)
+            broken(l) = merge(min(most, fractured*(factor(l)*broken(l))), 0.0_wp, &
+               pressure(i) > 0.0_wp)
+            stress(i) = self%stress*((1.0_wp - damage(i))*(intact*whole(l)) &
+               + damage(i)*broken(l))
          end do
       end do
    end subroutine jh2_find_strengths

@@ -37,6 +37,7 @@ module damage_johnson_cook
       procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Requests damage and temperature
       procedure :: update => johnson_cook_update     !! Lets the damage grow
+      procedure :: failure_strain => johnson_cook_failure_strain !! Strain to failure of a state
    end type damage_johnson_cook_t
 
 contains
@@ -85,6 +86,48 @@ contains
       if (allocated(self%range)) call requests%add("temperature", "damage model johnson_cook", 1)
    end subroutine johnson_cook_request
 
+   !> Strain to failure [1] of a state.
+   pure real(wp) function johnson_cook_failure_strain(self, triaxiality, rate, homologous) &
+      result(strain)
+      class(damage_johnson_cook_t), intent(in) :: self
+      real(wp), intent(in) :: triaxiality              !! Mean over equivalent stress [1]
+      real(wp), intent(in) :: rate                     !! Rate of plastic strain [1/s]
+      real(wp), intent(in) :: homologous               !! Homologous temperature, 0 to 1 [1]
+      real(wp) :: lanes(most_lanes), rates(most_lanes)
+
+      lanes(1) = triaxiality
+      rates(1) = rate
+      call find_failure_strains(self, 1, rates, lanes)
+      strain = max(least_strain, lanes(1)*(1.0_wp + self%coefficient(5)*homologous))
+   end function johnson_cook_failure_strain
+
+   !> Strains to failure at the reference temperature.
+   pure subroutine find_failure_strains(model, count, rate, strain)
+      class(damage_johnson_cook_t), intent(in) :: model
+      integer, intent(in) :: count                         !! States
+      real(wp), intent(inout) :: rate(most_lanes)    !! Of plastic strain, lost on return [1/s]
+      !> Mean over equivalent stress in, strain to failure out [1].
+      real(wp), intent(inout) :: strain(most_lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, count
+         strain(l) = model%coefficient(3)*min(most_triaxiality, max(least_triaxiality, strain(l)))
+         rate(l) = max(rate(l)/model%reference_rate, 1.0_wp)
+      end do
+      call take_exponentials(count, strain)
+      if (abs(model%coefficient(4)) > 0.0_wp) then
+         call take_logarithms(count, rate)
+      else
+         rate(:count) = 0.0_wp
+      end if
+      !$omp simd
+      do l = 1, count
+         strain(l) = (model%coefficient(1) + model%coefficient(2)*strain(l)) &
+            *(1.0_wp + model%coefficient(4)*rate(l))
+      end do
+   end subroutine find_failure_strains
+
    !> Let the damage of flowing particles grow.
    pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
       class(damage_johnson_cook_t), intent(in) :: self
@@ -119,6 +162,8 @@ contains
       integer :: place(most_lanes), count, i, offset
 
       do offset = 0, last - first, most_lanes
+         if (.not. any(plastic_increment(offset + 1:min(offset + most_lanes, last - first + 1)) &
+            > 0.0_wp)) cycle
          count = 0
          do i = offset + 1, min(offset + most_lanes, last - first + 1)
             if (.not. plastic_increment(i) > 0.0_wp) cycle
@@ -148,7 +193,7 @@ contains
       real(wp), contiguous, intent(in) :: plastic_increment(:)   !! (range) [1]
       real(wp), contiguous, intent(in) :: homologous(:)          !! (range) [1]
       real(wp), contiguous, intent(inout) :: damage(:)           !! (store) [1]
-      real(wp) :: strain(most_lanes), faster(most_lanes), flow(most_lanes), p
+      real(wp) :: strain(most_lanes), rate(most_lanes), flow(most_lanes), mean
       integer :: k, l
 
       do l = 1, filled
@@ -156,27 +201,18 @@ contains
          flow(l) = stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
             + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)
          strain(l) = pressure(place(l))
-         faster(l) = plastic_increment(place(l))
+         rate(l) = plastic_increment(place(l))/dt
       end do
-      !$omp simd private(p)
+      !$omp simd private(mean)
       do l = 1, filled
          flow(l) = sqrt(1.5_wp*flow(l))
-         p = strain(l)
          ! Clipped before the division, which could overflow for a particle about to melt.
-         p = min(max(-p, least_triaxiality*flow(l)), most_triaxiality*flow(l))
-         strain(l) = model%coefficient(3)*(p/max(flow(l), tiny(1.0_wp)))
-         faster(l) = max(faster(l)/(dt*model%reference_rate), 1.0_wp)
+         mean = min(max(-strain(l), least_triaxiality*flow(l)), most_triaxiality*flow(l))
+         strain(l) = mean/max(flow(l), tiny(1.0_wp))
       end do
-      call take_exponentials(filled, strain)
-      if (abs(model%coefficient(4)) > 0.0_wp) then
-         call take_logarithms(filled, faster)
-      else
-         faster(:filled) = 0.0_wp
-      end if
+      call find_failure_strains(model, filled, rate, strain)
       do l = 1, count
          k = before + place(l)
-         strain(l) = (model%coefficient(1) + model%coefficient(2)*strain(l)) &
-            *(1.0_wp + model%coefficient(4)*faster(l))
          strain(l) = max(least_strain, strain(l) &
             *(1.0_wp + model%coefficient(5)*homologous(place(l))))
          damage(k) = min(1.0_wp, damage(k) + plastic_increment(place(l))/strain(l))

@@ -6,7 +6,7 @@
 module law_johnson_cook
    use base_deck_group, only: group_t
    use base_elementary, only: take_fast_powers
-   use base_kinds, only: wp
+   use base_kinds, only: int64, wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
@@ -146,11 +146,24 @@ contains
       !> Trial deviator times strain increment [Pa] in, 0 [J] out where nothing flows (range).
       real(wp), contiguous, intent(inout) :: plastic_work(:)
       type(flow_lanes_t), intent(inout) :: lanes
+      real(wp), parameter :: unbounded = 1.0e200_wp
       real(wp) :: bound
+      integer(int64) :: number
       integer :: i, l, n
 
       bound = merge(law%yield, 0.0_wp, law%softening_exponent >= 1.0_wp)
       lanes%count = 0
+      number = 0
+      !$omp simd reduction(+: number)
+      do i = offset + 1, offset + count
+         number = number + merge(1_int64, 0_int64, plastic_increment(i) > bound*(1.0_wp &
+            - homologous(i)))
+      end do
+      if (number == 0) then
+         plastic_increment(offset + 1:offset + count) = 0.0_wp
+         plastic_work(offset + 1:offset + count) = 0.0_wp
+         return
+      end if
       do n = 1, count
          i = offset + n
          if (plastic_increment(i) > bound*(1.0_wp - homologous(i))) then
@@ -161,7 +174,7 @@ contains
             lanes%stiffness(l) = 3.0_wp*law%shear
             lanes%factor(l) = homologous(i)
             lanes%argument(l) = plastic_strain(before + n)
-            lanes%greatest(l) = huge(1.0_wp)
+            lanes%greatest(l) = unbounded
          else
             plastic_increment(i) = 0.0_wp
             plastic_work(i) = 0.0_wp

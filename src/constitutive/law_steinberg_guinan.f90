@@ -13,7 +13,7 @@
 module law_steinberg_guinan
    use base_deck_group, only: group_t
    use base_elementary, only: take_exponentials, take_fast_powers
-   use base_kinds, only: wp
+   use base_kinds, only: int64, wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
    use constitutive_eos, only: eos_t
@@ -312,9 +312,20 @@ contains
       real(wp), contiguous, intent(inout) :: plastic_work(:)
       type(flow_lanes_t), intent(inout) :: lanes
       real(wp) :: modulus
+      integer(int64) :: number
       integer :: i, l, n
 
       lanes%count = 0
+      number = 0
+      !$omp simd reduction(+: number)
+      do i = offset + 1, offset + count
+         number = number + merge(1_int64, 0_int64, plastic_increment(i) > law%yield*ratio(i))
+      end do
+      if (number == 0) then
+         plastic_increment(offset + 1:offset + count) = 0.0_wp
+         plastic_work(offset + 1:offset + count) = 0.0_wp
+         return
+      end if
       do n = 1, count
          i = offset + n
          if (plastic_increment(i) > law%yield*ratio(i)) then
