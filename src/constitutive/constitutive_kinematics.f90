@@ -24,14 +24,14 @@ contains
       integer, intent(in) :: count                         !! Particles
       logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
-      real(wp) :: g(9), a(9), b(9), determinant, inverse
-      integer :: i, row
+      real(wp) :: g(9), b(9), minors, cube, inverse
+      integer :: i
 
       if (plane) then
          call centre_plane(count, gradient)
          return
       end if
-      !$omp simd private(g, a, b, determinant, inverse, row)
+      !$omp simd private(g, b, minors, cube, inverse)
       do i = 1, count
          g(1) = gradient(i, 1)
          g(2) = gradient(i, 2)
@@ -42,30 +42,33 @@ contains
          g(7) = gradient(i, 7)
          g(8) = gradient(i, 8)
          g(9) = gradient(i, 9)
-         a(:) = 0.5_wp*g(:)
-         a(1) = 1.0_wp + a(1)
-         a(5) = 1.0_wp + a(5)
-         a(9) = 1.0_wp + a(9)
-         b(1) = a(5)*a(9) - a(8)*a(6)
-         b(2) = a(8)*a(3) - a(2)*a(9)
-         b(3) = a(2)*a(6) - a(5)*a(3)
-         b(4) = a(7)*a(6) - a(4)*a(9)
-         b(5) = a(1)*a(9) - a(7)*a(3)
-         b(6) = a(4)*a(3) - a(1)*a(6)
-         b(7) = a(4)*a(8) - a(7)*a(5)
-         b(8) = a(7)*a(2) - a(1)*a(8)
-         b(9) = a(1)*a(5) - a(4)*a(2)
-         determinant = a(1)*b(1) + a(4)*b(2) + a(7)*b(3)
+         ! The adjugate B of G gives that of A and its determinant, and no product of matrices is
+         ! left:
+         ! G A^-1 = (G - B/2 + (tr B/2 + det G/4) I)/det A. Unlike in 2 (I - A^-1) small gradients
+         ! lose no digits.
+         b(1) = g(5)*g(9) - g(8)*g(6)
+         b(2) = g(8)*g(3) - g(2)*g(9)
+         b(3) = g(2)*g(6) - g(5)*g(3)
+         b(4) = g(7)*g(6) - g(4)*g(9)
+         b(5) = g(1)*g(9) - g(7)*g(3)
+         b(6) = g(4)*g(3) - g(1)*g(6)
+         b(7) = g(4)*g(8) - g(7)*g(5)
+         b(8) = g(7)*g(2) - g(1)*g(8)
+         b(9) = g(1)*g(5) - g(4)*g(2)
+         cube = 0.25_wp*(g(1)*b(1) + g(4)*b(2) + g(7)*b(3))
+         minors = 0.5_wp*(b(1) + b(5) + b(9)) + cube
          ! An inverting gradient has no middle; bounded, it stays finite and the next time step
          ! limits it.
-         inverse = 1.0_wp/max(determinant, 0.05_wp)
-         b(:) = inverse*b(:)
-         ! G A^-1 itself and not 2 (I - A^-1), which would lose small gradients to round-off.
-         do row = 1, 3
-            gradient(i, row) = g(row)*b(1) + g(row + 3)*b(2) + g(row + 6)*b(3)
-            gradient(i, row + 3) = g(row)*b(4) + g(row + 3)*b(5) + g(row + 6)*b(6)
-            gradient(i, row + 6) = g(row)*b(7) + g(row + 3)*b(8) + g(row + 6)*b(9)
-         end do
+         inverse = 1.0_wp/max(1.0_wp + 0.5_wp*(g(1) + g(5) + g(9) + minors), 0.05_wp)
+         gradient(i, 1) = (g(1) - 0.5_wp*b(1) + minors)*inverse
+         gradient(i, 2) = (g(2) - 0.5_wp*b(2))*inverse
+         gradient(i, 3) = (g(3) - 0.5_wp*b(3))*inverse
+         gradient(i, 4) = (g(4) - 0.5_wp*b(4))*inverse
+         gradient(i, 5) = (g(5) - 0.5_wp*b(5) + minors)*inverse
+         gradient(i, 6) = (g(6) - 0.5_wp*b(6))*inverse
+         gradient(i, 7) = (g(7) - 0.5_wp*b(7))*inverse
+         gradient(i, 8) = (g(8) - 0.5_wp*b(8))*inverse
+         gradient(i, 9) = (g(9) - 0.5_wp*b(9) + minors)*inverse
       end do
    end subroutine centre_gradient
 
@@ -397,9 +400,10 @@ contains
       real(wp), intent(in) :: wx, wy, wz             !! Rotation vector of the step [1]
       real(wp), intent(inout) :: sxx, syy, szz       !! Diagonal of the tensor
       real(wp), intent(inout) :: sxy, syz, sxz       !! The other components
-      real(wp) :: h, q11, q12, q13, q21, q22, q23, q31, q32, q33
-      real(wp) :: t11, t12, t13, t21, t22, t23, t31, t32, t33
+      real(wp) :: h, trace, q11, q12, q13, q21, q22, q23, q31, q32, q33
+      real(wp) :: t11, t12, t13, t21, t22, t23
 
+      trace = sxx + syy + szz
       h = 0.5_wp*a
       q11 = 1.0_wp - h*(wy*wy + wz*wz)
       q22 = 1.0_wp - h*(wx*wx + wz*wz)
@@ -416,12 +420,10 @@ contains
       t21 = q21*sxx + q22*sxy + q23*sxz
       t22 = q21*sxy + q22*syy + q23*syz
       t23 = q21*sxz + q22*syz + q23*szz
-      t31 = q31*sxx + q32*sxy + q33*sxz
-      t32 = q31*sxy + q32*syy + q33*syz
-      t33 = q31*sxz + q32*syz + q33*szz
       sxx = t11*q11 + t12*q12 + t13*q13
       syy = t21*q21 + t22*q22 + t23*q23
-      szz = t31*q31 + t32*q32 + t33*q33
+      ! A rotation keeps the trace.
+      szz = trace - sxx - syy
       sxy = t11*q21 + t12*q22 + t13*q23
       syz = t21*q31 + t22*q32 + t23*q33
       sxz = t11*q31 + t12*q32 + t13*q33
