@@ -34,7 +34,7 @@ contains
       logical :: gone
       integer :: i
 
-      if (all(failed(first:last) == 0)) return
+      if (sum(failed(first:last)) == 0) return
       !$omp simd private(gone)
       do i = first, last
          gone = failed(i) /= 0
@@ -54,10 +54,16 @@ contains
       real(wp), intent(in) :: melting                !! Temperature of melting [K]
       real(wp), contiguous, intent(in) :: temperature(:)      !! (store) [K]
       real(wp), contiguous, intent(inout) :: stress(:, :)     !! Deviator (store, 6) [Pa]
+      real(wp) :: number
       logical :: gone
       integer :: i
 
-      if (.not. any(temperature(first:last) >= melting)) return
+      number = 0.0_wp
+      !$omp simd reduction(+: number)
+      do i = first, last
+         number = number + merge(1.0_wp, 0.0_wp, temperature(i) >= melting)
+      end do
+      if (.not. number > 0.0_wp) return
       !$omp simd private(gone)
       do i = first, last
          gone = temperature(i) >= melting
@@ -86,7 +92,7 @@ contains
    end subroutine cut_tension
 
    !> Particles that fail now; in most steps of most tiles none does.
-   pure integer(int64) function breaking(first, last, strength, pressure, damage, failed) &
+   pure real(wp) function breaking(first, last, strength, pressure, damage, failed) &
       result(number)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -94,16 +100,17 @@ contains
       real(wp), contiguous, intent(in) :: pressure(:)          !! (range) [Pa]
       real(wp), contiguous, intent(in) :: damage(:)            !! (store) [1]
       integer(int64), contiguous, intent(in) :: failed(:)      !! Flag of failure (store)
-      real(wp) :: least
+      real(wp) :: least, whole
       integer :: i, k
 
-      number = 0
+      number = 0.0_wp
       least = -strength
-      !$omp simd private(k) reduction(+: number)
+      !$omp simd private(k, whole) reduction(+: number)
       do i = 1, last - first + 1
          k = first - 1 + i
-         number = number + merge(0_int64, 1_int64, failed(k) /= 0 .or. (damage(k) < 1.0_wp .and. &
-            pressure(i) > least))
+         whole = merge(1.0_wp, 0.0_wp, damage(k) < 1.0_wp)
+         whole = merge(whole, 0.0_wp, pressure(i) > least)
+         number = number + merge(1.0_wp - whole, 0.0_wp, failed(k) == 0)
       end do
    end function breaking
 
@@ -147,7 +154,7 @@ contains
       real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
       integer :: i, k
 
-      if (breaking(first, last, strength, pressure, damage, failed) > 0) then
+      if (breaking(first, last, strength, pressure, damage, failed) > 0.0_wp) then
          do i = 1, last - first + 1
             k = first - 1 + i
             if (failed(k) /= 0 .or. (damage(k) < 1.0_wp .and. pressure(i) > -strength)) cycle
@@ -180,7 +187,7 @@ contains
       real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
       integer :: i, k
 
-      if (breaking(first, last, strength, pressure, damage, failed) > 0) then
+      if (breaking(first, last, strength, pressure, damage, failed) > 0.0_wp) then
          do i = 1, last - first + 1
             k = first - 1 + i
             if (failed(k) /= 0 .or. (damage(k) < 1.0_wp .and. pressure(i) > -strength)) cycle

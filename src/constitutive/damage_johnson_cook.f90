@@ -159,11 +159,16 @@ contains
       real(wp), contiguous, intent(in) :: plastic_increment(:)   !! (range) [1]
       real(wp), contiguous, intent(in) :: homologous(:)          !! (range) [1]
       real(wp), contiguous, intent(inout) :: damage(:)           !! (store) [1]
+      real(wp) :: flowing
       integer :: place(most_lanes), count, i, offset
 
       do offset = 0, last - first, most_lanes
-         if (.not. any(plastic_increment(offset + 1:min(offset + most_lanes, last - first + 1)) &
-            > 0.0_wp)) cycle
+         flowing = 0.0_wp
+         !$omp simd reduction(+: flowing)
+         do i = offset + 1, min(offset + most_lanes, last - first + 1)
+            flowing = flowing + merge(1.0_wp, 0.0_wp, plastic_increment(i) > 0.0_wp)
+         end do
+         if (.not. flowing > 0.0_wp) cycle
          count = 0
          do i = offset + 1, min(offset + most_lanes, last - first + 1)
             if (.not. plastic_increment(i) > 0.0_wp) cycle

@@ -6,7 +6,7 @@
 module law_johnson_cook
    use base_deck_group, only: group_t
    use base_elementary, only: take_fast_powers
-   use base_kinds, only: int64, wp
+   use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
@@ -107,7 +107,6 @@ contains
       integer :: count, offset
 
       count = last - first + 1
-      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       if (allocated(self%range)) then
          call homologous_temperature(first, last, self%range, state%temperature, &
@@ -115,6 +114,12 @@ contains
       else
          deformation%strength%homologous(1:count) = 0.0_wp
       end if
+      if (.not. may_flow(self, count, deformation%strength%homologous, &
+         deformation%plastic_increment) > 0.0_wp) then
+         deformation%plastic_increment(1:count) = 0.0_wp
+         return
+      end if
+      call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       power%exponent = self%exponent
       power%rate_coefficient = self%rate_coefficient
       if (power%rate_coefficient > 0.0_wp) power%rest = dt*self%reference_rate
@@ -129,6 +134,30 @@ contains
             state%plastic_strain, deformation%plastic_increment, deformation%plastic_work)
       end do
    end subroutine johnson_cook_update
+
+   !> Bound of the yield stress without its powers, over 1 less the homologous temperature [Pa].
+   pure real(wp) function least_yield(law) result(bound)
+      class(law_johnson_cook_t), intent(in) :: law
+
+      bound = merge(law%yield, 0.0_wp, law%softening_exponent >= 1.0_wp)
+   end function least_yield
+
+   !> Particles whose trial stress is above a bound of the yield stress. In most tiles none is.
+   pure real(wp) function may_flow(law, count, homologous, trial) result(number)
+      class(law_johnson_cook_t), intent(in) :: law
+      integer, intent(in) :: count                   !! Particles of the range
+      real(wp), contiguous, intent(in) :: homologous(:) !! (range) [1]
+      real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
+      real(wp) :: bound
+      integer :: i
+
+      bound = least_yield(law)
+      number = 0.0_wp
+      !$omp simd reduction(+: number)
+      do i = 1, count
+         number = number + merge(1.0_wp, 0.0_wp, trial(i) > bound*(1.0_wp - homologous(i)))
+      end do
+   end function may_flow
 
    !> Collect the particles of a group whose trial stress is above a bound of the yield stress
    !! without its powers; the others do not flow.
@@ -148,22 +177,10 @@ contains
       type(flow_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: unbounded = 1.0e200_wp
       real(wp) :: bound
-      integer(int64) :: number
       integer :: i, l, n
 
-      bound = merge(law%yield, 0.0_wp, law%softening_exponent >= 1.0_wp)
+      bound = least_yield(law)
       lanes%count = 0
-      number = 0
-      !$omp simd reduction(+: number)
-      do i = offset + 1, offset + count
-         number = number + merge(1_int64, 0_int64, plastic_increment(i) > bound*(1.0_wp &
-            - homologous(i)))
-      end do
-      if (number == 0) then
-         plastic_increment(offset + 1:offset + count) = 0.0_wp
-         plastic_work(offset + 1:offset + count) = 0.0_wp
-         return
-      end if
       do n = 1, count
          i = offset + n
          if (plastic_increment(i) > bound*(1.0_wp - homologous(i))) then
