@@ -16,6 +16,9 @@ module constitutive_hardening
    integer, parameter :: most_lanes = 64             !! Particles of a group
    integer, parameter :: width = 8                   !! Lanes are filled up to a multiple of it
 
+   !> Floor of strains in divisors; two such divisions must not overflow in a lane that is done.
+   real(wp), parameter :: least_strain = 1.0e-100_wp
+
    !> Particles of a group that may flow. The yield stress of an increment x is
    !! min(limit_static + amplitude (argument + growth x)**exponent, greatest), times a factor of the
    !! rate.
@@ -124,9 +127,9 @@ contains
          lanes%limit(l) = min(limit, lanes%trial(l))
          lanes%lower(l) = 0.0_wp
          lanes%upper(l) = excess/lanes%stiffness(l)
-         slope = power%exponent*power%growth*hardening(l)/max(lanes%argument(l), tiny(1.0_wp))
+         slope = power%exponent*power%growth*hardening(l)/max(lanes%argument(l), least_strain)
          slope = merge(slope, 0.0_wp, lanes%argument(l) > 0.0_wp .and. limit < lanes%greatest(l))
-         slope = max(excess/(lanes%stiffness(l) + slope), tiny(1.0_wp))
+         slope = max(excess/(lanes%stiffness(l) + slope), least_strain)
          lanes%increment(l) = merge(slope, 0.0_wp, flows)
          lanes%factor(l) = 1.0_wp
          lanes%tilt(l) = 0.0_wp
@@ -185,11 +188,11 @@ contains
          x = lanes%increment(l)
          at_rest = min(lanes%fixed(l) + hardening(l), lanes%greatest(l))
          slope = merge(exponent*hardening(l)*growth, 0.0_wp, at_rest < lanes%greatest(l)) &
-            /max(base(l), tiny(1.0_wp))
+            /max(base(l), least_strain)
          limit = lanes%factor(l)*at_rest
          curvature = lanes%factor(l)*slope*abs(1.0_wp - exponent)*growth &
-            /max(base(l), tiny(1.0_wp)) + lanes%tilt(l)*(2.0_wp*slope + at_rest/max(x, &
-               tiny(1.0_wp)))
+            /max(base(l), least_strain) + lanes%tilt(l)*(2.0_wp*slope + at_rest/max(x, &
+               least_strain))
          slope = lanes%tilt(l)*at_rest + lanes%factor(l)*slope
          residual = lanes%trial(l) - lanes%stiffness(l)*x - limit
          enough = tolerance*limit
