@@ -156,8 +156,7 @@ contains
    end subroutine condensed
 
    !> The same of expanded material that boils or is vapour, particle by particle. There are few,
-   !! and
-   !! only these need exponentials.
+   !! and only these need exponentials.
    pure subroutine evaporate(first, last, eos, mass, volume, energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
