@@ -2,6 +2,7 @@
 !> Common parts of the models of brittle failure: principal values and random strength.
 module constitutive_brittle
    use base_deck_group, only: group_t
+   use base_elementary, only: logarithm, power
    use base_kinds, only: int64, wp
    use base_random, only: random_uniform
    use base_schema, only: schema_t
@@ -51,7 +52,7 @@ contains
       ! Number of the draw of a particle; each effect has one of its own.
       integer(int64), parameter :: draw = 7717_int64
 
-      number = -log(random_uniform(seed, identity, draw))
+      number = -logarithm(random_uniform(seed, identity, draw))
    end function random_exponential
 
    !> Strength of particles over the characteristic one, (-ln U V0/V)**(1/m). Equation (F.5) of
@@ -68,11 +69,10 @@ contains
       real(wp) :: number
       integer :: k
 
-      !GCC$ novector
       do k = first, last
          number = random_exponential(seed, identity(k))
          if (weibull%volume > 0.0_wp) number = number*weibull%volume*density/mass(k)
-         scatter(k) = number**(1.0_wp/weibull%modulus)
+         scatter(k) = power(number, 1.0_wp/weibull%modulus)
       end do
    end subroutine draw_weibull
 

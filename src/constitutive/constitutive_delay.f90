@@ -8,6 +8,7 @@
 !! of doc/theory/failure.md.
 module constitutive_delay
    use base_deck_group, only: group_t
+   use base_elementary, only: power
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_field_requests, only: field_requests_t
@@ -89,10 +90,10 @@ contains
 
    !> Mean over a step of the power of an overload that changes linearly; negative
    !! values count as zero. Equation (F.4).
-   pure real(wp) function mean_power(before, now, power) result(mean)
+   pure real(wp) function mean_power(before, now, n) result(mean)
       real(wp), intent(in) :: before                 !! Overload before the step [1]
       real(wp), intent(in) :: now                    !! After it [1]
-      real(wp), intent(in) :: power                  !! n [1]
+      real(wp), intent(in) :: n                      !! Exponent [1]
       ! Below this the difference of powers loses more digits than the series leaves out.
       real(wp), parameter :: narrow = 1.0e-3_wp
       real(wp) :: lower, upper, middle, width
@@ -104,10 +105,10 @@ contains
       middle = 0.5_wp*(lower + upper)
       width = upper - lower
       if (width < narrow*middle) then
-         mean = middle**power*(1.0_wp + power*(power - 1.0_wp)/24.0_wp*(width/middle)**2)
+         mean = power(middle, n)*(1.0_wp + n*(n - 1.0_wp)/24.0_wp*(width/middle)**2)
       else
-         mean = upper**power*(1.0_wp - (max(lower, 0.0_wp)/upper)**(power + 1.0_wp)) &
-            *upper/((power + 1.0_wp)*width)
+         mean = power(upper, n)*(1.0_wp - power(max(lower, 0.0_wp)/upper, n + 1.0_wp)) &
+            *upper/((n + 1.0_wp)*width)
       end if
    end function mean_power
 

@@ -8,6 +8,7 @@
 module constitutive_friction
    use base_constants, only: pi
    use base_deck_group, only: group_t
+   use base_elementary, only: take_exponentials, take_logarithms
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use base_text, only: brief
@@ -188,12 +189,11 @@ contains
       real(wp), contiguous, intent(inout) :: tangent(:)    !! c**2 exp(gained) (range) [m2/s2]
       integer :: i, k
 
-      ! Not vectorised: vector exponentials differ in the last bits from the scalar ones of the
-      ! remainder of a range, and bits must not depend on the position of a particle.
-      !GCC$ novector
-      do i = 1, last - first + 1
+      tangent(1:last - first + 1) = gained(first:last)
+      call take_exponentials(last - first + 1, tangent)
+      do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         tangent(i) = wave_speed(i)*exp(gained(k))
+         tangent(i) = wave_speed(i)*tangent(i)
          pressure(i) = pressure(i) + mass(k)/volume(k)*(tangent(i) - wave_speed(i))
       end do
    end subroutine add_dilation_pressure
@@ -202,14 +202,16 @@ contains
    pure subroutine add_dilation(first, last, share, gained)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), contiguous, intent(in) :: share(:)   !! Of the step (range) [1]
+      real(wp), contiguous, intent(inout) :: share(:) !! Of the step, lost on return (range) [1]
       real(wp), contiguous, intent(inout) :: gained(:) !! Logarithm of the volume (store) [1]
       integer :: i
 
-      ! Not vectorised, for the same reason.
-      !GCC$ novector
-      do i = 1, last - first + 1
-         gained(first - 1 + i) = gained(first - 1 + i) + log(1.0_wp + share(i))
+      do concurrent (i=1:last - first + 1)
+         share(i) = 1.0_wp + share(i)
+      end do
+      call take_logarithms(last - first + 1, share)
+      do concurrent (i=1:last - first + 1)
+         gained(first - 1 + i) = gained(first - 1 + i) + share(i)
       end do
    end subroutine add_dilation
 end module constitutive_friction

@@ -56,20 +56,23 @@ contains
       real(wp), contiguous, intent(in) :: plastic_work(:)   !! In the step (range) [J]
       real(wp), contiguous, intent(in) :: viscous_work(:)   !! In the step (range) [J]
       real(wp), contiguous, intent(inout) :: temperature(:) !! (store) [K]
-      real(wp) :: closed, compression, growth
+      real(wp), parameter :: twelfth = 1.0_wp/12.0_wp
+      real(wp) :: closed, compression, growth, inverse, plastic, viscous
       integer :: i, k
 
+      plastic = plastic_share/specific_heat
+      viscous = 1.0_wp/specific_heat
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          ! 1 above the floor and 0 on it; a merge here would keep the loop from vectorising.
          closed = 0.5_wp - sign(0.5_wp, pressure_floor(i) - pressure(i))
-         compression = closed*(old_volume(i) - volume(k))*gruneisen(i)/mass(k)
+         inverse = 1.0_wp/mass(k)
+         compression = closed*(old_volume(i) - volume(k))*gruneisen(i)*inverse
          ! The exponential function, by its positive Pade approximant of order (2, 2).
-         growth = (1.0_wp + compression*(0.5_wp + compression/12.0_wp)) &
-            /(1.0_wp - compression*(0.5_wp - compression/12.0_wp))
+         growth = 1.0_wp + compression/(1.0_wp - compression*(0.5_wp - twelfth*compression))
          ! Artificial viscosity lags by a step and can take heat where material turns to expansion.
          temperature(k) = max(0.0_wp, temperature(k)*growth &
-            + (plastic_share*plastic_work(i) + viscous_work(i))/(mass(k)*specific_heat))
+            + (plastic*plastic_work(i) + viscous*viscous_work(i))*inverse)
       end do
    end subroutine heat_particles
 

@@ -10,6 +10,7 @@
 !! and the strength is (1 - D) intact + D fractured. Equation (F.12) of doc/theory/failure.md.
 module constitutive_jh2
    use base_deck_group, only: group_t
+   use base_elementary, only: take_fast_powers, take_logarithms
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
@@ -34,6 +35,7 @@ module constitutive_jh2
       procedure, nopass :: declare => jh2_declare    !! Declares the keys
       procedure :: read => jh2_read                  !! Reads the keys
       procedure :: strength => jh2_strength          !! Equivalent stress at yield
+      procedure :: find_strengths => jh2_find_strengths !! Of many particles
    end type jh2_t
 
 contains
@@ -92,17 +94,56 @@ contains
       real(wp), intent(in) :: pressure               !! [Pa]
       real(wp), intent(in) :: rate                   !! Equivalent rate of strain [1/s]
       real(wp), intent(in) :: damage                 !! D [1]
-      real(wp) :: factor, whole, broken
+      real(wp) :: one(1)
 
-      factor = 1.0_wp
-      if (rate > self%reference_rate) &
-         factor = 1.0_wp + self%rate_coefficient*log(rate/self%reference_rate)
-      whole = 0.0_wp
-      broken = 0.0_wp
-      if (pressure > -self%tension) whole = factor*self%intact &
-         *((pressure + self%tension)/self%pressure)**self%intact_exponent
-      if (pressure > 0.0_wp) broken = min(self%fractured_limit, factor*self%fractured &
-         *(pressure/self%pressure)**self%fractured_exponent)
-      stress = self%stress*((1.0_wp - damage)*whole + damage*broken)
+      call self%find_strengths(1, [pressure], [rate], [damage], one)
+      stress = one(1)
    end function jh2_strength
+
+   !> Equivalent stress at yield of many particles.
+   pure subroutine jh2_find_strengths(self, count, pressure, rate, damage, stress)
+      class(jh2_t), intent(in) :: self
+      integer, intent(in) :: count                   !! Particles of the range
+      real(wp), contiguous, intent(in) :: pressure(:)    !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: rate(:)        !! Equivalent, of strain (range) [1/s]
+      real(wp), contiguous, intent(in) :: damage(:)      !! D (range) [1]
+      real(wp), contiguous, intent(inout) :: stress(:)   !! (range) [Pa]
+      integer, parameter :: most_lanes = 64
+      real(wp), dimension(most_lanes) :: factor, whole, broken
+      real(wp) :: intact, fractured, most, least
+      integer :: i, l, number, offset
+
+      intact = self%intact
+      fractured = self%fractured
+      most = self%fractured_limit
+      least = -self%tension
+      do offset = 0, count - 1, most_lanes
+         number = min(most_lanes, count - offset)
+         !$omp simd private(i)
+         do l = 1, number
+            i = offset + l
+            factor(l) = max(rate(i)/self%reference_rate, 1.0_wp)
+            whole(l) = max((pressure(i) + self%tension)/self%pressure, 0.0_wp)
+            broken(l) = max(pressure(i)/self%pressure, 0.0_wp)
+         end do
+         if (self%rate_coefficient > 0.0_wp) then
+            call take_logarithms(number, factor)
+         else
+            factor(:number) = 0.0_wp
+         end if
+         call take_fast_powers(number, self%intact_exponent, whole)
+         if (any(damage(offset + 1:offset + number) > 0.0_wp)) &
+            call take_fast_powers(number, self%fractured_exponent, broken)
+         !$omp simd private(i)
+         do l = 1, number
+            i = offset + l
+            factor(l) = 1.0_wp + self%rate_coefficient*factor(l)
+            whole(l) = merge(factor(l)*whole(l), 0.0_wp, pressure(i) > least)
+            broken(l) = merge(min(most, fractured*(factor(l)*broken(l))), 0.0_wp, &
+               pressure(i) > 0.0_wp)
+            stress(i) = self%stress*((1.0_wp - damage(i))*(intact*whole(l)) &
+               + damage(i)*broken(l))
+         end do
+      end do
+   end subroutine jh2_find_strengths
 end module constitutive_jh2

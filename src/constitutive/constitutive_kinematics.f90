@@ -7,6 +7,8 @@ module constitutive_kinematics
 
    public :: centre_backward, centre_gradient, deform, dilate, follow_motion, predict_deviator
 
+   real(wp), parameter :: third = 1.0_wp/3.0_wp, twelfth = 1.0_wp/12.0_wp
+
 contains
 
    !> Refer velocity gradients times the time step to the middle of the step: with A = I + G/2 the
@@ -22,14 +24,14 @@ contains
       integer, intent(in) :: count                         !! Particles
       logical, intent(in) :: plane !! Plane motion: components with one index y are 0
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
-      real(wp) :: g(9), a(9), b(9), determinant, inverse
-      integer :: i, row
+      real(wp) :: g(9), b(9), minors, cube, inverse
+      integer :: i
 
       if (plane) then
          call centre_plane(count, gradient)
          return
       end if
-      !$omp simd private(g, a, b, determinant, inverse, row)
+      !$omp simd private(g, b, minors, cube, inverse)
       do i = 1, count
          g(1) = gradient(i, 1)
          g(2) = gradient(i, 2)
@@ -40,30 +42,33 @@ contains
          g(7) = gradient(i, 7)
          g(8) = gradient(i, 8)
          g(9) = gradient(i, 9)
-         a(:) = 0.5_wp*g(:)
-         a(1) = 1.0_wp + a(1)
-         a(5) = 1.0_wp + a(5)
-         a(9) = 1.0_wp + a(9)
-         b(1) = a(5)*a(9) - a(8)*a(6)
-         b(2) = a(8)*a(3) - a(2)*a(9)
-         b(3) = a(2)*a(6) - a(5)*a(3)
-         b(4) = a(7)*a(6) - a(4)*a(9)
-         b(5) = a(1)*a(9) - a(7)*a(3)
-         b(6) = a(4)*a(3) - a(1)*a(6)
-         b(7) = a(4)*a(8) - a(7)*a(5)
-         b(8) = a(7)*a(2) - a(1)*a(8)
-         b(9) = a(1)*a(5) - a(4)*a(2)
-         determinant = a(1)*b(1) + a(4)*b(2) + a(7)*b(3)
+         ! The adjugate B of G gives that of A and its determinant, and no product of matrices is
+         ! left:
+         ! G A^-1 = (G - B/2 + (tr B/2 + det G/4) I)/det A. Unlike in 2 (I - A^-1) small gradients
+         ! lose no digits.
+         b(1) = g(5)*g(9) - g(8)*g(6)
+         b(2) = g(8)*g(3) - g(2)*g(9)
+         b(3) = g(2)*g(6) - g(5)*g(3)
+         b(4) = g(7)*g(6) - g(4)*g(9)
+         b(5) = g(1)*g(9) - g(7)*g(3)
+         b(6) = g(4)*g(3) - g(1)*g(6)
+         b(7) = g(4)*g(8) - g(7)*g(5)
+         b(8) = g(7)*g(2) - g(1)*g(8)
+         b(9) = g(1)*g(5) - g(4)*g(2)
+         cube = 0.25_wp*(g(1)*b(1) + g(4)*b(2) + g(7)*b(3))
+         minors = 0.5_wp*(b(1) + b(5) + b(9)) + cube
          ! An inverting gradient has no middle; bounded, it stays finite and the next time step
          ! limits it.
-         inverse = 1.0_wp/max(determinant, 0.05_wp)
-         b(:) = inverse*b(:)
-         ! G A^-1 itself and not 2 (I - A^-1), which would lose small gradients to round-off.
-         do row = 1, 3
-            gradient(i, row) = g(row)*b(1) + g(row + 3)*b(2) + g(row + 6)*b(3)
-            gradient(i, row + 3) = g(row)*b(4) + g(row + 3)*b(5) + g(row + 6)*b(6)
-            gradient(i, row + 6) = g(row)*b(7) + g(row + 3)*b(8) + g(row + 6)*b(9)
-         end do
+         inverse = 1.0_wp/max(1.0_wp + 0.5_wp*(g(1) + g(5) + g(9) + minors), 0.05_wp)
+         gradient(i, 1) = (g(1) - 0.5_wp*b(1) + minors)*inverse
+         gradient(i, 2) = (g(2) - 0.5_wp*b(2))*inverse
+         gradient(i, 3) = (g(3) - 0.5_wp*b(3))*inverse
+         gradient(i, 4) = (g(4) - 0.5_wp*b(4))*inverse
+         gradient(i, 5) = (g(5) - 0.5_wp*b(5) + minors)*inverse
+         gradient(i, 6) = (g(6) - 0.5_wp*b(6))*inverse
+         gradient(i, 7) = (g(7) - 0.5_wp*b(7))*inverse
+         gradient(i, 8) = (g(8) - 0.5_wp*b(8))*inverse
+         gradient(i, 9) = (g(9) - 0.5_wp*b(9) + minors)*inverse
       end do
    end subroutine centre_gradient
 
@@ -71,10 +76,10 @@ contains
    pure subroutine centre_plane(count, gradient)
       integer, intent(in) :: count                         !! Particles
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
-      real(wp) :: xx, zx, xz, zz, yy, a1, a3, a7, a9, inverse
+      real(wp) :: xx, zx, xz, zz, yy, a1, a3, a5, a7, a9, determinant, both, inverse
       integer :: i
 
-      !$omp simd private(xx, zx, xz, zz, yy, a1, a3, a7, a9, inverse)
+      !$omp simd private(xx, zx, xz, zz, yy, a1, a3, a5, a7, a9, determinant, both, inverse)
       do i = 1, count
          xx = gradient(i, 1)
          zx = gradient(i, 3)
@@ -86,12 +91,15 @@ contains
          a7 = 0.5_wp*xz
          a9 = 1.0_wp + 0.5_wp*zz
          ! bounds as above; those of the determinant of all three directions
-         inverse = 1.0_wp/max(a1*a9 - a7*a3, 0.05_wp)
+         determinant = max(a1*a9 - a7*a3, 0.05_wp)
+         a5 = max(1.0_wp + 0.5_wp*yy, 0.05_wp)
+         both = 1.0_wp/(determinant*a5)
+         inverse = a5*both
          gradient(i, 1) = (xx*a9 - xz*a3)*inverse
          gradient(i, 3) = (zx*a9 - zz*a3)*inverse
          gradient(i, 7) = (xz*a1 - xx*a7)*inverse
          gradient(i, 9) = (zz*a1 - zx*a7)*inverse
-         gradient(i, 5) = yy/max(1.0_wp + 0.5_wp*yy, 0.05_wp)
+         gradient(i, 5) = yy*(determinant*both)
       end do
    end subroutine centre_plane
 
@@ -116,14 +124,16 @@ contains
       end do
    end subroutine centre_backward
 
-   !> Exponential function for the growth of a volume or a temperature in a step, by the Pade
-   !! approximant of order (2, 2): relative error x**5/720, positive for every x, vectorises.
-   !! Equation (A.1) of doc/theory/matter.md.
-   elemental real(wp) function growth(x) result(factor)
+   !> Divisor of the growth of a volume or a temperature in a step, 1 + x over this divisor. It is
+   !! the
+   !! Pade approximant of order (2, 2) of the exponential function: relative error x**5/720,
+   !! positive
+   !! for every x, vectorises, and exactly 1 for 0. Equation (A.1) of doc/theory/matter.md.
+   elemental real(wp) function growth_divisor(x) result(divisor)
       real(wp), intent(in) :: x                      !! Exponent [1]
 
-      factor = (1.0_wp + x*(0.5_wp + x/12.0_wp))/(1.0_wp - x*(0.5_wp - x/12.0_wp))
-   end function growth
+      divisor = 1.0_wp - x*(0.5_wp - twelfth*x)
+   end function growth_divisor
 
    !> Volume after the step, for material without a deviator of stress.
    pure subroutine dilate(first, last, gradient, volume, old_volume, dilatation)
@@ -139,7 +149,7 @@ contains
          k = first - 1 + i
          dilatation(i) = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
          old_volume(i) = volume(k)
-         volume(k) = volume(k)*growth(dilatation(i))
+         volume(k) = volume(k)*(1.0_wp + dilatation(i)/growth_divisor(dilatation(i)))
       end do
    end subroutine dilate
 
@@ -158,10 +168,10 @@ contains
       real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
       ! An inverted particle keeps a positive volume; the run then stops on its time step or stress.
       real(wp), parameter :: least_growth = 1.0e-3_wp
-      real(wp) :: c(9), a(9), b(9), g(9), f(9), determinant
+      real(wp) :: c(9), a(9), b(9), g(9), f(9), determinant, inverse
       integer :: i, k, row
 
-      !$omp simd private(c, a, b, g, f, determinant, k, row)
+      !$omp simd private(c, a, b, g, f, determinant, inverse, k, row)
       do i = 1, last - first + 1
          k = first - 1 + i
          do row = 1, 9
@@ -183,11 +193,11 @@ contains
          b(8) = a(7)*a(2) - a(1)*a(8)
          b(9) = a(1)*a(5) - a(4)*a(2)
          ! It is 1/det(I + G/2), close to 1 in a step of normal length.
-         determinant = max(a(1)*b(1) + a(4)*b(2) + a(7)*b(3), least_growth)
+         inverse = 1.0_wp/max(a(1)*b(1) + a(4)*b(2) + a(7)*b(3), least_growth)
          do row = 1, 3
-            g(row) = (b(row)*c(1) + b(row + 3)*c(2) + b(row + 6)*c(3))/determinant
-            g(row + 3) = (b(row)*c(4) + b(row + 3)*c(5) + b(row + 6)*c(6))/determinant
-            g(row + 6) = (b(row)*c(7) + b(row + 3)*c(8) + b(row + 6)*c(9))/determinant
+            g(row) = (b(row)*c(1) + b(row + 3)*c(2) + b(row + 6)*c(3))*inverse
+            g(row + 3) = (b(row)*c(4) + b(row + 3)*c(5) + b(row + 6)*c(6))*inverse
+            g(row + 6) = (b(row)*c(7) + b(row + 3)*c(8) + b(row + 6)*c(9))*inverse
          end do
          do row = 1, 3
             deformation_gradient(k, row) = f(row) &
@@ -251,8 +261,8 @@ contains
          gradient(i, 7:9) = c(:, 3)
          dilatation(i) = c(1, 1) + c(2, 2) + c(3, 3)
          old_volume(i) = volume(k)
-         volume(k) = volume(k)*growth(dilatation(i))
-         mean = (stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
+         volume(k) = volume(k)*(1.0_wp + dilatation(i)/growth_divisor(dilatation(i)))
+         mean = third*(stress(k, 1) + stress(k, 2) + stress(k, 3))
          pressure(i) = -mean
          stress(k, 1) = stress(k, 1) - mean
          stress(k, 2) = stress(k, 2) - mean
@@ -281,6 +291,7 @@ contains
       real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! Old mean pressure (range) [Pa]
       real(wp) :: trace, mean, sxx, syy, szz, sxy, syz, sxz, dxx, dyy, dzz, dxy, dyz, dxz
+      real(wp) :: wx, wy, wz, turn, divisor, inverse
       integer :: i, k
 
       if (plane) then
@@ -293,14 +304,14 @@ contains
          trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
          dilatation(i) = trace
          old_volume(i) = volume(k)
-         volume(k) = volume(k)*growth(trace)
-         dxx = shear*(gradient(i, 1) - trace/3.0_wp)
-         dyy = shear*(gradient(i, 5) - trace/3.0_wp)
-         dzz = shear*(gradient(i, 9) - trace/3.0_wp)
+         divisor = growth_divisor(trace)
+         dxx = shear*(gradient(i, 1) - third*trace)
+         dyy = shear*(gradient(i, 5) - third*trace)
+         dzz = shear*(gradient(i, 9) - third*trace)
          dxy = 0.5_wp*shear*(gradient(i, 4) + gradient(i, 2))
          dyz = 0.5_wp*shear*(gradient(i, 8) + gradient(i, 6))
          dxz = 0.5_wp*shear*(gradient(i, 7) + gradient(i, 3))
-         mean = (stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
+         mean = third*(stress(k, 1) + stress(k, 2) + stress(k, 3))
          pressure(i) = -mean
          sxx = stress(k, 1) - mean + dxx
          syy = stress(k, 2) - mean + dyy
@@ -308,9 +319,14 @@ contains
          sxy = stress(k, 4) + dxy
          syz = stress(k, 5) + dyz
          sxz = stress(k, 6) + dxz
-         call rotate(0.5_wp*(gradient(i, 6) - gradient(i, 8)), 0.5_wp*(gradient(i, &
-            7) - gradient(i, 3)), 0.5_wp*(gradient(i, 2) - gradient(i, 4)), sxx, syy, szz, sxy, &
-            syz, sxz)
+         wx = 0.5_wp*(gradient(i, 6) - gradient(i, 8))
+         wy = 0.5_wp*(gradient(i, 7) - gradient(i, 3))
+         wz = 0.5_wp*(gradient(i, 2) - gradient(i, 4))
+         ! One division for the growth of the volume and the rotation.
+         turn = 1.0_wp + 0.25_wp*(wx*wx + wy*wy + wz*wz)
+         inverse = 1.0_wp/(turn*divisor)
+         volume(k) = volume(k)*(1.0_wp + trace*(turn*inverse))
+         call rotate(divisor*inverse, wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
          stress(k, 1) = sxx + dxx
          stress(k, 2) = syy + dyy
          stress(k, 3) = szz + dzz
@@ -335,6 +351,7 @@ contains
       real(wp), contiguous, intent(inout) :: dilatation(:) !! Trace of strain increment (range) [1]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! Old mean pressure (range) [Pa]
       real(wp) :: trace, mean, sxx, szz, sxz, dxx, dyy, dzz, dxz, turn, a, c, s, half, rest, sheared
+      real(wp) :: divisor, inverse
       integer :: i, k
 
       do concurrent (i=1:last - first + 1)
@@ -342,12 +359,12 @@ contains
          trace = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
          dilatation(i) = trace
          old_volume(i) = volume(k)
-         volume(k) = volume(k)*growth(trace)
-         dxx = shear*(gradient(i, 1) - trace/3.0_wp)
-         dyy = shear*(gradient(i, 5) - trace/3.0_wp)
-         dzz = shear*(gradient(i, 9) - trace/3.0_wp)
+         divisor = growth_divisor(trace)
+         dxx = shear*(gradient(i, 1) - third*trace)
+         dyy = shear*(gradient(i, 5) - third*trace)
+         dzz = shear*(gradient(i, 9) - third*trace)
          dxz = 0.5_wp*shear*(gradient(i, 7) + gradient(i, 3))
-         mean = (stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
+         mean = third*(stress(k, 1) + stress(k, 2) + stress(k, 3))
          pressure(i) = -mean
          sxx = stress(k, 1) - mean + dxx
          szz = stress(k, 3) - mean + dzz
@@ -355,7 +372,10 @@ contains
          ! cosine and sine of the turn from z to x, by the tangent of its half; the mean of xx and
          ! zz stays
          turn = 0.5_wp*(gradient(i, 7) - gradient(i, 3))
-         a = 1.0_wp/(1.0_wp + 0.25_wp*turn*turn)
+         half = 1.0_wp + 0.25_wp*turn*turn
+         inverse = 1.0_wp/(half*divisor)
+         volume(k) = volume(k)*(1.0_wp + trace*(half*inverse))
+         a = divisor*inverse
          c = 1.0_wp - 0.5_wp*a*turn*turn
          s = a*turn
          half = 0.5_wp*(sxx + szz)
@@ -375,14 +395,15 @@ contains
    !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) that belongs to the
    !! spin increment W with axial vector w. Equation (A.3).
    ! gate: long kernel because a tensor in registers is six numbers
-   pure subroutine rotate(wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
+   pure subroutine rotate(a, wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
+      real(wp), intent(in) :: a                      !! 1/(1 + w w/4) [1]
       real(wp), intent(in) :: wx, wy, wz             !! Rotation vector of the step [1]
       real(wp), intent(inout) :: sxx, syy, szz       !! Diagonal of the tensor
       real(wp), intent(inout) :: sxy, syz, sxz       !! The other components
-      real(wp) :: a, h, q11, q12, q13, q21, q22, q23, q31, q32, q33
-      real(wp) :: t11, t12, t13, t21, t22, t23, t31, t32, t33
+      real(wp) :: h, trace, q11, q12, q13, q21, q22, q23, q31, q32, q33
+      real(wp) :: t11, t12, t13, t21, t22, t23
 
-      a = 1.0_wp/(1.0_wp + 0.25_wp*(wx*wx + wy*wy + wz*wz))
+      trace = sxx + syy + szz
       h = 0.5_wp*a
       q11 = 1.0_wp - h*(wy*wy + wz*wz)
       q22 = 1.0_wp - h*(wx*wx + wz*wz)
@@ -399,12 +420,10 @@ contains
       t21 = q21*sxx + q22*sxy + q23*sxz
       t22 = q21*sxy + q22*syy + q23*syz
       t23 = q21*sxz + q22*syz + q23*szz
-      t31 = q31*sxx + q32*sxy + q33*sxz
-      t32 = q31*sxy + q32*syy + q33*syz
-      t33 = q31*sxz + q32*syz + q33*szz
       sxx = t11*q11 + t12*q12 + t13*q13
       syy = t21*q21 + t22*q22 + t23*q23
-      szz = t31*q31 + t32*q32 + t33*q33
+      ! A rotation keeps the trace.
+      szz = trace - sxx - syy
       sxy = t11*q21 + t12*q22 + t13*q23
       syz = t21*q31 + t22*q32 + t23*q33
       sxz = t11*q31 + t12*q32 + t13*q33

@@ -15,7 +15,7 @@ module constitutive_law
    private
 
    public :: equivalent_stress, law_add_wave_speed, law_stored_energy, law_t, mean_work, &
-      strain_trial
+      return_radially, strain_trial
 
    !> A law of strength. The material holds none if it has no strength.
    type, abstract :: law_t
@@ -283,4 +283,38 @@ contains
       work = increment*max(0.0_wp, 0.5_wp*(trial + limit) &
          - 1.5_wp*shear*product_of_both/max(trial, tiny(1.0_wp)))
    end function mean_work
+
+   !> Radial return to equivalent stresses, and its work. Equations (Y.1) and (Y.2).
+   pure subroutine return_radially(first, last, shear, limit, increment, volume, stress, &
+      plastic_increment, plastic_work)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: shear                  !! Shear modulus of the trial [Pa]
+      real(wp), contiguous, intent(in) :: limit(:)   !! Equivalent stress at yield (range) [Pa]
+      real(wp), contiguous, intent(in) :: increment(:) !! Of the plastic strain (range) [1]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]
+      !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_increment(:)
+      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
+      real(wp) :: trial, scaling
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         trial = plastic_increment(i)
+         plastic_increment(i) = increment(i)
+         plastic_work(i) = volume(k)*mean_work(shear, trial, limit(i), increment(i), &
+            plastic_work(i))
+         ! 1 if nothing flows.
+         scaling = limit(i)/max(trial, limit(i), tiny(1.0_wp))
+         stress(k, 1) = scaling*stress(k, 1)
+         stress(k, 2) = scaling*stress(k, 2)
+         stress(k, 3) = scaling*stress(k, 3)
+         stress(k, 4) = scaling*stress(k, 4)
+         stress(k, 5) = scaling*stress(k, 5)
+         stress(k, 6) = scaling*stress(k, 6)
+      end do
+   end subroutine return_radially
 end module constitutive_law

@@ -19,6 +19,7 @@
 !! (F.10) of doc/theory/failure.md.
 module constitutive_softening
    use base_deck_group, only: group_t
+   use base_elementary, only: exponential
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use base_text, only: brief
@@ -132,9 +133,9 @@ contains
    end function softening_band_fault
 
    !> Damage D of a state. Equation (F.8).
-   elemental real(wp) function crack_damage(exponential, strength, band_strain, stress, strain) &
+   elemental real(wp) function crack_damage(curved, strength, band_strain, stress, strain) &
       result(damage)
-      logical, intent(in) :: exponential             !! The curve; else linear
+      logical, intent(in) :: curved                  !! Exponential curve; else linear
       real(wp), intent(in) :: strength               !! f [Pa]
       real(wp), intent(in) :: band_strain            !! e_u [1]
       real(wp), intent(in) :: stress                 !! s, without cracks, at least f [Pa]
@@ -148,7 +149,7 @@ contains
       damage = 1.0_wp
       slope = stress/strain
       if (strength >= slope*band_strain) return
-      if (.not. exponential) then
+      if (.not. curved) then
          if (strain < band_strain) damage = (stress - strength) &
             /(stress - strength*strain/band_strain)
          return
@@ -157,13 +158,13 @@ contains
       ! never pass it.
       opening = strain
       do step = 1, most_steps
-         damage = strength*exp(-opening/band_strain)
+         damage = strength*exponential(-opening/band_strain)
          change = (stress - slope*opening - damage)/(damage/band_strain - slope)
          opening = opening - change
          if (abs(change) <= 1.0e-15_wp*strain) exit
       end do
       damage = opening/strain
-      if (exp(-opening/band_strain) < least) damage = 1.0_wp
+      if (exponential(-opening/band_strain) < least) damage = 1.0_wp
    end function crack_damage
 
    !> Stress that material with open cracks would have without them. The viscous pressure is no

@@ -31,12 +31,19 @@ contains
       integer, intent(in) :: last                    !! Last particle of the range
       integer(int64), contiguous, intent(in) :: failed(:)     !! Flag of failure (store)
       real(wp), contiguous, intent(inout) :: stress(:, :)     !! Deviator (store, 6) [Pa]
-      integer :: i, k
+      logical :: gone
+      integer :: i
 
-      do k = 1, 6
-         do concurrent (i=first:last)
-            stress(i, k) = merge(0.0_wp, stress(i, k), failed(i) /= 0)
-         end do
+      if (sum(failed(first:last)) == 0) return
+      !$omp simd private(gone)
+      do i = first, last
+         gone = failed(i) /= 0
+         stress(i, 1) = merge(0.0_wp, stress(i, 1), gone)
+         stress(i, 2) = merge(0.0_wp, stress(i, 2), gone)
+         stress(i, 3) = merge(0.0_wp, stress(i, 3), gone)
+         stress(i, 4) = merge(0.0_wp, stress(i, 4), gone)
+         stress(i, 5) = merge(0.0_wp, stress(i, 5), gone)
+         stress(i, 6) = merge(0.0_wp, stress(i, 6), gone)
       end do
    end subroutine remove_failed_deviator
 
@@ -47,12 +54,25 @@ contains
       real(wp), intent(in) :: melting                !! Temperature of melting [K]
       real(wp), contiguous, intent(in) :: temperature(:)      !! (store) [K]
       real(wp), contiguous, intent(inout) :: stress(:, :)     !! Deviator (store, 6) [Pa]
-      integer :: i, k
+      real(wp) :: number
+      logical :: gone
+      integer :: i
 
-      do k = 1, 6
-         do concurrent (i=first:last)
-            stress(i, k) = merge(0.0_wp, stress(i, k), temperature(i) >= melting)
-         end do
+      number = 0.0_wp
+      !$omp simd reduction(+: number)
+      do i = first, last
+         number = number + merge(1.0_wp, 0.0_wp, temperature(i) >= melting)
+      end do
+      if (.not. number > 0.0_wp) return
+      !$omp simd private(gone)
+      do i = first, last
+         gone = temperature(i) >= melting
+         stress(i, 1) = merge(0.0_wp, stress(i, 1), gone)
+         stress(i, 2) = merge(0.0_wp, stress(i, 2), gone)
+         stress(i, 3) = merge(0.0_wp, stress(i, 3), gone)
+         stress(i, 4) = merge(0.0_wp, stress(i, 4), gone)
+         stress(i, 5) = merge(0.0_wp, stress(i, 5), gone)
+         stress(i, 6) = merge(0.0_wp, stress(i, 6), gone)
       end do
    end subroutine remove_melted_deviator
 
@@ -70,6 +90,48 @@ contains
          pressure(i) = merge(-strength, pressure(i), pressure(i) < -strength)
       end do
    end subroutine cut_tension
+
+   !> Particles that fail now; in most steps of most tiles none does.
+   pure real(wp) function breaking(first, last, strength, pressure, damage, failed) &
+      result(number)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: strength               !! Tension at failure [Pa]
+      real(wp), contiguous, intent(in) :: pressure(:)          !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: damage(:)            !! (store) [1]
+      integer(int64), contiguous, intent(in) :: failed(:)      !! Flag of failure (store)
+      real(wp) :: least, whole
+      integer :: i, k
+
+      number = 0.0_wp
+      least = -strength
+      !$omp simd private(k, whole) reduction(+: number)
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         whole = merge(1.0_wp, 0.0_wp, damage(k) < 1.0_wp)
+         whole = merge(whole, 0.0_wp, pressure(i) > least)
+         number = number + merge(1.0_wp - whole, 0.0_wp, failed(k) == 0)
+      end do
+   end function breaking
+
+   !> Failed particles support no tension, others their strength.
+   pure subroutine drop_failed_tension(first, last, strength, failed, pressure, pressure_floor)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), intent(in) :: strength               !! Tension at failure [Pa]
+      integer(int64), contiguous, intent(in) :: failed(:)      !! Flag of failure (store)
+      real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp) :: cut, least
+      integer :: i
+
+      least = -strength
+      do concurrent (i=1:last - first + 1)
+         cut = merge(0.0_wp, pressure(i), pressure(i) < 0.0_wp)
+         pressure_floor(i) = merge(0.0_wp, least, failed(first - 1 + i) /= 0)
+         pressure(i) = merge(cut, pressure(i), failed(first - 1 + i) /= 0)
+      end do
+   end subroutine drop_failed_tension
 
    !> Let particles fail whose damage or tension is complete, and make rubble of the failed ones.
    !! The elastic energy that a particle loses on failing is recorded as plastic work. Equations
@@ -92,11 +154,10 @@ contains
       real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
       integer :: i, k
 
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         pressure_floor(i) = -strength
-         if (failed(k) == 0) then
-            if (damage(k) < 1.0_wp .and. pressure(i) > -strength) cycle
+      if (breaking(first, last, strength, pressure, damage, failed) > 0.0_wp) then
+         do i = 1, last - first + 1
+            k = first - 1 + i
+            if (failed(k) /= 0 .or. (damage(k) < 1.0_wp .and. pressure(i) > -strength)) cycle
             failed(k) = 1
             damage(k) = 1.0_wp
             if (bulk > 0.0_wp) plastic_work(i) = plastic_work(i) &
@@ -105,10 +166,9 @@ contains
                *(stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
                + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2))
             stress(k, :) = 0.0_wp
-         end if
-         pressure_floor(i) = 0.0_wp
-         if (pressure(i) < 0.0_wp) pressure(i) = 0.0_wp
-      end do
+         end do
+      end if
+      call drop_failed_tension(first, last, strength, failed, pressure, pressure_floor)
    end subroutine fail_as_rubble
 
    !> Let particles fail as above, but leave the deviator to the law of failed material. Of the
@@ -127,19 +187,17 @@ contains
       real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
       integer :: i, k
 
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         pressure_floor(i) = -strength
-         if (failed(k) == 0) then
-            if (damage(k) < 1.0_wp .and. pressure(i) > -strength) cycle
+      if (breaking(first, last, strength, pressure, damage, failed) > 0.0_wp) then
+         do i = 1, last - first + 1
+            k = first - 1 + i
+            if (failed(k) /= 0 .or. (damage(k) < 1.0_wp .and. pressure(i) > -strength)) cycle
             failed(k) = 1
             damage(k) = 1.0_wp
             if (bulk > 0.0_wp) plastic_work(i) = plastic_work(i) &
                + volume(k)*0.5_wp*min(pressure(i), 0.0_wp)**2/bulk
-         end if
-         pressure_floor(i) = 0.0_wp
-         if (pressure(i) < 0.0_wp) pressure(i) = 0.0_wp
-      end do
+         end do
+      end if
+      call drop_failed_tension(first, last, strength, failed, pressure, pressure_floor)
    end subroutine fail_with_strength
 
    !> Without equation of state the mean stress does not depend on voids: rubble less dense than the

@@ -11,6 +11,7 @@
 module damage_grady_kipp
    use base_constants, only: pi
    use base_deck_group, only: group_t
+   use base_elementary, only: power
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
    use constitutive_brittle, only: bound_deviator, find_extremes, random_exponential
@@ -109,7 +110,6 @@ contains
       real(wp), contiguous, intent(inout) :: scatter(:)    !! (store) [1]
       integer :: k
 
-      !GCC$ novector
       do k = first, last
          scatter(k) = random_exponential(seed, identity(k))
       end do
@@ -149,6 +149,7 @@ contains
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
       real(wp), contiguous, intent(in) :: stress(:, :)     !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: damage(:)     !! (store) [1]
+      real(wp), parameter :: third = 1.0_wp/3.0_wp
       real(wp) :: strain, speed, volume, number, radius, greatest, least
       integer :: i, k
 
@@ -160,14 +161,15 @@ contains
          strain = 0.5_wp*bound(i)/model%shear - pressure(i)/(3.0_wp*model%bulk)
          if (strain <= 0.0_wp .or. damage(k) >= 1.0_wp) cycle
          volume = mass(k)/model%density
-         if (model%flaws*volume*strain**model%exponent < weakest(i)) cycle
+         if (model%flaws*volume*power(strain, model%exponent) < weakest(i)) cycle
          call find_extremes(stress, k, greatest, least)
          strain = 0.5_wp*greatest/model%shear - pressure(i)/(3.0_wp*model%bulk)
-         number = model%flaws*volume*max(strain, 0.0_wp)**model%exponent - weakest(i) + 1.0_wp
+         number = model%flaws*volume*power(max(strain, 0.0_wp), model%exponent) &
+            - weakest(i) + 1.0_wp
          if (number < 1.0_wp) cycle
-         radius = (0.75_wp*volume/pi)**(1.0_wp/3.0_wp)
-         damage(k) = min(1.0_wp, (damage(k)**(1.0_wp/3.0_wp) &
-            + number**(1.0_wp/3.0_wp)*speed*dt/radius)**3)
+         radius = power(0.75_wp*volume/pi, third)
+         damage(k) = min(1.0_wp, (power(damage(k), third) &
+            + power(number, third)*speed*dt/radius)**3)
       end do
    end subroutine grow
 end module damage_grady_kipp

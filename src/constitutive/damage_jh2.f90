@@ -8,6 +8,7 @@
 !! unless failed_as says otherwise. Equations (F.14) and (F.16) of doc/theory/failure.md.
 module damage_jh2
    use base_deck_group, only: group_t
+   use base_elementary, only: power
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_damage, only: damage_t
@@ -132,8 +133,8 @@ contains
       do i = 1, last - first + 1
          if (.not. plastic_increment(i) > 0.0_wp) cycle
          k = first - 1 + i
-         strain = model%factor*(max(0.0_wp, pressure(i) + model%constants%tension) &
-            /model%constants%pressure)**model%exponent
+         strain = model%factor*power(max(0.0_wp, pressure(i) + model%constants%tension) &
+            /model%constants%pressure, model%exponent)
          if (plastic_increment(i) < (1.0_wp - damage(k))*strain) then
             damage(k) = damage(k) + plastic_increment(i)/strain
          else

@@ -5,6 +5,7 @@
 !! doc/theory/matter.md.
 module damage_johnson_cook
    use base_deck_group, only: group_t
+   use base_elementary, only: take_exponentials, take_logarithms
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_damage, only: damage_t
@@ -21,6 +22,9 @@ module damage_johnson_cook
    real(wp), parameter :: least_strain = 1.0e-6_wp
    !> Bounds of the triaxiality: the fit ends at 1.5, and below -10 the exponential would overflow.
    real(wp), parameter :: least_triaxiality = -10.0_wp, most_triaxiality = 1.5_wp
+
+   !> Particles of a group, and their multiple that fills vectors.
+   integer, parameter :: most_lanes = 64, width = 8
 
    !> Damage model of Johnson and Cook. Without rate dependence the fourth coefficient is 0.
    type, extends(damage_t) :: damage_johnson_cook_t
@@ -89,14 +93,40 @@ contains
       real(wp), intent(in) :: triaxiality              !! Mean over equivalent stress [1]
       real(wp), intent(in) :: rate                     !! Rate of plastic strain [1/s]
       real(wp), intent(in) :: homologous               !! Homologous temperature, 0 to 1 [1]
-      real(wp) :: clipped
+      real(wp) :: lanes(most_lanes), rates(most_lanes)
 
-      clipped = min(most_triaxiality, max(least_triaxiality, triaxiality))
-      strain = self%coefficient(1) + self%coefficient(2)*exp(self%coefficient(3)*clipped)
-      if (rate > self%reference_rate) &
-         strain = strain*(1.0_wp + self%coefficient(4)*log(rate/self%reference_rate))
-      strain = max(least_strain, strain*(1.0_wp + self%coefficient(5)*homologous))
+      lanes(1) = triaxiality
+      rates(1) = rate
+      call find_failure_strains(self, 1, rates, lanes)
+      strain = max(least_strain, lanes(1)*(1.0_wp + self%coefficient(5)*homologous))
    end function johnson_cook_failure_strain
+
+   !> Strains to failure at the reference temperature.
+   pure subroutine find_failure_strains(model, count, rate, strain)
+      class(damage_johnson_cook_t), intent(in) :: model
+      integer, intent(in) :: count                         !! States
+      real(wp), intent(inout) :: rate(most_lanes)    !! Of plastic strain, lost on return [1/s]
+      !> Mean over equivalent stress in, strain to failure out [1].
+      real(wp), intent(inout) :: strain(most_lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, count
+         strain(l) = model%coefficient(3)*min(most_triaxiality, max(least_triaxiality, strain(l)))
+         rate(l) = max(rate(l)/model%reference_rate, 1.0_wp)
+      end do
+      call take_exponentials(count, strain)
+      if (abs(model%coefficient(4)) > 0.0_wp) then
+         call take_logarithms(count, rate)
+      else
+         rate(:count) = 0.0_wp
+      end if
+      !$omp simd
+      do l = 1, count
+         strain(l) = (model%coefficient(1) + model%coefficient(2)*strain(l)) &
+            *(1.0_wp + model%coefficient(4)*rate(l))
+      end do
+   end subroutine find_failure_strains
 
    !> Let the damage of flowing particles grow.
    pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
@@ -129,20 +159,68 @@ contains
       real(wp), contiguous, intent(in) :: plastic_increment(:)   !! (range) [1]
       real(wp), contiguous, intent(in) :: homologous(:)          !! (range) [1]
       real(wp), contiguous, intent(inout) :: damage(:)           !! (store) [1]
-      real(wp) :: flow, triaxiality
-      integer :: i, k
+      real(wp) :: flowing
+      integer :: place(most_lanes), count, i, offset
 
-      do i = 1, last - first + 1
-         if (.not. plastic_increment(i) > 0.0_wp) cycle
-         k = first - 1 + i
-         flow = sqrt(1.5_wp*(stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
-            + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)))
-         ! Clipped before the division, which could overflow for a particle about to melt.
-         triaxiality = most_triaxiality
-         if (-pressure(i) < most_triaxiality*flow) triaxiality = least_triaxiality
-         if (abs(pressure(i)) < abs(least_triaxiality)*flow) triaxiality = -pressure(i)/flow
-         damage(k) = min(1.0_wp, damage(k) + plastic_increment(i) &
-            /model%failure_strain(triaxiality, plastic_increment(i)/dt, homologous(i)))
+      do offset = 0, last - first, most_lanes
+         flowing = 0.0_wp
+         !$omp simd reduction(+: flowing)
+         do i = offset + 1, min(offset + most_lanes, last - first + 1)
+            flowing = flowing + merge(1.0_wp, 0.0_wp, plastic_increment(i) > 0.0_wp)
+         end do
+         if (.not. flowing > 0.0_wp) cycle
+         count = 0
+         do i = offset + 1, min(offset + most_lanes, last - first + 1)
+            if (.not. plastic_increment(i) > 0.0_wp) cycle
+            count = count + 1
+            place(count) = i
+         end do
+         if (count == 0) cycle
+         ! filled up to whole vectors
+         place(count + 1:width*((count + width - 1)/width)) = place(1)
+         call grow_lanes(model, count, width*((count + width - 1)/width), place, first - 1, dt, &
+            stress, pressure, plastic_increment, homologous, damage)
       end do
    end subroutine grow
+
+   !> Kernel of the above: a group of particles that flow.
+   ! gate: long kernel because the strain to failure depends on four fields
+   pure subroutine grow_lanes(model, count, filled, place, before, dt, stress, pressure, &
+      plastic_increment, homologous, damage)
+      class(damage_johnson_cook_t), intent(in) :: model
+      integer, intent(in) :: count                         !! Particles of the group
+      integer, intent(in) :: filled                        !! Lanes, whole vectors
+      integer, intent(in) :: place(most_lanes)             !! In the range, of a lane
+      integer, intent(in) :: before                        !! Of the store before the range
+      real(wp), intent(in) :: dt                           !! Time step [s]
+      real(wp), contiguous, intent(in) :: stress(:, :)           !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(in) :: pressure(:)            !! (range) [Pa]
+      real(wp), contiguous, intent(in) :: plastic_increment(:)   !! (range) [1]
+      real(wp), contiguous, intent(in) :: homologous(:)          !! (range) [1]
+      real(wp), contiguous, intent(inout) :: damage(:)           !! (store) [1]
+      real(wp) :: strain(most_lanes), rate(most_lanes), flow(most_lanes), mean
+      integer :: k, l
+
+      do l = 1, filled
+         k = before + place(l)
+         flow(l) = stress(k, 1)**2 + stress(k, 2)**2 + stress(k, 3)**2 &
+            + 2.0_wp*(stress(k, 4)**2 + stress(k, 5)**2 + stress(k, 6)**2)
+         strain(l) = pressure(place(l))
+         rate(l) = plastic_increment(place(l))/dt
+      end do
+      !$omp simd private(mean)
+      do l = 1, filled
+         flow(l) = sqrt(1.5_wp*flow(l))
+         ! Clipped before the division, which could overflow for a particle about to melt.
+         mean = min(max(-strain(l), least_triaxiality*flow(l)), most_triaxiality*flow(l))
+         strain(l) = mean/max(flow(l), tiny(1.0_wp))
+      end do
+      call find_failure_strains(model, filled, rate, strain)
+      do l = 1, count
+         k = before + place(l)
+         strain(l) = max(least_strain, strain(l) &
+            *(1.0_wp + model%coefficient(5)*homologous(place(l))))
+         damage(k) = min(1.0_wp, damage(k) + plastic_increment(place(l))/strain(l))
+      end do
+   end subroutine grow_lanes
 end module damage_johnson_cook

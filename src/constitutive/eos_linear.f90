@@ -2,6 +2,7 @@
 !> Linear equation of state: p = K (rho/rho0 - 1). Equation (E.3) of
 !! doc/theory/equations_of_state.md.
 module eos_linear
+   use base_elementary, only: logarithm
    use base_kinds, only: wp
    use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
@@ -91,7 +92,7 @@ contains
       integer :: power
 
       if (abs(x) > 0.01_wp) then
-         over = x - log(1.0_wp + x)
+         over = x - logarithm(1.0_wp + x)
          return
       end if
       over = 0.0_wp

@@ -3,6 +3,7 @@
 !! doc/theory/equations_of_state.md.
 module eos_tait
    use base_deck_group, only: group_t
+   use base_elementary, only: logarithm, power, take_fast_powers
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_eos, only: eos_t
@@ -74,19 +75,21 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
-      real(wp) :: ratio, power
+      real(wp) :: stiffness, square
       integer :: i, k
 
-      ! Not vectorised: vector powers differ in the last bits from the scalar ones of the
-      ! remainder of a range, and bits must not depend on the position of a particle.
-      !GCC$ novector
-      do i = 1, last - first + 1
+      do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          ! Rest gives exactly 1, and so no pressure.
-         ratio = 1.0_wp + (mass(k) - density*volume(k))/(density*volume(k))
-         power = ratio**exponent
-         pressure(i) = bulk/exponent*(power - 1.0_wp)
-         wave_speed(i) = bulk/density*power/ratio
+         wave_speed(i) = 1.0_wp + (mass(k) - density*volume(k))/(density*volume(k))
+         pressure(i) = wave_speed(i)
+      end do
+      call take_fast_powers(last - first + 1, exponent, pressure)
+      stiffness = bulk/exponent
+      square = bulk/density
+      do concurrent (i=1:last - first + 1)
+         wave_speed(i) = square*pressure(i)/wave_speed(i)
+         pressure(i) = stiffness*(pressure(i) - 1.0_wp)
       end do
    end subroutine tait_pressure
 
@@ -103,7 +106,7 @@ contains
       ratio = volume*self%density/mass - 1.0_wp
       largest = ratio
       if (limit > -self%bulk/self%exponent) &
-         largest = (1.0_wp + self%exponent*limit/self%bulk)**(-1.0_wp/self%exponent) - 1.0_wp
+         largest = power(1.0_wp + self%exponent*limit/self%bulk, -1.0_wp/self%exponent) - 1.0_wp
       energy = mass/self%density*(self%bulk/self%exponent*excess(min(ratio, largest), &
          self%exponent) - limit*max(0.0_wp, ratio - largest))
    end function tait_stored_energy
@@ -119,9 +122,9 @@ contains
 
       if (abs(y)*max(n, 1.0_wp) > 0.05_wp) then
          if (abs(n - 1.0_wp) > 1.0e-6_wp) then
-            over = ((1.0_wp + y)**(1.0_wp - n) - 1.0_wp)/(n - 1.0_wp) + y
+            over = (power(1.0_wp + y, 1.0_wp - n) - 1.0_wp)/(n - 1.0_wp) + y
          else
-            over = y - log(1.0_wp + y)
+            over = y - logarithm(1.0_wp + y)
          end if
          return
       end if

@@ -10,6 +10,7 @@
 !! (E.9), (E.10) and (E.11) of doc/theory/equations_of_state.md.
 module eos_tillotson
    use base_deck_group, only: group_t
+   use base_elementary, only: exponential
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_eos, only: eos_t
@@ -122,18 +123,87 @@ contains
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
-      real(wp) :: density, pressure, to_density, to_energy
+
+      call condensed(first, last, self, state%mass, state%volume, state%energy, &
+         deformation%pressure, deformation%wave_speed)
+      call evaporate(first, last, self, state%mass, state%volume, state%energy, &
+         deformation%pressure, deformation%wave_speed)
+   end subroutine tillotson_update
+
+   !> Pressure and square of the sound speed of condensed material.
+   pure subroutine condensed(first, last, eos, mass, volume, energy, pressure, wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      type(eos_tillotson_t), intent(in) :: eos       !! Constants
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
+      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+      real(wp) :: dense(3), density, inverse
+      integer :: i, k
+
+      !$omp simd private(dense, density, inverse, k)
+      do i = 1, last - first + 1
+         k = first - 1 + i
+         density = mass(k)/volume(k)
+         inverse = volume(k)/mass(k)
+         call find_dense_state(eos, density, inverse, energy(k), dense)
+         pressure(i) = dense(1)
+         wave_speed(i) = max(least_sound**2*eos%bulk/eos%density, &
+            dense(2) + dense(1)*inverse*inverse*dense(3))
+      end do
+   end subroutine condensed
+
+   !> The same of expanded material that boils or is vapour, particle by particle. There are few,
+   !! and only these need exponentials.
+   pure subroutine evaporate(first, last, eos, mass, volume, energy, pressure, wave_speed)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      type(eos_tillotson_t), intent(in) :: eos       !! Constants
+      real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
+      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
+      real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
+      real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: wave_speed(:) !! Square of sound speed (range) [m2/s2]
+      real(wp) :: density, to_density, to_energy
       integer :: i, k
 
       do i = 1, last - first + 1
          k = first - 1 + i
-         density = state%mass(k)/state%volume(k)
-         call find_state(self, density, state%energy(k), pressure, to_density, to_energy)
-         deformation%pressure(i) = pressure
-         deformation%wave_speed(i) = max(least_sound**2*self%bulk/self%density, &
-            to_density + pressure/density**2*to_energy)
+         if (energy(k) <= eos%melt .or. mass(k) >= eos%density*volume(k)) cycle
+         density = mass(k)/volume(k)
+         call find_state(eos, density, energy(k), pressure(i), to_density, to_energy)
+         wave_speed(i) = max(least_sound**2*eos%bulk/eos%density, &
+            to_density + pressure(i)/density**2*to_energy)
       end do
-   end subroutine tillotson_update
+   end subroutine evaporate
+
+   !> Pressure of condensed material, and its derivatives to density and energy.
+   pure subroutine find_dense_state(eos, density, inverse, given, dense)
+      type(eos_tillotson_t), intent(in) :: eos       !! Constants
+      real(wp), intent(in) :: density                !! [kg/m3]
+      real(wp), intent(in) :: inverse                !! 1 over it [m3/kg]
+      real(wp), intent(in) :: given                  !! Energy [J/kg]
+      real(wp), intent(out) :: dense(3) !! Pressure [Pa], derivatives [m2/s2] and [kg/m3]
+      real(wp) :: eta, mu, e, part, rest, cold, stiff
+
+      ! Finite steps can leave a small negative energy.
+      e = max(given, 0.0_wp)
+      eta = density/eos%density
+      mu = eta - 1.0_wp
+      rest = e*(eos%density**2/eos%energy)*inverse*inverse
+      part = 1.0_wp/(1.0_wp + rest)
+      cold = eos%bulk*merge(1.0_wp, 0.5_wp*eta*(eta + 1.0_wp), mu >= 0.0_wp)*mu
+      stiff = eos%bulk*merge(1.0_wp, 1.5_wp*eta*eta - 0.5_wp, mu >= 0.0_wp)/eos%density
+      ! The square of compression, 0 in expansion.
+      mu = max(mu, 0.0_wp)
+      cold = cold + eos%square*mu*mu
+      stiff = stiff + 2.0_wp*eos%square*mu/eos%density
+      dense(1) = (eos%a + eos%b*part)*density*e + cold
+      dense(2) = (eos%a + eos%b*part*(1.0_wp + 2.0_wp*rest*part))*e + stiff
+      dense(3) = merge((eos%a + eos%b*part*part)*density, 0.0_wp, given >= 0.0_wp)
+   end subroutine find_dense_state
 
    !> Grueneisen number (a + b/w**2) of condensed material times density at the middle of the step.
    !! In vapour b/w**2 is small.
@@ -146,7 +216,7 @@ contains
       real(wp) :: density, w
       integer :: i, k
 
-      do i = 1, last - first + 1
+      do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          density = 2.0_wp*state%mass(k)/(state%volume(k) + deformation%old_volume(i))
          w = 1.0_wp + max(state%energy(k), 0.0_wp)*(self%density/density)**2/self%energy
@@ -162,30 +232,23 @@ contains
       real(wp), intent(out) :: pressure              !! [Pa]
       real(wp), intent(out) :: to_density            !! dp/drho [m2/s2]
       real(wp), intent(out) :: to_energy             !! dp/de [kg/m3]
-      real(wp) :: eta, mu, e, w, dense(3), thin(3), share, fade, tail, x, cold, stiff, heated
+      real(wp) :: eta, mu, e, w, dense(3), thin(3), share, fade, tail, x
 
-      ! Finite steps can leave a small negative energy.
+      call find_dense_state(eos, density, 1.0_wp/density, given, dense)
+      pressure = dense(1)
+      to_density = dense(2)
+      to_energy = dense(3)
       e = max(given, 0.0_wp)
-      heated = merge(1.0_wp, 0.0_wp, given >= 0.0_wp)
       eta = density/eos%density
       mu = eta - 1.0_wp
-      w = 1.0_wp + e/(eos%energy*eta**2)
-      cold = merge(eos%bulk + eos%square*mu, 0.5_wp*eos%bulk*eta*(eta + 1.0_wp), mu >= 0.0_wp)*mu
-      stiff = merge(eos%bulk + 2.0_wp*eos%square*mu, eos%bulk*(1.5_wp*eta**2 - 0.5_wp), &
-         mu >= 0.0_wp)/eos%density
       share = 0.0_wp
       if (mu < 0.0_wp) &
          share = min(1.0_wp, max(0.0_wp, (e - eos%melt)/(eos%vapour - eos%melt)))
-      dense(1) = (eos%a + eos%b/w)*density*e + cold
-      dense(2) = (eos%a + eos%b/w + 2.0_wp*eos%b*(w - 1.0_wp)/w**2)*e + stiff
-      dense(3) = (eos%a + eos%b/w**2)*density
-      pressure = dense(1)
-      to_density = dense(2)
-      to_energy = heated*dense(3)
       if (share <= 0.0_wp) return
+      w = 1.0_wp + e/(eos%energy*eta**2)
       x = 1.0_wp/eta - 1.0_wp
-      fade = exp(-eos%alpha*x**2)
-      tail = exp(-eos%beta*x)
+      fade = exponential(-eos%alpha*x**2)
+      tail = exponential(-eos%beta*x)
       thin(1) = (eos%b*density*e/w + eos%bulk*mu*tail)*fade
       thin(2) = eos%a*e + 2.0_wp*eos%alpha*x/(eos%density*eta**2)*thin(1) &
          + ((eos%b/w + 2.0_wp*eos%b*(w - 1.0_wp)/w**2)*e &

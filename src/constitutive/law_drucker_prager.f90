@@ -153,10 +153,12 @@ contains
       !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
       real(wp), contiguous, intent(inout) :: plastic_work(:)
       real(wp), contiguous, intent(inout) :: dilation(:)    !! (range) [1]
-      real(wp) :: bulk, trial, flow, equivalent, scaling, least
+      real(wp) :: bulk, trial, flow, equivalent, scaling, least, softness, apex
       logical :: apart
       integer :: i, k
 
+      softness = 1.0_wp/(3.0_wp*law%shear)
+      apex = law%apex
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          trial = plastic_increment(i)
@@ -167,13 +169,13 @@ contains
          apart = equivalent <= 0.0_wp .and. flow > 0.0_wp
          dilation(i) = merge(0.0_wp, law%dilation_slope*flow, apart)
          least = pressure(i) + bulk*dilation(i)
-         pressure(i) = merge(law%apex, least, apart)
+         pressure(i) = merge(apex, least, apart)
          equivalent = merge(0.0_wp, min(equivalent, trial), apart)
-         plastic_increment(i) = (trial - equivalent)/(3.0_wp*law%shear)
+         plastic_increment(i) = (trial - equivalent)*softness
          scaling = equivalent/max(trial, tiny(1.0_wp))
          scaling = merge(scaling, 1.0_wp, flow > 0.0_wp)
          plastic_work(i) = volume(k)*max(0.0_wp, (1.0_wp - scaling)*((1.0_wp + scaling)*trial**2 &
-            /(6.0_wp*law%shear) - 0.5_wp*plastic_work(i)) - pressure(i)*dilation(i))
+            *(0.5_wp*softness) - 0.5_wp*plastic_work(i)) - pressure(i)*dilation(i))
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)
          stress(k, 3) = scaling*stress(k, 3)

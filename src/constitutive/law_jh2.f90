@@ -12,7 +12,7 @@ module law_jh2
    use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_jh2, only: jh2_t
-   use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
+   use constitutive_law, only: equivalent_stress, law_t, return_radially, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -117,9 +117,16 @@ contains
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       call strain_rate(count, deformation%gradient, dt, deformation%strength%strain_rate)
-      call return_to_strength(first, last, self, deformation%strength%old_damage, &
-         deformation%strength%strain_rate, state%volume, state%stress, deformation%pressure, &
-         deformation%plastic_increment, deformation%plastic_work)
+      associate (limit => deformation%strength%tangent, increment => deformation%strength%dilation)
+         call bound_tension(last - first + 1, self%constants%tension, &
+            deformation%strength%old_damage, deformation%pressure)
+         call self%constants%find_strengths(last - first + 1, deformation%pressure, &
+            deformation%strength%strain_rate, deformation%strength%old_damage, limit)
+         call find_increments(last - first + 1, self%shear, deformation%plastic_increment, limit, &
+            increment)
+         call return_radially(first, last, self%shear, limit, increment, state%volume, &
+            state%stress, deformation%plastic_increment, deformation%plastic_work)
+      end associate
    end subroutine law_jh2_update
 
    !> Equivalent rate of strain, sqrt(2/3 d:d) of its deviator.
@@ -139,44 +146,35 @@ contains
       end do
    end subroutine strain_rate
 
-   !> Kernel of the above.
-   pure subroutine return_to_strength(first, last, law, damage, rate, volume, stress, pressure, &
-      plastic_increment, plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
-      type(law_jh2_t), intent(in) :: law             !! Constants
+   !> Keep the pressure above the tension that damaged material supports.
+   pure subroutine bound_tension(count, tension, damage, pressure)
+      integer, intent(in) :: count                   !! Particles of the range
+      real(wp), intent(in) :: tension                !! T of intact material [Pa]
       real(wp), contiguous, intent(in) :: damage(:)  !! Before the step (range) [1]
-      real(wp), contiguous, intent(in) :: rate(:)    !! Of strain (range) [1/s]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :)  !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
-      !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_work(:)
-      real(wp) :: trial, limit, scaling
-      integer :: i, k
+      integer :: i
 
-      ! Not vectorised: vector powers differ in the last bits from scalar ones.
-      !GCC$ novector
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         trial = plastic_increment(i)
-         pressure(i) = max(pressure(i), -law%constants%tension*(1.0_wp - damage(i)))
-         limit = law%constants%strength(pressure(i), rate(i), damage(i))
-         plastic_increment(i) = max(0.0_wp, trial - limit)/(3.0_wp*law%shear)
-         plastic_work(i) = volume(k)*mean_work(law%shear, trial, limit, plastic_increment(i), &
-            plastic_work(i))
-         if (trial <= limit) cycle
-         scaling = limit/trial
-         stress(k, 1) = scaling*stress(k, 1)
-         stress(k, 2) = scaling*stress(k, 2)
-         stress(k, 3) = scaling*stress(k, 3)
-         stress(k, 4) = scaling*stress(k, 4)
-         stress(k, 5) = scaling*stress(k, 5)
-         stress(k, 6) = scaling*stress(k, 6)
+      do concurrent (i=1:count)
+         pressure(i) = max(pressure(i), -tension*(1.0_wp - damage(i)))
       end do
-   end subroutine return_to_strength
+   end subroutine bound_tension
+
+   !> Increments of plastic strain of a return to known strengths. Equation (Y.2) of
+   !! doc/theory/strength.md.
+   pure subroutine find_increments(count, shear, trial, limit, increment)
+      integer, intent(in) :: count                   !! Particles of the range
+      real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
+      real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
+      real(wp), contiguous, intent(in) :: limit(:)   !! Equivalent stress at yield (range) [Pa]
+      real(wp), contiguous, intent(inout) :: increment(:) !! (range) [1]
+      real(wp) :: softness
+      integer :: i
+
+      softness = 1.0_wp/(3.0_wp*shear)
+      do concurrent (i=1:count)
+         increment(i) = max(0.0_wp, trial(i) - limit(i))*softness
+      end do
+   end subroutine find_increments
 
    !> Shear modulus in the square of the wave speed, also of fractured material. It does not grow
    !! with

@@ -5,12 +5,15 @@
 !! Equation (Y.4) of doc/theory/strength.md.
 module law_johnson_cook
    use base_deck_group, only: group_t
+   use base_elementary, only: take_fast_powers
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
+   use constitutive_hardening, only: flow_lanes_t, hardening_power_t, most_lanes, &
+      move_flow_results, solve_hardening
    use constitutive_heat, only: homologous_temperature, melting_range_t, read_melting_range
-   use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
+   use constitutive_law, only: equivalent_stress, law_t, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -91,8 +94,7 @@ contains
       if (allocated(self%range)) call requests%add("temperature", "softening of johnson_cook", 1)
    end subroutine johnson_cook_request
 
-   !> Return to the yield surface. Few particles flow at a time, and these need powers and
-   !! logarithms, so they are treated one by one after a pass over all.
+   !> Return to the yield surface, group by group.
    pure subroutine johnson_cook_update(self, state, deformation, first, last, dt)
       class(law_johnson_cook_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -100,95 +102,116 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      real(wp) :: limit, increment
-      integer :: i, k
+      type(flow_lanes_t) :: lanes
+      type(hardening_power_t) :: power
+      integer :: count, offset
 
+      count = last - first + 1
+      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
       if (allocated(self%range)) then
          call homologous_temperature(first, last, self%range, state%temperature, &
             deformation%strength%homologous)
       else
-         deformation%strength%homologous(1:last - first + 1) = 0.0_wp
+         deformation%strength%homologous(1:count) = 0.0_wp
+      end if
+      if (.not. may_flow(self, count, deformation%strength%homologous, &
+         deformation%plastic_increment) > 0.0_wp) then
+         deformation%plastic_increment(1:count) = 0.0_wp
+         return
       end if
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
-      call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      do i = 1, last - first + 1
-         associate (trial => deformation%plastic_increment(i))
-            k = first - 1 + i
-            call flow(self, trial, state%plastic_strain(k), dt, &
-               deformation%strength%homologous(i), limit, increment)
-            if (limit < trial) state%stress(k, :) = limit/trial*state%stress(k, :)
-            state%plastic_strain(k) = state%plastic_strain(k) + increment
-            deformation%plastic_work(i) = state%volume(k)*mean_work(self%shear, trial, limit, &
-               increment, deformation%plastic_work(i))
-            trial = increment
-         end associate
+      power%exponent = self%exponent
+      power%rate_coefficient = self%rate_coefficient
+      if (power%rate_coefficient > 0.0_wp) power%rest = dt*self%reference_rate
+      do offset = 0, count - 1, most_lanes
+         call collect(self, offset, min(most_lanes, count - offset), first - 1 + offset, &
+            deformation%strength%homologous, state%plastic_strain, deformation%plastic_increment, &
+            deformation%plastic_work, lanes)
+         if (lanes%count == 0) cycle
+         call soften_lanes(self, lanes)
+         call solve_hardening(power, lanes)
+         call move_flow_results(offset, first - 1 + offset, lanes, state%volume, state%stress, &
+            state%plastic_strain, deformation%plastic_increment, deformation%plastic_work)
       end do
    end subroutine johnson_cook_update
 
-   !> Plastic increment x of one particle from trial - 3 G x = Y(ep + x, x/dt, T).
-   !!
-   !! The left side falls and the right side grows, so the root lies between 0 and the increment of
-   !! a stress at rest, and Newton steps that leave the bracket are replaced by bisection. A melted
-   !! particle flows without resistance and its plastic strain is left alone. Equation (Y.5).
-   pure subroutine flow(law, trial, strain, dt, homologous, limit, increment)
+   !> Bound of the yield stress without its powers, over 1 less the homologous temperature [Pa].
+   pure real(wp) function least_yield(law) result(bound)
       class(law_johnson_cook_t), intent(in) :: law
-      real(wp), intent(in) :: trial                  !! Equivalent trial stress [Pa]
-      real(wp), intent(in) :: strain                 !! Equivalent plastic strain before [1]
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), intent(in) :: homologous             !! Homologous temperature, 0 to 1 [1]
-      real(wp), intent(out) :: limit                 !! Equivalent stress after the step [Pa]
-      real(wp), intent(out) :: increment             !! Increment of plastic strain [1]
-      real(wp), parameter :: tolerance = 1.0e-12_wp
-      integer, parameter :: most_iterations = 200
-      real(wp) :: lower, upper, residual, slope, softening
-      integer :: iteration
 
-      limit = trial
-      increment = 0.0_wp
-      ! A bound of the yield stress without its powers.
-      if (law%softening_exponent >= 1.0_wp .and. trial <= law%yield*(1.0_wp - homologous)) return
-      softening = 1.0_wp
-      if (homologous > 0.0_wp) softening = 1.0_wp - homologous**law%softening_exponent
-      limit = (law%yield + law%hardening*strain**law%exponent)*softening
-      if (trial <= limit) limit = trial
-      if (trial <= limit .or. limit <= 0.0_wp) return
-      lower = 0.0_wp
-      upper = (trial - limit)/(3.0_wp*law%shear)
-      increment = upper
-      do iteration = 1, most_iterations
-         call yield_stress(law, strain + increment, increment, dt, softening, limit, slope)
-         residual = trial - 3.0_wp*law%shear*increment - limit
-         if (abs(residual) <= tolerance*limit + 4.0_wp*epsilon(1.0_wp)*trial) exit
-         if (residual > 0.0_wp) then
-            lower = increment
-         else
-            upper = increment
-         end if
-         increment = increment + residual/(3.0_wp*law%shear + slope)
-         if (.not. (increment > lower .and. increment < upper)) increment = 0.5_wp*(lower + upper)
+      bound = merge(law%yield, 0.0_wp, law%softening_exponent >= 1.0_wp)
+   end function least_yield
+
+   !> Particles whose trial stress is above a bound of the yield stress. In most tiles none is.
+   pure real(wp) function may_flow(law, count, homologous, trial) result(number)
+      class(law_johnson_cook_t), intent(in) :: law
+      integer, intent(in) :: count                   !! Particles of the range
+      real(wp), contiguous, intent(in) :: homologous(:) !! (range) [1]
+      real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
+      real(wp) :: bound
+      integer :: i
+
+      bound = least_yield(law)
+      number = 0.0_wp
+      !$omp simd reduction(+: number)
+      do i = 1, count
+         number = number + merge(1.0_wp, 0.0_wp, trial(i) > bound*(1.0_wp - homologous(i)))
       end do
-   end subroutine flow
+   end function may_flow
 
-   !> Yield stress, and its derivative to the plastic increment.
-   pure subroutine yield_stress(law, strain, increment, dt, softening, limit, slope)
+   !> Collect the particles of a group whose trial stress is above a bound of the yield stress
+   !! without its powers; the others do not flow.
+   ! gate: long kernel because it reads four fields of a group and writes two
+   pure subroutine collect(law, offset, count, before, homologous, plastic_strain, &
+      plastic_increment, plastic_work, lanes)
       class(law_johnson_cook_t), intent(in) :: law
-      real(wp), intent(in) :: strain                 !! Equivalent plastic strain after [1]
-      real(wp), intent(in) :: increment              !! Increment of plastic strain, above 0 [1]
-      real(wp), intent(in) :: dt                     !! Time step [s]
-      real(wp), intent(in) :: softening              !! Factor of temperature [1]
-      real(wp), intent(out) :: limit                 !! Yield stress [Pa]
-      real(wp), intent(out) :: slope                 !! Its derivative [Pa]
-      real(wp) :: hardening, rate, factor
+      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: count                   !! Particles of the group
+      integer, intent(in) :: before                  !! Particles of the store before the group
+      real(wp), contiguous, intent(in) :: homologous(:)            !! (range) [1]
+      real(wp), contiguous, intent(in) :: plastic_strain(:)        !! (store) [1]
+      !> Equivalent trial stress [Pa] in, 0 [1] out where nothing flows (range).
+      real(wp), contiguous, intent(inout) :: plastic_increment(:)
+      !> Trial deviator times strain increment [Pa] in, 0 [J] out where nothing flows (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
+      type(flow_lanes_t), intent(inout) :: lanes
+      real(wp), parameter :: unbounded = 1.0e200_wp
+      real(wp) :: bound
+      integer :: i, l, n
 
-      hardening = law%hardening*strain**law%exponent
-      rate = increment/(dt*law%reference_rate)
-      factor = softening
-      slope = 0.0_wp
-      if (rate > 1.0_wp) then
-         factor = softening*(1.0_wp + law%rate_coefficient*log(rate))
-         slope = softening*law%rate_coefficient/increment
-      end if
-      slope = slope*(law%yield + hardening) + factor*law%exponent*hardening/strain
-      limit = factor*(law%yield + hardening)
-   end subroutine yield_stress
+      bound = least_yield(law)
+      lanes%count = 0
+      do n = 1, count
+         i = offset + n
+         if (plastic_increment(i) > bound*(1.0_wp - homologous(i))) then
+            l = lanes%count + 1
+            lanes%count = l
+            lanes%place(l) = n
+            lanes%trial(l) = plastic_increment(i)
+            lanes%stiffness(l) = 3.0_wp*law%shear
+            lanes%factor(l) = homologous(i)
+            lanes%argument(l) = plastic_strain(before + n)
+            lanes%greatest(l) = unbounded
+         else
+            plastic_increment(i) = 0.0_wp
+            plastic_work(i) = 0.0_wp
+         end if
+      end do
+   end subroutine collect
+
+   !> Yield stress and hardening of the lanes at their temperature: factor 1 - T***m of the
+   !! homologous temperature.
+   pure subroutine soften_lanes(law, lanes)
+      class(law_johnson_cook_t), intent(in) :: law
+      type(flow_lanes_t), intent(inout) :: lanes           !! Factor: homologous temperature in
+      integer :: l
+
+      ! A power of one changes no bit.
+      if (allocated(law%range) .and. abs(law%softening_exponent - 1.0_wp) > 0.0_wp) &
+         call take_fast_powers(lanes%count, law%softening_exponent, lanes%factor)
+      do concurrent (l=1:lanes%count)
+         lanes%fixed(l) = law%yield*(1.0_wp - lanes%factor(l))
+         lanes%amplitude(l) = law%hardening*(1.0_wp - lanes%factor(l))
+      end do
+   end subroutine soften_lanes
 end module law_johnson_cook

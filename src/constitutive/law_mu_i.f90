@@ -154,16 +154,18 @@ contains
       !> Trial deviator times strain [Pa] in, plastic work [J] out (range).
       real(wp), contiguous, intent(inout) :: plastic_work(:)
       real(wp), parameter :: root = sqrt(3.0_wp)
-      real(wp) :: load, trial, shear, delay, half, low, high, scaling
+      real(wp) :: load, trial, shear, delay, half, low, high, scaling, cohesion, fast
       integer :: i, k
 
+      cohesion = law%cohesion
+      fast = law%fast
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
          pressure(i) = max(pressure(i), law%apex)
          load = max(pressure(i), 0.0_wp)
          trial = plastic_increment(i)/root
          low = max(law%cohesion + law%slow*pressure(i), 0.0_wp)
-         high = merge(law%cohesion + law%fast*load, low, pressure(i) > 0.0_wp)
+         high = merge(cohesion + fast*load, low, pressure(i) > 0.0_wp)
          delay = law%shear*dt*law%scale*sqrt(load)
          half = 0.5_wp*(high + trial + delay)
          ! The discriminant, as a sum of what is not negative where trial is above low.

@@ -8,6 +8,7 @@
 !! Equations
 !! (Y.9) and (Y.10) of doc/theory/strength.md.
 module law_neo_hookean
+   use base_elementary, only: logarithm, take_logarithms
    use base_kinds, only: wp
    use constitutive_field_requests, only: field_requests_t
    use constitutive_kinematics, only: deform
@@ -114,28 +115,36 @@ contains
       real(wp), intent(in) :: mu                     !! Shear modulus [Pa]
       real(wp), intent(in) :: gradient(9)            !! dx_k/dX_l in k + 3 (l - 1) [1]
       real(wp), intent(out) :: stress(6)             !! xx, yy, zz, xy, yz, xz [Pa]
-      real(wp) :: j, volumetric
+      call stress_with_logarithm(lambda*logarithm(ratio(gradient)), mu, gradient, stress)
+   end subroutine neo_hookean_stress
 
-      j = ratio(gradient)
-      volumetric = lambda*log(j)
+   !> Stress [Pa] of a deformation gradient and the logarithm of its determinant.
+   pure subroutine stress_with_logarithm(volumetric, mu, gradient, stress)
+      real(wp), intent(in) :: volumetric             !! lambda ln J [Pa]
+      real(wp), intent(in) :: mu                     !! Shear modulus [Pa]
+      real(wp), intent(in) :: gradient(9)            !! dx_k/dX_l in k + 3 (l - 1) [1]
+      real(wp), intent(out) :: stress(6)             !! xx, yy, zz, xy, yz, xz [Pa]
+      real(wp) :: inverse
+
+      inverse = 1.0_wp/ratio(gradient)
       stress(1) = mu*(gradient(1)**2 + gradient(4)**2 + gradient(7)**2 - 1.0_wp) + volumetric
       stress(2) = mu*(gradient(2)**2 + gradient(5)**2 + gradient(8)**2 - 1.0_wp) + volumetric
       stress(3) = mu*(gradient(3)**2 + gradient(6)**2 + gradient(9)**2 - 1.0_wp) + volumetric
       stress(4) = mu*(gradient(1)*gradient(2) + gradient(4)*gradient(5) + gradient(7)*gradient(8))
       stress(5) = mu*(gradient(2)*gradient(3) + gradient(5)*gradient(6) + gradient(8)*gradient(9))
       stress(6) = mu*(gradient(1)*gradient(3) + gradient(4)*gradient(6) + gradient(7)*gradient(9))
-      stress(:) = stress/j
-   end subroutine neo_hookean_stress
+      stress(:) = stress*inverse
+   end subroutine stress_with_logarithm
 
    !> Energy of a unit of reference volume [J/m3].
    pure real(wp) function neo_hookean_energy(lambda, mu, gradient) result(energy)
       real(wp), intent(in) :: lambda                 !! First parameter of Lame [Pa]
       real(wp), intent(in) :: mu                     !! Shear modulus [Pa]
       real(wp), intent(in) :: gradient(9)            !! dx_k/dX_l in k + 3 (l - 1) [1]
-      real(wp) :: logarithm
+      real(wp) :: volumetric
 
-      logarithm = log(ratio(gradient))
-      energy = 0.5_wp*mu*(sum(gradient**2) - 3.0_wp) - mu*logarithm + 0.5_wp*lambda*logarithm**2
+      volumetric = logarithm(ratio(gradient))
+      energy = 0.5_wp*mu*(sum(gradient**2) - 3.0_wp) - mu*volumetric + 0.5_wp*lambda*volumetric**2
    end function neo_hookean_energy
 
    !> J = det F, bounded from below.
@@ -145,6 +154,25 @@ contains
       j = max(f(1)*(f(5)*f(9) - f(8)*f(6)) - f(4)*(f(2)*f(9) - f(8)*f(3)) &
          + f(7)*(f(2)*f(6) - f(5)*f(3)), least_ratio)
    end function ratio
+
+   !> Logarithms of J of all particles of a range.
+   pure subroutine find_logarithms(first, last, deformation_gradient, values)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: deformation_gradient(:, :) !! F (store, 9) [1]
+      real(wp), contiguous, intent(inout) :: values(:) !! ln J (range) [1]
+      real(wp) :: f(9)
+      integer :: i, row
+
+      !$omp simd private(row, f)
+      do i = 1, last - first + 1
+         do row = 1, 9
+            f(row) = deformation_gradient(first - 1 + i, row)
+         end do
+         values(i) = ratio(f)
+      end do
+      call take_logarithms(last - first + 1, values)
+   end subroutine find_logarithms
 
    !> Deviator and pressure of all particles of a range.
    pure subroutine stress_of_state(first, last, lambda, mu, deformation_gradient, stress, pressure)
@@ -156,18 +184,23 @@ contains
       real(wp), contiguous, intent(inout) :: stress(:, :)  !! Deviator on return (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       real(wp) :: f(9), s(6), mean
-      integer :: i, k
+      integer :: i, k, row
 
-      ! Not vectorised: vector logarithms differ in the last bits from the scalar ones of the
-      ! remainder of a range, and bits must not depend on the position of a particle.
-      !GCC$ novector
+      call find_logarithms(first, last, deformation_gradient, pressure)
+      !$omp simd private(k, row, f, s, mean)
       do i = 1, last - first + 1
          k = first - 1 + i
-         f = deformation_gradient(k, :)
-         call neo_hookean_stress(lambda, mu, f, s)
+         do row = 1, 9
+            f(row) = deformation_gradient(k, row)
+         end do
+         call stress_with_logarithm(lambda*pressure(i), mu, f, s)
          mean = (s(1) + s(2) + s(3))/3.0_wp
-         s(1:3) = s(1:3) - mean
-         stress(k, :) = s
+         stress(k, 1) = s(1) - mean
+         stress(k, 2) = s(2) - mean
+         stress(k, 3) = s(3) - mean
+         stress(k, 4) = s(4)
+         stress(k, 5) = s(5)
+         stress(k, 6) = s(6)
          pressure(i) = -mean
       end do
    end subroutine stress_of_state
@@ -190,22 +223,23 @@ contains
       real(wp), contiguous, intent(in) :: deformation_gradient(:, :) !! F (store, 9) [1]
       real(wp), contiguous, intent(inout) :: wave_speed(:) !! Its square (range) [m2/s2]
       real(wp) :: f(9), b(6), j, mean, largest
-      integer :: i, k
+      integer :: i, k, row
 
-      ! Not vectorised: vector logarithms differ in the last bits from the scalar ones of the
-      ! remainder of a range, and bits must not depend on the position of a particle.
-      !GCC$ novector
+      call find_logarithms(first, last, deformation_gradient, wave_speed)
+      !$omp simd private(k, row, f, b, j, mean, largest)
       do i = 1, last - first + 1
          k = first - 1 + i
-         f = deformation_gradient(k, :)
+         do row = 1, 9
+            f(row) = deformation_gradient(k, row)
+         end do
          j = ratio(f)
-         call neo_hookean_stress(0.0_wp, 1.0_wp, f, b)
+         call stress_with_logarithm(0.0_wp, 1.0_wp, f, b)
          b(:) = j*b
          mean = (b(1) + b(2) + b(3))/3.0_wp
          largest = 1.0_wp + mean + sqrt(2.0_wp/3.0_wp*((b(1) - mean)**2 + (b(2) - mean)**2 &
             + (b(3) - mean)**2 + 2.0_wp*(b(4)**2 + b(5)**2 + b(6)**2)))
          wave_speed(i) = max(lambda + 2.0_wp*mu, mu*largest &
-            + max(lambda + mu - lambda*log(j), 0.0_wp))*volume(k)/(mass(k)*j)
+            + max(lambda + mu - lambda*wave_speed(i), 0.0_wp))*volume(k)/(mass(k)*j)
       end do
    end subroutine fastest_wave
 end module law_neo_hookean

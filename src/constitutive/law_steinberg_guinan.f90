@@ -12,13 +12,16 @@
 !! doc/theory/strength.md.
 module law_steinberg_guinan
    use base_deck_group, only: group_t
-   use base_kinds, only: wp
+   use base_elementary, only: take_exponentials, take_fast_powers
+   use base_kinds, only: int64, wp
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
    use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
+   use constitutive_hardening, only: flow_lanes_t, hardening_power_t, most_lanes, &
+      move_flow_results, solve_hardening
    use constitutive_kinematics, only: predict_deviator
-   use constitutive_law, only: equivalent_stress, law_stored_energy, law_t, mean_work, strain_trial
+   use constitutive_law, only: equivalent_stress, law_stored_energy, law_t, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -152,20 +155,62 @@ contains
       type(material_state_t), intent(in) :: state           !! State of the store
       integer, intent(in) :: particle                       !! Index in the store
       real(wp), intent(in) :: pressure               !! Its pressure [Pa]
-      real(wp) :: compression, melting
+      real(wp) :: one(1)
 
-      compression = state%mass(particle)/(self%density*state%volume(particle))
-      ratio = 1.0_wp + self%stiffening*pressure/compression**(1.0_wp/3.0_wp)
-      if (allocated(self%curve)) then
-         associate (curve => self%curve, temperature => state%temperature(particle))
-            ratio = ratio - curve%softening*(temperature - 300.0_wp)
-            melting = curve%reference*exp(2.0_wp*curve%volume*(1.0_wp - 1.0_wp/compression)) &
-               *compression**(2.0_wp*(curve%gamma - curve%volume - 1.0_wp/3.0_wp))
-            if (temperature >= melting) ratio = 0.0_wp
-         end associate
-      end if
-      ratio = max(ratio, 0.0_wp)
+      call find_moduli(self, state, particle, particle, [pressure], one)
+      ratio = one(1)
    end function steinberg_guinan_modulus
+
+   !> Shear moduli of the particles of a range over that of the reference state. Equations (Y.6) and
+   !! (Y.8).
+   pure subroutine find_moduli(law, state, first, last, pressure, ratio)
+      class(law_steinberg_guinan_t), intent(in) :: law
+      type(material_state_t), intent(in) :: state           !! State of the store
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: pressure(:)   !! (range) [Pa]
+      real(wp), contiguous, intent(inout) :: ratio(:)   !! (range) [1]
+      real(wp), parameter :: third = 1.0_wp/3.0_wp
+      real(wp), dimension(most_lanes) :: compression, root, melting, exponent
+      integer :: count, k, l, offset
+
+      do offset = 0, last - first, most_lanes
+         count = min(most_lanes, last - first + 1 - offset)
+         !$omp simd private(k)
+         do l = 1, count
+            k = first - 1 + offset + l
+            compression(l) = state%mass(k)/(law%density*state%volume(k))
+            root(l) = compression(l)
+         end do
+         call take_fast_powers(count, -third, root)
+         !$omp simd
+         do l = 1, count
+            ratio(offset + l) = 1.0_wp + law%stiffening*pressure(offset + l)*root(l)
+         end do
+         if (allocated(law%curve)) then
+            !$omp simd
+            do l = 1, count
+               melting(l) = compression(l)
+               exponent(l) = 2.0_wp*law%curve%volume*(1.0_wp - 1.0_wp/compression(l))
+            end do
+            call take_exponentials(count, exponent)
+            call take_fast_powers(count, 2.0_wp*(law%curve%gamma - law%curve%volume - third), &
+               melting)
+            !$omp simd private(k)
+            do l = 1, count
+               k = first - 1 + offset + l
+               ratio(offset + l) = ratio(offset + l) &
+                  - law%curve%softening*(state%temperature(k) - 300.0_wp)
+               ratio(offset + l) = merge(0.0_wp, ratio(offset + l), &
+                  state%temperature(k) >= law%curve%reference*exponent(l)*melting(l))
+            end do
+         end if
+         !$omp simd
+         do l = 1, count
+            ratio(offset + l) = max(ratio(offset + l), 0.0_wp)
+         end do
+      end do
+   end subroutine find_moduli
 
    !> Elastic trial with the modulus of the state before the step. The trial is linear in stress and
    !! modulus, so that with r = G/G0 it is r times that of the stress over r with G0.
@@ -175,29 +220,52 @@ contains
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
-      real(wp) :: pressure
       integer :: i, k
 
-      associate (ratio => deformation%strength%shear_ratio, stress => state%stress)
-         do i = 1, last - first + 1
+      associate (ratio => deformation%strength%shear_ratio, stress => state%stress, &
+         pressure => deformation%pressure)
+         do concurrent (i=1:last - first + 1)
             k = first - 1 + i
-            pressure = -(stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
-            ratio(i) = max(self%modulus(state, k, pressure), least_modulus)
-            stress(k, :) = stress(k, :)/ratio(i)
+            pressure(i) = -(stress(k, 1) + stress(k, 2) + stress(k, 3))/3.0_wp
          end do
+         call find_moduli(self, state, first, last, pressure, ratio)
+         do concurrent (i=1:last - first + 1)
+            ratio(i) = max(ratio(i), least_modulus)
+         end do
+         call scale_stress(first, last, ratio, stress, .true.)
          call predict_deviator(first, last, deformation%plane, self%shear, deformation%gradient, &
-            state%volume, stress, deformation%old_volume, deformation%dilatation, &
-            deformation%pressure)
-         do i = 1, last - first + 1
-            k = first - 1 + i
-            stress(k, :) = stress(k, :)*ratio(i)
-            deformation%pressure(i) = deformation%pressure(i)*ratio(i)
+            state%volume, stress, deformation%old_volume, deformation%dilatation, pressure)
+         call scale_stress(first, last, ratio, stress, .false.)
+         do concurrent (i=1:last - first + 1)
+            pressure(i) = pressure(i)*ratio(i)
          end do
       end associate
    end subroutine steinberg_guinan_predict_trial
 
-   !> Return to the yield surface of the new pressure. Few particles flow at a time, so they are
-   !! treated one by one.
+   !> Multiply or divide stresses by the ratio of moduli.
+   pure subroutine scale_stress(first, last, ratio, stress, divides)
+      integer, intent(in) :: first                   !! First particle of the range
+      integer, intent(in) :: last                    !! Last particle of the range
+      real(wp), contiguous, intent(in) :: ratio(:)   !! (range) [1]
+      real(wp), contiguous, intent(inout) :: stress(:, :) !! (store, 6) [Pa]
+      logical, intent(in) :: divides                 !! Divide, else multiply
+      real(wp) :: factor
+      integer :: i, k
+
+      do concurrent (i=1:last - first + 1)
+         k = first - 1 + i
+         factor = 1.0_wp/ratio(i)
+         if (.not. divides) factor = ratio(i)
+         stress(k, 1) = factor*stress(k, 1)
+         stress(k, 2) = factor*stress(k, 2)
+         stress(k, 3) = factor*stress(k, 3)
+         stress(k, 4) = factor*stress(k, 4)
+         stress(k, 5) = factor*stress(k, 5)
+         stress(k, 6) = factor*stress(k, 6)
+      end do
+   end subroutine scale_stress
+
+   !> Return to the yield surface of the new pressure, group by group.
    pure subroutine steinberg_guinan_update(self, state, deformation, first, last, dt)
       class(law_steinberg_guinan_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -205,62 +273,80 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
-      real(wp) :: ratio, limit, increment, stiffness
-      integer :: i, k
+      type(flow_lanes_t) :: lanes
+      type(hardening_power_t) :: power
+      integer :: offset
 
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      do i = 1, last - first + 1
-         k = first - 1 + i
-         associate (trial => deformation%plastic_increment(i))
-            ratio = self%modulus(state, k, deformation%pressure(i))
-            ! material that freezes has the modulus after the step: its trial had almost none
-            stiffness = 3.0_wp*self%shear*merge(deformation%strength%shear_ratio(i), ratio, &
-               deformation%strength%shear_ratio(i) > least_modulus)
-            call flow(self, trial, state%plastic_strain(k), ratio, stiffness, limit, increment)
-            if (limit < trial) state%stress(k, :) = limit/trial*state%stress(k, :)
-            state%plastic_strain(k) = state%plastic_strain(k) + increment
-            deformation%plastic_work(i) = state%volume(k)*mean_work( &
-               stiffness/3.0_wp, trial, limit, increment, deformation%plastic_work(i))
-            trial = increment
-         end associate
+      call find_moduli(self, state, first, last, deformation%pressure, &
+         deformation%strength%tangent)
+      power%exponent = self%exponent
+      power%growth = self%hardening
+      do offset = 0, last - first, most_lanes
+         call collect(self, offset, min(most_lanes, last - first + 1 - offset), &
+            first - 1 + offset, deformation%strength%tangent, deformation%strength%shear_ratio, &
+            state%plastic_strain, deformation%plastic_increment, deformation%plastic_work, lanes)
+         if (lanes%count == 0) cycle
+         call solve_hardening(power, lanes)
+         call move_flow_results(offset, first - 1 + offset, lanes, state%volume, state%stress, &
+            state%plastic_strain, deformation%plastic_increment, deformation%plastic_work)
       end do
    end subroutine steinberg_guinan_update
 
-   !> Plastic increment x of one particle from trial - 3 G x = Y(ep + x). The difference of the two
-   !! falls and is convex, as Y is concave, so that Newton's method climbs to the root from x = 0. A
-   !! melted particle flows without resistance and its plastic strain is left alone.
-   pure subroutine flow(law, trial, strain, ratio, stiffness, limit, increment)
-      type(law_steinberg_guinan_t), intent(in) :: law !! Constants
-      real(wp), intent(in) :: trial                  !! Equivalent trial stress [Pa]
-      real(wp), intent(in) :: strain                 !! Equivalent plastic strain before [1]
-      real(wp), intent(in) :: ratio                  !! G/G0 after the step [1]
-      real(wp), intent(in) :: stiffness              !! 3 G of the trial [Pa]
-      real(wp), intent(out) :: limit                 !! Equivalent stress after the step [Pa]
-      real(wp), intent(out) :: increment             !! Increment of plastic strain [1]
-      real(wp), parameter :: tolerance = 1.0e-12_wp
-      integer, parameter :: most_iterations = 100
-      real(wp) :: residual, slope, argument
-      integer :: iteration
+   !> Collect the particles of a group whose trial stress is above the yield stress without
+   !! hardening; the others do not flow.
+   ! gate: long kernel because it reads five fields of a group and writes two
+   pure subroutine collect(law, offset, count, before, ratio, trial_ratio, plastic_strain, &
+      plastic_increment, plastic_work, lanes)
+      class(law_steinberg_guinan_t), intent(in) :: law
+      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: count                   !! Particles of the group
+      integer, intent(in) :: before                  !! Particles of the store before the group
+      real(wp), contiguous, intent(in) :: ratio(:)       !! G/G0 after the step (range) [1]
+      real(wp), contiguous, intent(in) :: trial_ratio(:) !! G/G0 of the trial (range) [1]
+      real(wp), contiguous, intent(in) :: plastic_strain(:)        !! (store) [1]
+      !> Equivalent trial stress [Pa] in, 0 [1] out where nothing flows (range).
+      real(wp), contiguous, intent(inout) :: plastic_increment(:)
+      !> Trial deviator times strain increment [Pa] in, 0 [J] out where nothing flows (range).
+      real(wp), contiguous, intent(inout) :: plastic_work(:)
+      type(flow_lanes_t), intent(inout) :: lanes
+      real(wp) :: modulus
+      integer(int64) :: number
+      integer :: i, l, n
 
-      increment = 0.0_wp
-      limit = trial
-      if (trial <= law%yield*ratio) return
-      do iteration = 1, most_iterations
-         argument = 1.0_wp + law%hardening*(strain + law%strain + increment)
-         limit = law%yield*argument**law%exponent
-         slope = limit*law%exponent*law%hardening/argument
-         if (limit >= law%greatest) then
-            limit = law%greatest
-            slope = 0.0_wp
-         end if
-         limit = limit*ratio
-         residual = trial - stiffness*increment - limit
-         if (residual <= tolerance*limit .or. .not. ratio > 0.0_wp) exit
-         increment = increment + residual/(stiffness + ratio*slope)
+      lanes%count = 0
+      number = 0
+      !$omp simd reduction(+: number)
+      do i = offset + 1, offset + count
+         number = number + merge(1_int64, 0_int64, plastic_increment(i) > law%yield*ratio(i))
       end do
-      if (iteration == 1) limit = min(limit, trial)
-   end subroutine flow
+      if (number == 0) then
+         plastic_increment(offset + 1:offset + count) = 0.0_wp
+         plastic_work(offset + 1:offset + count) = 0.0_wp
+         return
+      end if
+      do n = 1, count
+         i = offset + n
+         if (plastic_increment(i) > law%yield*ratio(i)) then
+            l = lanes%count + 1
+            lanes%count = l
+            lanes%place(l) = n
+            lanes%trial(l) = plastic_increment(i)
+            ! material that freezes has the modulus after the step: its trial had almost none
+            modulus = max(ratio(i), least_modulus)
+            if (trial_ratio(i) > least_modulus) modulus = trial_ratio(i)
+            lanes%stiffness(l) = 3.0_wp*law%shear*modulus
+            lanes%fixed(l) = 0.0_wp
+            lanes%amplitude(l) = law%yield*ratio(i)
+            lanes%argument(l) = 1.0_wp + law%hardening*(plastic_strain(before + n) + law%strain)
+            lanes%greatest(l) = law%greatest*ratio(i)
+         else
+            plastic_increment(i) = 0.0_wp
+            plastic_work(i) = 0.0_wp
+         end if
+      end do
+   end subroutine collect
 
    !> Modulus of the state in the square of the wave speed.
    pure subroutine steinberg_guinan_add_wave_speed(self, state, deformation, first, last)
@@ -271,10 +357,8 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
       integer :: i, k
 
-      do i = 1, last - first + 1
-         deformation%strength%shear_ratio(i) = self%modulus(state, first - 1 + i, &
-            deformation%pressure(i))
-      end do
+      call find_moduli(self, state, first, last, deformation%pressure, &
+         deformation%strength%shear_ratio)
       if (allocated(state%failed)) then
          do concurrent (i=1:last - first + 1)
             deformation%strength%shear_ratio(i) = merge(0.0_wp, &

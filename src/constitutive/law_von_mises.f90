@@ -7,7 +7,7 @@ module law_von_mises
    use base_schema, only: schema_t
    use constitutive_effects, only: effects_t
    use constitutive_field_requests, only: field_requests_t
-   use constitutive_law, only: equivalent_stress, law_t, mean_work, strain_trial
+   use constitutive_law, only: equivalent_stress, law_t, return_radially, strain_trial
    use constitutive_state, only: deformation_t, material_state_t
    implicit none
    private
@@ -69,83 +69,60 @@ contains
 
       call strain_trial(first, last, deformation%gradient, state%stress, deformation%plastic_work)
       call equivalent_stress(first, last, state%stress, deformation%plastic_increment)
-      if (allocated(state%plastic_strain)) then
-         call return_hardening(first, last, self%shear, self%yield, self%hardening, state%volume, &
-            state%stress, state%plastic_strain, deformation%plastic_increment, &
-            deformation%plastic_work)
-      else
-         call return_perfect(first, last, self%shear, self%yield, state%volume, state%stress, &
-            deformation%plastic_increment, deformation%plastic_work)
-      end if
+      associate (limit => deformation%strength%tangent, increment => deformation%strength%dilation)
+         if (allocated(state%plastic_strain)) then
+            call harden(first, last, self%shear, self%yield, self%hardening, &
+               deformation%plastic_increment, state%plastic_strain, limit, increment)
+         else
+            call keep_yield_stress(last - first + 1, self%shear, self%yield, &
+               deformation%plastic_increment, limit, increment)
+         end if
+         call return_radially(first, last, self%shear, limit, increment, state%volume, &
+            state%stress, deformation%plastic_increment, deformation%plastic_work)
+      end associate
    end subroutine von_mises_update
 
-   !> Radial return without hardening. Equations (Y.1) and (Y.2).
-   pure subroutine return_perfect(first, last, shear, yield, volume, stress, plastic_increment, &
-      plastic_work)
-      integer, intent(in) :: first                   !! First particle of the range
-      integer, intent(in) :: last                    !! Last particle of the range
+   !> Yield stress and plastic increment without hardening. Equations (Y.1) and (Y.2).
+   pure subroutine keep_yield_stress(count, shear, yield, trial, limit, increment)
+      integer, intent(in) :: count                   !! Particles of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: yield                  !! Yield stress [Pa]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]
-      !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_work(:)
-      real(wp) :: trial, scaling
-      integer :: i, k
+      real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
+      real(wp), contiguous, intent(inout) :: limit(:) !! Equivalent stress at yield (range) [Pa]
+      real(wp), contiguous, intent(inout) :: increment(:) !! Of the plastic strain (range) [1]
+      real(wp) :: softness
+      integer :: i
 
-      do concurrent (i=1:last - first + 1)
-         k = first - 1 + i
-         trial = plastic_increment(i)
-         plastic_increment(i) = max(trial - yield, 0.0_wp)/(3.0_wp*shear)
-         plastic_work(i) = volume(k)*mean_work(shear, trial, yield, plastic_increment(i), &
-            plastic_work(i))
-         scaling = yield/max(trial, yield)
-         stress(k, 1) = scaling*stress(k, 1)
-         stress(k, 2) = scaling*stress(k, 2)
-         stress(k, 3) = scaling*stress(k, 3)
-         stress(k, 4) = scaling*stress(k, 4)
-         stress(k, 5) = scaling*stress(k, 5)
-         stress(k, 6) = scaling*stress(k, 6)
+      softness = 1.0_wp/(3.0_wp*shear)
+      do concurrent (i=1:count)
+         limit(i) = yield
+         increment(i) = max(trial(i) - yield, 0.0_wp)*softness
       end do
-   end subroutine return_perfect
+   end subroutine keep_yield_stress
 
-   !> Radial return with linear hardening (M. L. Wilkins, "Calculation of elastic-plastic flow",
-   !! 1964; closed form). Equations (Y.1) and (Y.3).
-   pure subroutine return_hardening(first, last, shear, yield, hardening, volume, stress, &
-      plastic_strain, plastic_increment, plastic_work)
+   !> Yield stress and plastic increment with linear hardening (M. L. Wilkins, "Calculation of
+   !! elastic-plastic flow", 1964; closed form). Equations (Y.1) and (Y.3).
+   pure subroutine harden(first, last, shear, yield, hardening, trial, plastic_strain, limit, &
+      increment)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: yield                  !! Initial yield stress [Pa]
       real(wp), intent(in) :: hardening              !! Slope of yield stress to plastic strain [Pa]
-      real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]
+      real(wp), contiguous, intent(in) :: trial(:)   !! Equivalent trial stress (range) [Pa]
       real(wp), contiguous, intent(inout) :: plastic_strain(:)     !! (store) [1]
-      !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_increment(:)
-      !> Trial deviator times strain increment [Pa] in, plastic work [J] out (range).
-      real(wp), contiguous, intent(inout) :: plastic_work(:)
-      real(wp) :: trial, limit, scaling
+      real(wp), contiguous, intent(inout) :: limit(:) !! Equivalent stress at yield (range) [Pa]
+      real(wp), contiguous, intent(inout) :: increment(:) !! Of the plastic strain (range) [1]
+      real(wp) :: softness
       integer :: i, k
 
+      softness = 1.0_wp/(3.0_wp*shear + hardening)
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         trial = plastic_increment(i)
-         limit = yield + hardening*plastic_strain(k)
-         plastic_increment(i) = max(trial - limit, 0.0_wp)/(3.0_wp*shear + hardening)
-         plastic_strain(k) = plastic_strain(k) + plastic_increment(i)
-         limit = limit + hardening*plastic_increment(i)
-         plastic_work(i) = volume(k)*mean_work(shear, trial, limit, plastic_increment(i), &
-            plastic_work(i))
-         scaling = limit/max(trial, limit)
-         stress(k, 1) = scaling*stress(k, 1)
-         stress(k, 2) = scaling*stress(k, 2)
-         stress(k, 3) = scaling*stress(k, 3)
-         stress(k, 4) = scaling*stress(k, 4)
-         stress(k, 5) = scaling*stress(k, 5)
-         stress(k, 6) = scaling*stress(k, 6)
+         limit(i) = yield + hardening*plastic_strain(k)
+         increment(i) = max(trial(i) - limit(i), 0.0_wp)*softness
+         plastic_strain(k) = plastic_strain(k) + increment(i)
+         limit(i) = limit(i) + hardening*increment(i)
       end do
-   end subroutine return_hardening
+   end subroutine harden
 end module law_von_mises

@@ -2,6 +2,7 @@
 !> Update of a material in a time step: a chain of models, each only if requested. Its links are
 !! equations (A.1) to (A.13) of doc/theory/matter.md and those of the laws.
 module material_update
+   use base_elementary, only: exponential
    use base_kinds, only: int64, wp
    use constitutive_heat, only: cut_melted_tension, heat_particles
    use constitutive_kinematics, only: dilate
@@ -416,7 +417,8 @@ contains
             if (allocated(state%failed)) limit = merge(0.0_wp, limit, state%failed(k) /= 0)
             volume = state%volume(k)
             if (allocated(state%solid_fraction)) volume = volume*state%solid_fraction(k)
-            if (allocated(state%plastic_dilation)) volume = volume*exp(-state%plastic_dilation(k))
+            if (allocated(state%plastic_dilation)) volume = volume &
+               *exponential(-state%plastic_dilation(k))
             energy(i) = energy(i) + self%eos%stored_energy(state%mass(k), volume, limit)
          else if (self%bulk_in_rate_form()) then
             pressure = -sum(state%stress(k, 1:3))/3.0_wp

@@ -17,6 +17,7 @@
 !! 105 for particles that carry an elastic strain; here the density gives the pressure, so the gaps
 !! must be found.
 module step_grid_volumes
+   use base_elementary, only: take_exponentials
    use base_kinds, only: wp
    use material_type, only: material_t
    use mesh_boundary, only: boundary_t
@@ -72,16 +73,16 @@ contains
 
       first = store%first(tile)
       last = first + store%count(tile) - 1
-      call material%stored_energy(store%state, first, last, before)
       associate (state => store%state)
          loose = state%mass(first:last)/material%density
          if (allocated(state%plastic_dilation)) then
-            ! Not vectorised: vector exponentials differ in the last bits from scalar ones.
-            !GCC$ novector
+            before = state%plastic_dilation(first:last)
+            call take_exponentials(size(before), before)
             do p = 1, size(loose)
-               loose(p) = loose(p)*exp(state%plastic_dilation(first + p - 1))
+               loose(p) = loose(p)*before(p)
             end do
          end if
+         call material%stored_energy(state, first, last, before)
          do p = 1, size(loose)
             associate (volume => state%volume(first + p - 1))
                if (volume > loose(p)) then

@@ -9,6 +9,7 @@
 !! Entropy can only grow by this, and a linear pressure field does not change. Equations (Q.11) and
 !! (Q.12) of doc/theory/quadratures.md.
 module step_pressure_relaxation
+   use base_elementary, only: exponential
    use base_kinds, only: wp
    use particle_store, only: store_t
    use step_simulation, only: scheme_t, simulation_t, velocity_field_t
@@ -109,7 +110,7 @@ contains
       share = sum(soft*seen**2)
       if (share > 0.0_wp) excess = excess &
          - seen*min(1.0_wp, max(0.0_wp, sum(soft*seen*excess)/share))
-      share = 1.0_wp - exp(-rate*maxval(speed(low:high)))
+      share = 1.0_wp - exponential(-rate*maxval(speed(low:high)))
       steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
       ! an expanding particle loses its own energy, of which thin gas beside a shock has little
       do p = low, high

@@ -12,6 +12,7 @@
 !! cells around, with half their width, and the least of b (compare J. A. Nairn, C. C. Hammerquist,
 !! G. D. Smith, Comput. Methods Appl. Mech. Eng. 362 (2020) 112859).
 module transfer_contact
+   use base_elementary, only: take_fast_powers
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit
    implicit none
@@ -133,12 +134,7 @@ contains
          if (grid%axisymmetric) half(p) = half(p)/position(q, 1)
          if (grid%dimensions == 2) half(p) = sqrt(half(p))
       end do
-      if (grid%dimensions == 3) then
-         !GCC$ novector
-         do p = 1, count
-            half(p) = half(p)**(1.0_wp/3.0_wp)
-         end do
-      end if
+      if (grid%dimensions == 3) call take_fast_powers(count, 1.0_wp/3.0_wp, half)
       do p = 1, count
          half(p) = 0.5_wp*half(p)
       end do
