@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+# cores: 2
+"""The end table names the few particles that make the steps short.
+
+Would catch: a scene limited by one fast body that does not say so, a factor that the speeds do not give, counts or a
+name that depend on ranks, and a line where all particles are alike.
+"""
+
+import unittest
+
+import case
+
+OPTIONS = case.arguments(__doc__)
+DECK = """
+&run  dimension='plane_strain'  method='ddmp' /
+&grid  lo=0,0,0  hi=40,1,40  dx=1 /
+&time  t_end=1.0e9  max_steps=4 /
+&material  name='m'  density=1000  bulk=1.0e6  shear=5.0e5 /
+&region  name='r'  shape='box'  lo=10,0,10  hi=30,1,30 /
+&body  name='rest'  region='r'  material='m'  ppc=3,1,3 /
+&region  name='s'  shape='box'  lo=33,0,33  hi=35,1,35 /
+&body  name='fast'  region='s'  material='m'  ppc=3,1,3  velocity={speed},0,0 /
+&boundary  face='all'  type='outflow' /
+&checkpoint  at_end=.false. /
+"""
+WAVE = (1.0e6 / 1000 + 4 * 5.0e5 / 3 / 1000) ** 0.5                       # 40.8 m/s
+
+
+class FewTest(unittest.TestCase):
+    """36 of 3636 particles fly, which is less than one in a hundred."""
+
+    def ended(self, name, speed, ranks=1):
+        run = case.Case(OPTIONS, name, DECK.format(speed=speed), ranks=ranks)
+        run.run()
+        return run.summary["steps_limited_by_few"], run.path(".log").read_text(encoding="utf-8")
+
+    def test_fast_body(self):
+        """2.2 times the wave speed, so the sum is 3.2 times that of the others: at least 3, not 5."""
+        speed = 2.2 * WAVE
+        limit, log = self.ended("fast", speed)
+        self.assertEqual(limit, {"particles": 36, "factor": 3.0})
+        line = next(line for line in log.splitlines() if line.startswith("signals"))
+        self.assertIn("36 of 3636 particles", line)
+        self.assertIn("of body 'fast', material 'm'", line)
+        again, other = self.ended("ranks", speed, ranks=2)
+        self.assertEqual(again, limit)
+        self.assertIn(line, other)
+
+    def test_all_alike(self):
+        """At 0.2 times the wave speed the flying body costs a sixth of the step: not worth a line."""
+        limit, log = self.ended("slow", 0.2 * WAVE)
+        self.assertEqual(limit["particles"], 0)
+        self.assertNotIn("signals  ", log)
+
+
+if __name__ == "__main__":
+    unittest.main()
