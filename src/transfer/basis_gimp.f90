@@ -55,7 +55,9 @@ contains
    !! box l in cells the mean is the hat function
    !! 1 - d, less (l - d)**2/(2 l) where the box holds the top, more (l - |1 - d|)**2/(4 l) where it
    !! holds the foot. That is the form without branches of 1 - (d**2 + l**2)/(2 l), 1 - d and
-   !! (1 + l - d)**2/(4 l). Equation (N.2) of doc/theory/node_functions.md.
+   !! (1 + l - d)**2/(4 l). Equation (N.2) of doc/theory/node_functions.md. A box that touches three
+   !! nodes holds at most the top of the function of the middle one, which is the foot of both
+   !! others.
    pure subroutine gimp_weigh(self, count, nodes, inverse, local, overhang, weight, slope)
       class(basis_gimp_t), intent(in) :: self
       integer, intent(in) :: count                           !! Particles
@@ -68,6 +70,20 @@ contains
       real(wp) :: away, top, foot, step
       integer :: p, n
 
+      if (nodes == 3) then
+         !$omp simd private(top, step)
+         do p = 1, count
+            top = max(overhang(p) - abs(local(p)), 0.0_wp)*(1.0_wp/overhang(p))
+            step = sign(0.5_wp, local(p))
+            weight(p, 1) = max(-local(p), 0.0_wp) + 0.25_wp*overhang(p)*top*top
+            weight(p, 2) = (1.0_wp - abs(local(p))) - 0.5_wp*overhang(p)*top*top
+            weight(p, 3) = max(local(p), 0.0_wp) + 0.25_wp*overhang(p)*top*top
+            slope(p, 1) = -inverse*((0.5_wp - step) + step*top)
+            slope(p, 2) = inverse*(-2.0_wp*step*(1.0_wp - top))
+            slope(p, 3) = inverse*((0.5_wp + step) - step*top)
+         end do
+         return
+      end if
       do n = 1, nodes
          !$omp simd private(away, top, foot, step)
          do p = 1, count

@@ -17,7 +17,7 @@ module transfer_spline_gather
    public :: gather_spline_gradient, gather_spline_values
 
    integer, parameter :: lanes = 4                   !! Columns that are found at once
-   integer, parameter :: batch = 64                  !! Particles whose functions are copied at once
+   integer, parameter :: batch = 60                  !! Particles whose functions are copied at once
 
 contains
 

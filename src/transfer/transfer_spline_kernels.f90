@@ -18,7 +18,7 @@ module transfer_spline_kernels
    public :: scatter_spline_affine, scatter_spline_motion, scatter_spline_stress, &
       scatter_spline_values
 
-   integer, parameter :: batch = 64                  !! Particles that are prepared at once
+   integer, parameter :: batch = 60                  !! Particles that are prepared at once
 
    !> Functions of some particles, as the particles are added.
    type :: lines_t
