@@ -25,7 +25,8 @@ module transfer_shape_data
       !> (particle, node, direction) Functions of the nodes from the first one on along a line
       real(wp), allocatable :: weight(:, :, :)
       real(wp), allocatable :: slope(:, :, :)        !! The same: their mean derivatives [1/m]
-      !> (particle, 3) Local coordinate from the second of these nodes on [cells]
+      !> (particle, 3) Local coordinate from the second of these nodes on, negative where the first
+      !! of them is the first node of the cell [cells]
       real(wp), allocatable :: local(:, :)
       !> (particle, 3) How far functions reach beyond the cells beside their node [cells]
       real(wp), allocatable :: overhang(:, :)

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Shape functions that are products of functions of one coordinate, on the nodes -1 to 2 of the
-!! cell along each direction. A basis of this kind only defines these functions (`weigh`), and how
-!! far
-!! they reach (`find_overhang`).
+!! cell along each direction. A basis of this kind only defines these functions (`weigh`) and their
+!! reach (`find_overhang`).
 module transfer_tensor
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -50,7 +49,7 @@ module transfer_tensor
       end subroutine find_overhang_i
 
       !> Functions of nodes along one direction, and their mean derivatives, as if there were no
-      !! walls. Where only three nodes are asked for, these are all that the particles touch.
+      !! walls. If nodes is 3, no particle touches a fourth node.
       pure subroutine weigh_i(self, count, nodes, inverse, local, overhang, weight, slope)
          import :: basis_tensor_t, wp
          implicit none
@@ -115,9 +114,8 @@ contains
    end subroutine tensor_locate
 
    !> First nodes of particles along one direction. In three dimensions functions are given from the
-   !! first node that counts on. In planes and on lines they are given for four nodes, and `low`
-   !! tells
-   !! which is the first that counts.
+   !! first node that counts on. In planes and on lines they are given for four nodes, and `low` is
+   !! the first that counts.
    pure subroutine find_first(reach, grid, direction, shape)
       integer, intent(in) :: reach                           !! Nodes of a line that are touched
       type(grid_t), intent(in) :: grid
@@ -171,8 +169,8 @@ contains
             if (place /= merge(0, grid%cells(direction) - 1, side == 1)) cycle
             inward = merge(1, -1, side == 1)
             do p = start(cell) + 1, start(cell + 1)
-               ! functions that are given from the first node of the cell on have a negative
-               ! coordinate
+               ! the coordinate is negative where functions are given from the first node of the
+               ! cell on
                out = merge(1, line, side == 1) - merge(1, 0, spline%local(p, direction) < 0.0_wp)
                if (out < 1 .or. out > spline%reach) cycle
                call fold(spline%weight(p, :, direction), out, inward)
