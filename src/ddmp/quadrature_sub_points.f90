@@ -11,8 +11,9 @@ module quadrature_sub_points
    use mesh_grid, only: grid_t
    use particle_store, only: store_t, traits_t
    use transfer_shape_data, only: line, shape_data_t
+   use transfer_spline_gather, only: gather_spline_values
    use transfer_spline_gather_plane, only: gather_plane_values
-   use transfer_spline_kernels, only: gather_spline_values, scatter_spline_values
+   use transfer_spline_kernels, only: scatter_spline_values
    implicit none
    private
 
@@ -135,10 +136,10 @@ contains
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: basis(shape%count, line, 3)
-      integer :: low(shape%count, 3), p, k, l, count
+      integer :: low(shape%count, 3), node(shape%count), reach, p, k, l, count
 
       count = shape%count
-      call put_on(shape, count, basis, low)
+      call put_on(grid, shape, count, basis, low, node, reach)
       shape%values(:count, 1) = volume(first:first + count - 1)
       call scatter_spline_values(grid, layers(grid), shape, 1, shape%values, 7, patch)
       do l = 1, 3
@@ -156,6 +157,8 @@ contains
       end do
       shape%spline%weight(:count, :, :) = basis
       shape%spline%low(:count, :) = low
+      shape%spline%node(:count) = node
+      shape%spline%reach = reach
    end subroutine sub_scatter_force
 
    !> Velocity gradient.
@@ -168,10 +171,10 @@ contains
       real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       real(wp) :: basis(shape%count, line, 3), column(3, size(nodes, 2))
-      integer :: low(shape%count, 3), p, k, l, count
+      integer :: low(shape%count, 3), node(shape%count), reach, p, k, l, count
 
       count = shape%count
-      call put_on(shape, count, basis, low)
+      call put_on(grid, shape, count, basis, low, node, reach)
       do l = 1, 3
          if (.not. grid%active(l)) then
             gradient(:count, 3*l - 2:3*l) = 0.0_wp
@@ -191,21 +194,29 @@ contains
       end do
       shape%spline%weight(:count, :, :) = basis
       shape%spline%low(:count, :) = low
+      shape%spline%node(:count) = node
+      shape%spline%reach = reach
    end subroutine sub_gather_gradient
 
    !> Put the functions of the dual gradient where the maps look for functions, and keep those of
    !! the
    !! basis.
-   pure subroutine put_on(shape, count, basis, low)
+   pure subroutine put_on(grid, shape, count, basis, low, node, reach)
+      type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(inout) :: shape
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(inout) :: basis(:, :, :)  !! (particle of the tile, node, 3)
       integer, contiguous, intent(inout) :: low(:, :)        !! (particle of the tile, 3)
+      integer, contiguous, intent(inout) :: node(:)          !! (particle of the tile)
+      integer, intent(out) :: reach                          !! Nodes of a line
 
       basis = shape%spline%weight(:count, :, :)
       low = shape%spline%low(:count, :)
       shape%spline%weight(:count, :, :) = shape%mean%value(:count, :, :)
       shape%spline%low(:count, :) = 1
+      node = shape%spline%node(:count)
+      reach = shape%spline%reach
+      call shape%spline%take_cells(grid, shape%start)
    end subroutine put_on
 
    !> Layers of a block after the first one.
@@ -227,8 +238,7 @@ contains
       if (grid%dimensions < 3) then
          call gather_plane_values(grid, shape, nodes, values(:, skip + 1:))
       else
-         call gather_spline_values(grid, layers(grid), shape%start, size(shape%spline%weight, 1), &
-            shape%spline%weight, shape%spline%low, size(nodes, 2), nodes, skip, values)
+         call gather_spline_values(grid, shape%count, shape%spline, nodes, skip, values)
       end if
       call move_alloc(values, shape%values)
    end subroutine gather_mean_vector

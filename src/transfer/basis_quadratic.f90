@@ -5,7 +5,6 @@ module basis_quadratic
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use transfer_shape_data, only: line, shape_data_t
    use transfer_tensor, only: basis_tensor_t
    implicit none
    private
@@ -17,6 +16,7 @@ module basis_quadratic
    contains
       procedure :: at_wall => quadratic_at_wall      !! Integral of the function of a wall
       procedure :: band_width => quadratic_band_width        !! Width of a crack across a cell
+      procedure :: find_overhang => quadratic_find_overhang !! How far functions reach
       procedure :: weigh => quadratic_weigh          !! Functions along one direction
    end type basis_quadratic_t
 
@@ -37,29 +37,55 @@ contains
       integral = 13.0_wp/24.0_wp
    end function quadratic_at_wall
 
-   !> With the distance d from a node in cells: (3/2 - d)**2/2, less 3 (1/2 - d)**2/2 where d < 1/2,
-   !! which is 3/4 - d**2. Equation (N.4) of doc/theory/node_functions.md.
-   pure subroutine quadratic_weigh(self, grid, store, tile, direction, shape)
+   !> Functions reach half a cell beyond the cells beside their node.
+   pure subroutine quadratic_find_overhang(self, grid, store, tile, direction, overhang)
       class(basis_quadratic_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile                            !! Index of the tile
       integer, intent(in) :: direction                       !! 1 to 3
-      type(shape_data_t), intent(inout) :: shape
-      real(wp) :: away, outer, inner, inverse
+      real(wp), contiguous, intent(inout) :: overhang(:)     !! (particle of the tile) [cells]
+
+      overhang(:store%count(tile)) = 0.5_wp
+   end subroutine quadratic_find_overhang
+
+   !> With the distance d from a node in cells: (3/2 - d)**2/2, less 3 (1/2 - d)**2/2 where d < 1/2,
+   !! which is 3/4 - d**2. Equation (N.4) of doc/theory/node_functions.md.
+   pure subroutine quadratic_weigh(self, count, nodes, inverse, local, overhang, weight, slope)
+      class(basis_quadratic_t), intent(in) :: self
+      integer, intent(in) :: count                           !! Particles
+      integer, intent(in) :: nodes                           !! Nodes, 3 or 4
+      real(wp), intent(in) :: inverse                        !! 1 over the spacing [1/m]
+      real(wp), contiguous, intent(in) :: local(:)           !! (particle) From the second node on
+      real(wp), contiguous, intent(in) :: overhang(:)        !! (particle) [cells]
+      real(wp), contiguous, intent(inout) :: weight(:, :)    !! (particle, node)
+      real(wp), contiguous, intent(inout) :: slope(:, :)     !! (particle, node) [1/m]
+      real(wp) :: away, outer, inner, lower, upper
       integer :: p, n
 
-      inverse = 1.0_wp/grid%spacing
-      do p = 1, store%count(tile)
-         shape%spline%low(p, direction) = merge(1, 2, shape%local(p, direction) < 0.5_wp)
-      end do
-      do n = 1, line
-         do p = 1, store%count(tile)
-            away = shape%local(p, direction) - real(n - 2, wp)
+      if (nodes == 3) then
+         ! none is further from the middle node than half a cell
+         !$omp simd private(lower, upper)
+         do p = 1, count
+            lower = 0.5_wp - local(p)
+            upper = 0.5_wp + local(p)
+            weight(p, 1) = 0.5_wp*lower*lower
+            weight(p, 2) = 0.75_wp - local(p)*local(p)
+            weight(p, 3) = 0.5_wp*upper*upper
+            slope(p, 1) = -inverse*lower
+            slope(p, 2) = -2.0_wp*inverse*local(p)
+            slope(p, 3) = inverse*upper
+         end do
+         return
+      end if
+      do n = 1, nodes
+         !$omp simd private(away, outer, inner)
+         do p = 1, count
+            away = local(p) - real(n - 2, wp)
             outer = max(1.5_wp - abs(away), 0.0_wp)
             inner = max(0.5_wp - abs(away), 0.0_wp)
-            shape%spline%weight(p, n, direction) = 0.5_wp*outer**2 - 1.5_wp*inner**2
-            shape%spline%slope(p, n, direction) = -sign(inverse*(outer - 3.0_wp*inner), away)
+            weight(p, n) = 0.5_wp*outer**2 - 1.5_wp*inner**2
+            slope(p, n) = -sign(inverse*(outer - 3.0_wp*inner), away)
          end do
       end do
    end subroutine quadratic_weigh

@@ -11,7 +11,7 @@ module transfer_shape_data
    implicit none
    private
 
-   public :: find_local, shape_data_t
+   public :: find_local, shape_data_t, spline_data_t
 
    integer, parameter, public :: line = 4            !! Nodes along a line of an extended support
    !> Rows after the last particle that columns of a tile have at least: kernels with particles as
@@ -20,12 +20,20 @@ module transfer_shape_data
 
    !> Functions with extended support, by direction.
    type :: spline_data_t
-      !> (particle, node, direction) Functions of the nodes -1, 0, 1, 2 of the cell along a line
+      integer :: reach = line                        !! Nodes along a line, from the first one on
+      integer, allocatable :: node(:)                !! (particle) First node, in the tile
+      !> (particle, node, direction) Functions of the nodes from the first one on along a line
       real(wp), allocatable :: weight(:, :, :)
       real(wp), allocatable :: slope(:, :, :)        !! The same: their mean derivatives [1/m]
+      !> (particle, 3) Local coordinate from the second of these nodes on, negative where the first
+      !! of them is the first node of the cell [cells]
+      real(wp), allocatable :: local(:, :)
+      !> (particle, 3) How far functions reach beyond the cells beside their node [cells]
+      real(wp), allocatable :: overhang(:, :)
       integer, allocatable :: low(:, :)              !! (particle, 3) First node that counts, 1 or 2
    contains
       procedure :: reserve => spline_reserve
+      procedure :: take_cells => spline_take_cells   !! First nodes are those before the cells
    end type spline_data_t
 
    !> Means of the dual gradient over sub-points, indices as of spline_data_t.
@@ -121,11 +129,28 @@ contains
 
       if (allocated(self%weight)) then
          if (size(self%weight, 1) >= particles) return
-         deallocate (self%weight, self%slope, self%low)
+         deallocate (self%weight, self%slope, self%local, self%overhang, self%low, self%node)
       end if
       n = column_length(particles)
-      allocate (self%weight(n, line, 3), self%slope(n, line, 3), self%low(n, 3))
+      allocate (self%weight(n, line, 3), self%slope(n, line, 3), self%local(n, 3), &
+         self%overhang(n, 3), self%low(n, 3), self%node(n))
    end subroutine spline_reserve
+
+   !> First nodes of particles that are given four nodes along each direction.
+   pure subroutine spline_take_cells(self, grid, start)
+      class(spline_data_t), intent(inout) :: self
+      type(grid_t), intent(in) :: grid
+      integer, contiguous, intent(in) :: start(0:)   !! (0:cells) Particles before a cell
+      integer :: cell, p, node
+
+      self%reach = line
+      do cell = 0, grid%tile_cells - 1
+         node = grid%first_node(cell) - sum(grid%stride)
+         do p = start(cell) + 1, start(cell + 1)
+            self%node(p) = node
+         end do
+      end do
+   end subroutine spline_take_cells
 
    !> Reserve memory for means of the dual gradient. Former values are lost.
    pure subroutine mean_reserve(self, particles)

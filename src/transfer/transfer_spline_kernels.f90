@@ -1,94 +1,209 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Maps with shape functions that are products of functions of one coordinate, given along each
-!! direction on the nodes -1 to 2 of the cell.
+!> From particles to nodes with shape functions that are products of functions of one coordinate.
 !!
-!! All particles of a cell share a block of 4 nodes along each direction. The components of the four
-!! nodes of a line along x lie together, and these of a node are the lanes. Of the lines and layers
-!! those are taken that the particle touches. The sums of a tile lie by themselves, four a node, and
-!! are added to the patch at once. So few particles in a cell cost hardly more than many, and the
-!! bits of a particle do not depend on others.
+!! In three dimensions products of functions along y and z of some particles are found at once, with
+!! particles as lanes. Then the particles are added one by one, with four columns as lanes, and only
+!! to the nodes that they touch: there are kernels for three and for four along each direction. The
+!! sums of a tile lie by themselves, four a node, and are added to the patch at once. So few
+!! particles in a cell cost hardly more than many, and the bits of a particle do not depend on
+!! others.
 module transfer_spline_kernels
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use transfer_shape_data, only: line, shape_data_t
-   use transfer_spline_plane, only: before_block, columns, scatter_plane_columns, &
-      scatter_plane_loads
+   use transfer_spline_plane, only: add_nodes, columns, scatter_plane_stress, scatter_plane_values
    implicit none
    private
 
-   public :: gather_spline_values, gather_spline_gradient, scatter_spline_affine, &
-      scatter_spline_values, scatter_spline_stress
+   public :: scatter_spline_affine, scatter_spline_motion, scatter_spline_stress, &
+      scatter_spline_values
+
+   integer, parameter :: batch = 60                  !! Particles that are prepared at once
+
+   !> Functions of some particles, as the particles are added.
+   type :: lines_t
+      integer :: before(batch)                       !! (particle) Numbers before the first node
+      real(wp) :: x(batch, line)                     !! (particle, node) Functions along x
+      real(wp) :: slope_x(batch, line)               !! Their derivatives [1/m]
+      real(wp) :: yz(batch, line, line)              !! (particle, y, z) Products along y and z
+      real(wp) :: slope_y(batch, line, line)         !! The same with derivatives along y [1/m]
+      real(wp) :: slope_z(batch, line, line)         !! The same with derivatives along z [1/m]
+   end type lines_t
 
 contains
 
-   !> Add sum S_i value to columns of a patch, four columns at a time.
+   !> Add mass and momentum to columns 1 to 4 of a patch, in three dimensions.
+   pure subroutine scatter_spline_motion(grid, shape, first, mass, velocity, patch)
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(in) :: shape
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      type(lines_t) :: lines
+      real(wp) :: values(columns, batch), sums(columns*size(patch, 2))
+      integer :: skipped, number, p, q
+
+      sums = 0.0_wp
+      do skipped = 0, shape%count - 1, batch
+         number = min(batch, shape%count - skipped)
+         call multiply_lines(shape, skipped, number, lines)
+         do p = 1, number
+            q = first - 1 + skipped + p
+            values(1, p) = mass(q)
+            values(2, p) = mass(q)*velocity(q, 1)
+            values(3, p) = mass(q)*velocity(q, 2)
+            values(4, p) = mass(q)*velocity(q, 3)
+         end do
+         call add_values(shape%spline%reach, number, lines, values, columns*grid%stride, &
+            size(sums), sums)
+      end do
+      call add_nodes(size(patch, 2), columns, sums, 0, patch)
+   end subroutine scatter_spline_motion
+
+   !> Add sum S_i value to columns of a patch.
    pure subroutine scatter_spline_values(grid, after, shape, count, values, before, patch)
       type(grid_t), intent(in) :: grid
-      integer, intent(in) :: after                           !! Layers after the first one
+      integer, intent(in) :: after                           !! Layers after the first one in planes
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
       integer, intent(in) :: before                          !! Columns of the patch before them
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: part(columns, shape%count), sums(columns*size(patch, 2))
-      integer :: p, c, skip
 
-      do skip = 0, count - 1, columns
-         part = 0.0_wp
-         do c = 1, min(count - skip, columns)
-            do p = 1, shape%count
-               part(c, p) = values(p, skip + c)
-            end do
-         end do
-         sums = 0.0_wp
-         if (grid%active(2)) then
-            call scatter_space_columns(grid, after, shape%start, size(shape%spline%weight, 1), &
-               shape%spline%weight, shape%spline%low, part, size(sums), sums)
-         else
-            call scatter_plane_columns(grid, after, shape%start, size(shape%spline%weight, 1), &
-               shape%spline%weight, shape%spline%low, part, size(sums), sums)
-         end if
-         call add_nodes(size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
-      end do
+      if (grid%active(2)) then
+         call scatter_space_values(grid, shape, count, values, before, patch)
+      else
+         call scatter_plane_values(grid, after, shape, count, values, before, patch)
+      end if
    end subroutine scatter_spline_values
 
-   !> Add sum S_i value of four columns to the sums of the nodes.
-   ! gate: long kernel because arrays are given by their sizes
-   pure subroutine scatter_space_columns(grid, after, start, rows, weight, low, values, numbers, &
-      sums)
+   !> Add sum S_i value to columns of a patch in three dimensions, four columns at a time.
+   pure subroutine scatter_space_values(grid, shape, count, values, before, patch)
       type(grid_t), intent(in) :: grid
-      integer, intent(in) :: after                           !! Lines and layers after the first one
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: rows                            !! Length of the next two
-      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
-      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
-      real(wp), contiguous, intent(in) :: values(:, :)       !! (column, particle of the tile)
+      type(shape_data_t), intent(in) :: shape
+      integer, intent(in) :: count                           !! Number of columns
+      real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      type(lines_t) :: lines
+      real(wp) :: part(columns, batch), sums(columns*size(patch, 2))
+      integer :: skipped, number, p, skip, at(columns)
+
+      do skip = 0, count - 1, columns
+         ! in place of columns that are not there stands the last one; it is not added
+         at = min(skip + [1, 2, 3, 4], count)
+         sums = 0.0_wp
+         do skipped = 0, shape%count - 1, batch
+            number = min(batch, shape%count - skipped)
+            call multiply_lines(shape, skipped, number, lines)
+            do p = 1, number
+               part(1, p) = values(skipped + p, at(1))
+               part(2, p) = values(skipped + p, at(2))
+               part(3, p) = values(skipped + p, at(3))
+               part(4, p) = values(skipped + p, at(4))
+            end do
+            call add_values(shape%spline%reach, number, lines, part, columns*grid%stride, &
+               size(sums), sums)
+         end do
+         call add_nodes(size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
+      end do
+   end subroutine scatter_space_values
+
+   !> Functions along x, and products of functions along y and z, of some particles.
+   pure subroutine multiply_lines(shape, skipped, number, lines)
+      type(shape_data_t), intent(in) :: shape
+      integer, intent(in) :: skipped                         !! Particles before them
+      integer, intent(in) :: number                          !! Of them
+      type(lines_t), intent(inout) :: lines
+      integer :: p, i, j, k, reach
+
+      reach = shape%spline%reach
+      do p = 1, number
+         lines%before(p) = columns*(shape%spline%node(skipped + p) - 1)
+      end do
+      do i = 1, reach
+         do p = 1, number
+            lines%x(p, i) = shape%spline%weight(skipped + p, i, 1)
+         end do
+      end do
+      do k = 1, reach
+         do j = 1, reach
+            !$omp simd
+            do p = 1, number
+               lines%yz(p, j, k) = shape%spline%weight(skipped + p, j, 2) &
+                  *shape%spline%weight(skipped + p, k, 3)
+            end do
+         end do
+      end do
+   end subroutine multiply_lines
+
+   !> The same with derivatives along one of the directions.
+   pure subroutine multiply_slopes(shape, skipped, number, lines)
+      type(shape_data_t), intent(in) :: shape
+      integer, intent(in) :: skipped                         !! Particles before them
+      integer, intent(in) :: number                          !! Of them
+      type(lines_t), intent(inout) :: lines
+      integer :: p, i, j, k, reach
+
+      reach = shape%spline%reach
+      do i = 1, reach
+         do p = 1, number
+            lines%slope_x(p, i) = shape%spline%slope(skipped + p, i, 1)
+         end do
+      end do
+      do k = 1, reach
+         do j = 1, reach
+            !$omp simd
+            do p = 1, number
+               lines%slope_y(p, j, k) = shape%spline%slope(skipped + p, j, 2) &
+                  *shape%spline%weight(skipped + p, k, 3)
+               lines%slope_z(p, j, k) = shape%spline%weight(skipped + p, j, 2) &
+                  *shape%spline%slope(skipped + p, k, 3)
+            end do
+         end do
+      end do
+   end subroutine multiply_slopes
+
+   !> Add sum S_i value of four columns of some particles to the sums of the nodes.
+   ! gate: long kernel because arrays are given by their sizes
+   pure subroutine add_values(reach, number, lines, values, up, numbers, sums)
+      integer, intent(in) :: reach                           !! Nodes along a line
+      integer, intent(in) :: number                          !! Of particles
+      type(lines_t), intent(in) :: lines
+      real(wp), intent(in) :: values(columns, batch)         !! (column, particle)
+      integer, intent(in) :: up(3)                           !! Numbers from node to node
       integer, intent(in) :: numbers                         !! Four a node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
-      real(wp) :: functions(line)
-      integer :: cell, p, j, k, base, at, up
+      integer :: p, j, k
 
-      up = columns*grid%stride(2)
-      do cell = 0, grid%tile_cells - 1
-         do p = start(cell) + 1, start(cell + 1)
-            base = columns*before_block(grid, cell) + (low(p, 2) - 1)*up
-            functions = weight(p, :, 1)
-            do k = low(p, 3), low(p, 3) + after
-               at = base + columns*(k - 1)*grid%stride(3)
-               do j = low(p, 2), low(p, 2) + after
-                  call add_columns(weight(p, k, 3)*weight(p, j, 2), functions, values(:, p), at, &
-                     numbers, sums)
-                  at = at + up
+      if (reach == 3) then
+         do p = 1, number
+            do k = 1, 3
+               do j = 1, 3
+                  call add_three(lines%yz(p, j, k), lines%x(p, 1), lines%x(p, 2), lines%x(p, 3), &
+                     values(1, p), lines%before(p) + (j - 1)*up(2) + (k - 1)*up(3), numbers, sums)
                end do
             end do
          end do
-      end do
-   end subroutine scatter_space_columns
+      else
+         do p = 1, number
+            do k = 1, line
+               do j = 1, line
+                  call add_four(lines%yz(p, j, k), lines%x(p, 1), lines%x(p, 2), lines%x(p, 3), &
+                     lines%x(p, 4), values(1, p), lines%before(p) + (j - 1)*up(2) &
+                     + (k - 1)*up(3), numbers, sums)
+               end do
+            end do
+         end do
+      end if
+   end subroutine add_values
 
-   !> Add values to the four nodes of a line.
-   pure subroutine add_columns(factor, weight, values, before, numbers, sums)
+   !> Add values to the three nodes of a line.
+   ! gate: long kernel because functions in registers are numbers
+   pure subroutine add_three(factor, w1, w2, w3, values, before, numbers, sums)
       real(wp), intent(in) :: factor                         !! Function of the line
-      real(wp), intent(in) :: weight(line)                   !! Functions of its nodes
+      real(wp), intent(in) :: w1, w2, w3                     !! Functions of its nodes
       real(wp), intent(in) :: values(columns)                !! (column)
       integer, intent(in) :: before                          !! Numbers before the line
       integer, intent(in) :: numbers                         !! Four a node of the tile
@@ -99,38 +214,166 @@ contains
       !$omp simd private(value)
       do c = 1, columns
          value = factor*values(c)
-         sums(before + c) = sums(before + c) + weight(1)*value
-         sums(before + columns + c) = sums(before + columns + c) + weight(2)*value
-         sums(before + 2*columns + c) = sums(before + 2*columns + c) + weight(3)*value
-         sums(before + 3*columns + c) = sums(before + 3*columns + c) + weight(4)*value
+         sums(before + c) = sums(before + c) + w1*value
+         sums(before + columns + c) = sums(before + columns + c) + w2*value
+         sums(before + 2*columns + c) = sums(before + 2*columns + c) + w3*value
       end do
-   end subroutine add_columns
+   end subroutine add_three
 
-   !> Add sums of all nodes of a tile to columns of the patch.
-   pure subroutine add_nodes(nodes, number, sums, before, patch)
-      integer, intent(in) :: nodes                           !! Nodes of the tile
-      integer, intent(in) :: number                          !! Columns that are added
-      real(wp), intent(in) :: sums(columns, nodes)           !! (column, node)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+   !> Add values to the four nodes of a line.
+   ! gate: long kernel because functions in registers are numbers
+   pure subroutine add_four(factor, w1, w2, w3, w4, values, before, numbers, sums)
+      real(wp), intent(in) :: factor                         !! Function of the line
+      real(wp), intent(in) :: w1, w2, w3, w4                 !! Functions of its nodes
+      real(wp), intent(in) :: values(columns)                !! (column)
+      integer, intent(in) :: before                          !! Numbers before the line
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
+      real(wp) :: value
+      integer :: c
+
+      !$omp simd private(value)
+      do c = 1, columns
+         value = factor*values(c)
+         sums(before + c) = sums(before + c) + w1*value
+         sums(before + columns + c) = sums(before + columns + c) + w2*value
+         sums(before + 2*columns + c) = sums(before + 2*columns + c) + w3*value
+         sums(before + 3*columns + c) = sums(before + 3*columns + c) + w4*value
+      end do
+   end subroutine add_four
+
+   !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
+   pure subroutine scatter_spline_stress(grid, after, shape, first, volume, stress, patch)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: after                           !! Layers after the first one in planes
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(shape_data_t), intent(in) :: shape
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      integer :: node, c
 
-      if (number == columns) then
-         ! a number that the compiler knows makes the columns one vector
-         do node = 1, nodes
-            !$omp simd
-            do c = 1, columns
-               patch(before + c, node) = patch(before + c, node) + sums(c, node)
-            end do
-         end do
+      if (grid%active(2)) then
+         call scatter_space_stress(grid, shape, first, volume, stress, patch)
       else
-         do node = 1, nodes
-            do c = 1, number
-               patch(before + c, node) = patch(before + c, node) + sums(c, node)
+         call scatter_plane_stress(grid, after, shape, first, volume, stress, patch)
+      end if
+   end subroutine scatter_spline_stress
+
+   !> Add the internal force in three dimensions.
+   pure subroutine scatter_space_stress(grid, shape, first, volume, stress, patch)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(shape_data_t), intent(in) :: shape
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      type(lines_t) :: lines
+      real(wp) :: load(columns, 3, batch)   !! (component, direction, particle) [N m]
+      real(wp) :: sums(columns*size(patch, 2)), share
+      integer :: skipped, number, p, q
+
+      sums = 0.0_wp
+      load = 0.0_wp
+      do skipped = 0, shape%count - 1, batch
+         number = min(batch, shape%count - skipped)
+         call multiply_lines(shape, skipped, number, lines)
+         call multiply_slopes(shape, skipped, number, lines)
+         do p = 1, number
+            q = first - 1 + skipped + p
+            share = -volume(q)
+            load(1, 1, p) = share*stress(q, 1)
+            load(2, 1, p) = share*stress(q, 4)
+            load(3, 1, p) = share*stress(q, 6)
+            load(1, 2, p) = share*stress(q, 4)
+            load(2, 2, p) = share*stress(q, 2)
+            load(3, 2, p) = share*stress(q, 5)
+            load(1, 3, p) = share*stress(q, 6)
+            load(2, 3, p) = share*stress(q, 5)
+            load(3, 3, p) = share*stress(q, 3)
+         end do
+         if (shape%spline%reach == 3) then
+            call add_loads_three(number, lines, load, columns*grid%stride, size(sums), sums)
+         else
+            call add_loads_four(number, lines, load, columns*grid%stride, size(sums), sums)
+         end if
+      end do
+      call add_nodes(size(patch, 2), 3, sums, 4, patch)
+   end subroutine scatter_space_stress
+
+   !> Add the force of the loads of some particles that touch three nodes along each direction.
+   pure subroutine add_loads_three(number, lines, load, up, numbers, sums)
+      integer, intent(in) :: number                          !! Of particles
+      type(lines_t), intent(in) :: lines
+      real(wp), intent(in) :: load(columns, 3, batch)        !! (component, direction, particle)
+      integer, intent(in) :: up(3)                           !! Numbers from node to node
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
+      real(wp) :: along, across, w1, w2, w3, s1, s2, s3
+      integer :: p, j, k, c, at
+
+      do p = 1, number
+         w1 = lines%x(p, 1)
+         w2 = lines%x(p, 2)
+         w3 = lines%x(p, 3)
+         s1 = lines%slope_x(p, 1)
+         s2 = lines%slope_x(p, 2)
+         s3 = lines%slope_x(p, 3)
+         do k = 1, 3
+            at = lines%before(p) + (k - 1)*up(3)
+            do j = 1, 3
+               !$omp simd private(along, across)
+               do c = 1, columns
+                  along = lines%yz(p, j, k)*load(c, 1, p)
+                  across = lines%slope_y(p, j, k)*load(c, 2, p) &
+                     + lines%slope_z(p, j, k)*load(c, 3, p)
+                  sums(at + c) = sums(at + c) + (s1*along + w1*across)
+                  sums(at + columns + c) = sums(at + columns + c) + (s2*along + w2*across)
+                  sums(at + 2*columns + c) = sums(at + 2*columns + c) + (s3*along + w3*across)
+               end do
+               at = at + up(2)
             end do
          end do
-      end if
-   end subroutine add_nodes
+      end do
+   end subroutine add_loads_three
+
+   !> Add the force of the loads of some particles that touch four nodes along each direction.
+   pure subroutine add_loads_four(number, lines, load, up, numbers, sums)
+      integer, intent(in) :: number                          !! Of particles
+      type(lines_t), intent(in) :: lines
+      real(wp), intent(in) :: load(columns, 3, batch)        !! (component, direction, particle)
+      integer, intent(in) :: up(3)                           !! Numbers from node to node
+      integer, intent(in) :: numbers                         !! Four a node of the tile
+      real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
+      real(wp) :: along, across, w1, w2, w3, w4, s1, s2, s3, s4
+      integer :: p, j, k, c, at
+
+      do p = 1, number
+         w1 = lines%x(p, 1)
+         w2 = lines%x(p, 2)
+         w3 = lines%x(p, 3)
+         w4 = lines%x(p, 4)
+         s1 = lines%slope_x(p, 1)
+         s2 = lines%slope_x(p, 2)
+         s3 = lines%slope_x(p, 3)
+         s4 = lines%slope_x(p, 4)
+         do k = 1, line
+            at = lines%before(p) + (k - 1)*up(3)
+            do j = 1, line
+               !$omp simd private(along, across)
+               do c = 1, columns
+                  along = lines%yz(p, j, k)*load(c, 1, p)
+                  across = lines%slope_y(p, j, k)*load(c, 2, p) &
+                     + lines%slope_z(p, j, k)*load(c, 3, p)
+                  sums(at + c) = sums(at + c) + (s1*along + w1*across)
+                  sums(at + columns + c) = sums(at + columns + c) + (s2*along + w2*across)
+                  sums(at + 2*columns + c) = sums(at + 2*columns + c) + (s3*along + w3*across)
+                  sums(at + 3*columns + c) = sums(at + 3*columns + c) + (s4*along + w4*across)
+               end do
+               at = at + up(2)
+            end do
+         end do
+      end do
+   end subroutine add_loads_four
 
    !> Add mass and momentum of linear velocity fields (C. Jiang, C. Schroeder, A. Selle, J. Teran,
    !! A. Stomakhin, ACM Trans. Graph. 34 (2015) 51).
@@ -143,40 +386,39 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
       real(wp), contiguous, intent(in) :: affine(:, :)       !! (particle, 9) C_kl, k + 3 (l - 1)
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp) :: sums(columns*size(patch, 2)), x(columns, line), y(columns, line)
+      real(wp) :: sums(columns*(size(patch, 2) + 1)), x(columns, line), y(columns, line)
       real(wp) :: z(columns, line), d, d_y, d_z, weight
-      integer :: cell, p, q, i, j, k, n, base, at, up, lines_after
+      integer :: p, q, i, j, k, n, base, at, up, lines_after
 
       lines_after = merge(after, 0, grid%active(2))
       up = columns*grid%stride(2)
       sums = 0.0_wp
+      x = 0.0_wp
       y = 0.0_wp
       z = 0.0_wp
-      do cell = 0, grid%tile_cells - 1
-         base = columns*before_block(grid, cell)
-         do p = shape%start(cell) + 1, shape%start(cell + 1)
-            q = first + p - 1
-            do i = 1, line
-               weight = mass(q)*shape%spline%weight(p, i, 1)
-               d = grid%spacing*(real(i - 2, wp) - shape%local(p, 1))
-               x(1, i) = weight
-               do n = 1, 3
-                  x(1 + n, i) = weight*(velocity(q, n) + affine(q, n)*d)
-                  y(1 + n, i) = weight*affine(q, n + 3)
-                  z(1 + n, i) = weight*affine(q, n + 6)
-               end do
+      do p = 1, shape%count
+         base = columns*(shape%spline%node(p) - 1)
+         q = first + p - 1
+         do i = 1, shape%spline%reach
+            weight = mass(q)*shape%spline%weight(p, i, 1)
+            d = grid%spacing*(real(i - 2, wp) - shape%spline%local(p, 1))
+            x(1, i) = weight
+            do n = 1, 3
+               x(1 + n, i) = weight*(velocity(q, n) + affine(q, n)*d)
+               y(1 + n, i) = weight*affine(q, n + 3)
+               z(1 + n, i) = weight*affine(q, n + 6)
             end do
-            do k = shape%spline%low(p, 3), shape%spline%low(p, 3) + after
-               d_z = merge(grid%spacing*(real(k - 2, wp) - shape%local(p, 3)), 0.0_wp, &
-                  grid%active(3))
-               at = base + columns*(k - 1)*grid%stride(3)
-               do j = shape%spline%low(p, 2), shape%spline%low(p, 2) + lines_after
-                  d_y = merge(grid%spacing*(real(j - 2, wp) - shape%local(p, 2)), 0.0_wp, &
-                     grid%active(2))
-                  weight = shape%spline%weight(p, j, 2)*shape%spline%weight(p, k, 3)
-                  call add_field(weight*[1.0_wp, d_y, d_z], x, y, z, at + (j - 1)*up, size(sums), &
-                     sums)
-               end do
+         end do
+         do k = shape%spline%low(p, 3), shape%spline%low(p, 3) + after
+            d_z = merge(grid%spacing*(real(k - 2, wp) - shape%spline%local(p, 3)), 0.0_wp, &
+               grid%active(3))
+            at = base + columns*(k - 1)*grid%stride(3)
+            do j = shape%spline%low(p, 2), shape%spline%low(p, 2) + lines_after
+               d_y = merge(grid%spacing*(real(j - 2, wp) - shape%spline%local(p, 2)), 0.0_wp, &
+                  grid%active(2))
+               weight = shape%spline%weight(p, j, 2)*shape%spline%weight(p, k, 3)
+               call add_field(weight*[1.0_wp, d_y, d_z], x, y, z, at + (j - 1)*up, size(sums), &
+                  sums)
             end do
          end do
       end do
@@ -200,202 +442,4 @@ contains
             + factor(3)*z(n))
       end do
    end subroutine add_field
-
-   !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch.
-   pure subroutine scatter_spline_stress(grid, after, shape, first, volume, stress, patch)
-      type(grid_t), intent(in) :: grid
-      integer, intent(in) :: after                           !! Layers after the first one
-      integer, intent(in) :: first                           !! First particle of the tile
-      type(shape_data_t), intent(in) :: shape
-      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
-      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
-      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      integer, parameter :: component(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
-      real(wp) :: load(columns, 3, shape%count), sums(columns*size(patch, 2))
-      integer :: p, k, l
-
-      load(columns, :, :) = 0.0_wp
-      do l = 1, 3
-         do k = 1, 3
-            do p = 1, shape%count
-               load(k, l, p) = -volume(first + p - 1)*stress(first + p - 1, component(k, l))
-            end do
-         end do
-      end do
-      sums = 0.0_wp
-      if (grid%active(2)) then
-         call scatter_space_loads(grid, after, shape%start, size(shape%spline%weight, 1), &
-            shape%spline%weight, shape%spline%slope, shape%spline%low, load, size(sums), sums)
-      else
-         call scatter_plane_loads(grid, after, shape%start, size(shape%spline%weight, 1), &
-            shape%spline%weight, shape%spline%slope, shape%spline%low, load, size(sums), sums)
-      end if
-      call add_nodes(size(patch, 2), 3, sums, 4, patch)
-   end subroutine scatter_spline_stress
-
-   !> Add the force of loads to the sums of the nodes.
-   ! gate: long kernel because arrays are given by their sizes
-   pure subroutine scatter_space_loads(grid, after, start, rows, weight, slope, low, load, &
-      numbers, sums)
-      type(grid_t), intent(in) :: grid
-      integer, intent(in) :: after                           !! Lines and layers after the first one
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: rows                            !! Length of the next three
-      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
-      real(wp), intent(in) :: slope(rows, line, 3)           !! The same: derivatives [1/m]
-      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
-      !> (component, direction, particle of the tile) [N m]
-      real(wp), contiguous, intent(in) :: load(:, :, :)
-      integer, intent(in) :: numbers                         !! Four a node of the tile
-      real(wp), intent(inout) :: sums(numbers)               !! (component, node), flat
-      real(wp) :: functions(line), slopes(line)
-      integer :: cell, p, j, k, base, at, up
-
-      up = columns*grid%stride(2)
-      do cell = 0, grid%tile_cells - 1
-         do p = start(cell) + 1, start(cell + 1)
-            base = columns*before_block(grid, cell) + (low(p, 2) - 1)*up
-            functions = weight(p, :, 1)
-            slopes = slope(p, :, 1)
-            do k = low(p, 3), low(p, 3) + after
-               at = base + columns*(k - 1)*grid%stride(3)
-               do j = low(p, 2), low(p, 2) + after
-                  call add_forces(weight(p, j, 2)*weight(p, k, 3), slope(p, j, 2)*weight(p, k, 3), &
-                     weight(p, j, 2)*slope(p, k, 3), functions, slopes, load(:, :, p), at, &
-                     numbers, sums)
-                  at = at + up
-               end do
-            end do
-         end do
-      end do
-   end subroutine scatter_space_loads
-
-   !> Add forces to the four nodes of a line.
-   ! gate: long kernel because factors in registers are three numbers
-   pure subroutine add_forces(x, y, z, weight, slope, load, before, numbers, sums)
-      real(wp), intent(in) :: x, y, z                        !! Factors of the line by direction
-      real(wp), intent(in) :: weight(line)                   !! Functions of the nodes
-      real(wp), intent(in) :: slope(line)                    !! Their derivatives [1/m]
-      real(wp), intent(in) :: load(columns, 3)               !! (component, direction) [N m]
-      integer, intent(in) :: before                          !! Numbers before the line
-      integer, intent(in) :: numbers                         !! Four a node of the tile
-      real(wp), intent(inout) :: sums(numbers)               !! (component, node), flat
-      real(wp) :: along, across
-      integer :: c
-
-      !$omp simd private(along, across)
-      do c = 1, columns
-         along = x*load(c, 1)
-         across = y*load(c, 2) + z*load(c, 3)
-         sums(before + c) = sums(before + c) + (slope(1)*along + weight(1)*across)
-         sums(before + columns + c) = sums(before + columns + c) &
-            + (slope(2)*along + weight(2)*across)
-         sums(before + 2*columns + c) = sums(before + 2*columns + c) &
-            + (slope(3)*along + weight(3)*across)
-         sums(before + 3*columns + c) = sums(before + 3*columns + c) &
-            + (slope(4)*along + weight(4)*across)
-      end do
-   end subroutine add_forces
-
-   !> Values sum S_i node_i of three columns in three dimensions. The nodes come as one row of
-   !! numbers, in which those of a line lie together.
-   ! gate: long kernel because arrays are given by their sizes
-   pure subroutine gather_spline_values(grid, after, start, rows, weight, low, number, nodes, &
-      skip, values)
-      type(grid_t), intent(in) :: grid
-      integer, intent(in) :: after                           !! Layers after the first one
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: rows                            !! Length of the next two
-      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
-      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
-      integer, intent(in) :: number                          !! Nodes of the tile
-      real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
-      integer, intent(in) :: skip                            !! Columns of the values before them
-      real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
-      real(wp) :: sums(3*line), y(line), z
-      integer :: cell, p, k, n, base, at, up
-
-      up = 3*grid%stride(2)
-      do cell = 0, grid%tile_cells - 1
-         base = before_block(grid, cell)
-         do p = start(cell) + 1, start(cell + 1)
-            sums = 0.0_wp
-            do n = 1, line
-               y(n) = weight(p, n, 2)
-            end do
-            do k = low(p, 3), low(p, 3) + after
-               at = 3*(base + (k - 1)*grid%stride(3))
-               z = weight(p, k, 3)
-               !$omp simd
-               do n = 1, 3*line
-                  sums(n) = sums(n) + z*((y(1)*nodes(at + n) + y(2)*nodes(at + up + n)) &
-                     + (y(3)*nodes(at + 2*up + n) + y(4)*nodes(at + 3*up + n)))
-               end do
-            end do
-            do n = 1, 3
-               values(p, skip + n) = (weight(p, 1, 1)*sums(n) &
-                  + weight(p, 2, 1)*sums(n + 3)) + (weight(p, 3, 1)*sums(n + 6) &
-                  + weight(p, 4, 1)*sums(n + 9))
-            end do
-         end do
-      end do
-   end subroutine gather_spline_values
-
-   !> Scaled velocity gradient scale sum u_k dS_i/dx_l in three dimensions. The nodes come as one
-   !! row of numbers.
-   ! gate: long kernel because arrays are given by their sizes
-   pure subroutine gather_spline_gradient(grid, after, start, rows, weight, slope, low, number, &
-      nodes, scale, gradient)
-      type(grid_t), intent(in) :: grid
-      integer, intent(in) :: after                           !! Layers after the first one
-      integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
-      integer, intent(in) :: rows                            !! Length of the next three
-      real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
-      real(wp), intent(in) :: slope(rows, line, 3)           !! The same: derivatives [1/m]
-      integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
-      integer, intent(in) :: number                          !! Nodes of the tile
-      real(wp), intent(in) :: nodes(3*number)                !! (3, node) Velocity, flat [m/s]
-      real(wp), intent(in) :: scale                          !! Factor, such as the step [s]
-      real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
-      real(wp) :: x(3*line), y(3*line), z(3*line), b(line), db(line), c, dc, even, odd
-      integer :: cell, p, k, n, base, at, up
-
-      up = 3*grid%stride(2)
-      do cell = 0, grid%tile_cells - 1
-         base = before_block(grid, cell)
-         do p = start(cell) + 1, start(cell + 1)
-            x = 0.0_wp
-            y = 0.0_wp
-            z = 0.0_wp
-            do n = 1, line
-               b(n) = weight(p, n, 2)
-               db(n) = slope(p, n, 2)
-            end do
-            do k = low(p, 3), low(p, 3) + after
-               at = 3*(base + (k - 1)*grid%stride(3))
-               c = scale*weight(p, k, 3)
-               dc = scale*slope(p, k, 3)
-               !$omp simd private(even, odd)
-               do n = 1, 3*line
-                  even = (b(1)*nodes(at + n) + b(2)*nodes(at + up + n)) &
-                     + (b(3)*nodes(at + 2*up + n) + b(4)*nodes(at + 3*up + n))
-                  odd = (db(1)*nodes(at + n) + db(2)*nodes(at + up + n)) &
-                     + (db(3)*nodes(at + 2*up + n) + db(4)*nodes(at + 3*up + n))
-                  x(n) = x(n) + c*even
-                  y(n) = y(n) + c*odd
-                  z(n) = z(n) + dc*even
-               end do
-            end do
-            do n = 1, line
-               b(n) = weight(p, n, 1)
-               db(n) = slope(p, n, 1)
-            end do
-            do n = 1, 3
-               gradient(p, n) = (db(1)*x(n) + db(2)*x(n + 3)) + (db(3)*x(n + 6) + db(4)*x(n + 9))
-               gradient(p, n + 3) = (b(1)*y(n) + b(2)*y(n + 3)) + (b(3)*y(n + 6) + b(4)*y(n + 9))
-               gradient(p, n + 6) = (b(1)*z(n) + b(2)*z(n + 3)) + (b(3)*z(n + 6) + b(4)*z(n + 9))
-            end do
-         end do
-      end do
-   end subroutine gather_spline_gradient
 end module transfer_spline_kernels

@@ -7,11 +7,11 @@
 module transfer_spline_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
-   use transfer_shape_data, only: line
+   use transfer_shape_data, only: line, shape_data_t
    implicit none
    private
 
-   public :: before_block, scatter_plane_loads, scatter_plane_columns
+   public :: add_nodes, scatter_plane_stress, scatter_plane_values
 
    integer, parameter, public :: columns = 4         !! Components of a node that are summed at once
 
@@ -24,6 +24,32 @@ contains
 
       node = grid%first_node(cell) - sum(grid%stride) - 1
    end function before_block
+
+   !> Add sum S_i value to columns of a patch in planes and on lines.
+   pure subroutine scatter_plane_values(grid, after, shape, count, values, before, patch)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: after                           !! Layers after the first one
+      type(shape_data_t), intent(in) :: shape
+      integer, intent(in) :: count                           !! Number of columns
+      real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      real(wp) :: part(columns, shape%count), sums(columns*size(patch, 2))
+      integer :: p, c, skip
+
+      do skip = 0, count - 1, columns
+         part = 0.0_wp
+         do c = 1, min(count - skip, columns)
+            do p = 1, shape%count
+               part(c, p) = values(p, skip + c)
+            end do
+         end do
+         sums = 0.0_wp
+         call scatter_plane_columns(grid, after, shape%start, size(shape%spline%weight, 1), &
+            shape%spline%weight, shape%spline%low, part, size(sums), sums)
+         call add_nodes(size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
+      end do
+   end subroutine scatter_plane_values
 
    !> Add sum S_i value of four columns to the sums of the nodes.
    ! gate: long kernel because arrays are given by their sizes
@@ -63,6 +89,33 @@ contains
          end do
       end do
    end subroutine scatter_plane_columns
+
+   !> Add the internal force to columns 5 to 7 of a patch in planes and on lines.
+   pure subroutine scatter_plane_stress(grid, after, shape, first, volume, stress, patch)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: after                           !! Layers after the first one
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(shape_data_t), intent(in) :: shape
+      real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
+      real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer, parameter :: component(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+      real(wp) :: load(columns, 3, shape%count), sums(columns*size(patch, 2))
+      integer :: p, k, l
+
+      load(columns, :, :) = 0.0_wp
+      do l = 1, 3
+         do k = 1, 3
+            do p = 1, shape%count
+               load(k, l, p) = -volume(first + p - 1)*stress(first + p - 1, component(k, l))
+            end do
+         end do
+      end do
+      sums = 0.0_wp
+      call scatter_plane_loads(grid, after, shape%start, size(shape%spline%weight, 1), &
+         shape%spline%weight, shape%spline%slope, shape%spline%low, load, size(sums), sums)
+      call add_nodes(size(patch, 2), 3, sums, 4, patch)
+   end subroutine scatter_plane_stress
 
    !> Add the force of loads to the sums of the nodes.
    ! gate: long kernel because arrays are given by their sizes
@@ -111,4 +164,30 @@ contains
          end do
       end do
    end subroutine scatter_plane_loads
+
+   !> Add sums of all nodes of a tile to columns of the patch.
+   pure subroutine add_nodes(nodes, number, sums, before, patch)
+      integer, intent(in) :: nodes                           !! Nodes of the tile
+      integer, intent(in) :: number                          !! Columns that are added
+      real(wp), intent(in) :: sums(columns, nodes)           !! (column, node)
+      integer, intent(in) :: before                          !! Columns of the patch before them
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+      integer :: node, c
+
+      if (number == columns) then
+         ! a number that the compiler knows makes the columns one vector
+         do node = 1, nodes
+            !$omp simd
+            do c = 1, columns
+               patch(before + c, node) = patch(before + c, node) + sums(c, node)
+            end do
+         end do
+      else
+         do node = 1, nodes
+            do c = 1, number
+               patch(before + c, node) = patch(before + c, node) + sums(c, node)
+            end do
+         end do
+      end if
+   end subroutine add_nodes
 end module transfer_spline_plane

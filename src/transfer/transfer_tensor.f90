@@ -1,19 +1,21 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Shape functions that are products of functions of one coordinate, on the nodes -1 to 2 of the
-!! cell along each direction. A basis of this kind only defines these functions (`weigh`).
+!! cell along each direction. A basis of this kind only defines these functions (`weigh`) and their
+!! reach (`find_overhang`).
 module transfer_tensor
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use transfer_basis, only: basis_t
-   use transfer_shape_data, only: line, shape_data_t
+   use transfer_basis, only: basis_scatter_motion, basis_t
+   use transfer_shape_data, only: line, shape_data_t, spline_data_t
+   use transfer_spline_gather, only: gather_spline_gradient, gather_spline_values
    use transfer_spline_gather_plane, only: gather_plane_gradient, gather_plane_values
-   use transfer_spline_kernels, only: gather_spline_gradient, gather_spline_values, &
-      scatter_spline_affine, scatter_spline_stress, scatter_spline_values
+   use transfer_spline_kernels, only: scatter_spline_affine, scatter_spline_motion, &
+      scatter_spline_stress, scatter_spline_values
    implicit none
    private
 
-   public :: basis_tensor_t, fold_walls
+   public :: basis_tensor_t
 
    !> Shape functions that are products.
    type, abstract, extends(basis_t) :: basis_tensor_t
@@ -21,7 +23,9 @@ module transfer_tensor
       procedure :: margin => tensor_margin           !! Layers of nodes beyond a tile
       procedure :: reach => tensor_reach             !! Nodes of a line that are touched
       procedure :: locate => tensor_locate           !! Local coordinates and functions
-      procedure(weigh_i), deferred :: weigh          !! Functions along the directions
+      procedure(find_overhang_i), deferred :: find_overhang !! How far functions reach
+      procedure(weigh_i), deferred :: weigh          !! Functions along a direction
+      procedure :: scatter_motion => tensor_scatter_motion !! Mass and momentum
       procedure :: scatter_values => tensor_scatter_values !! Values to nodes
       procedure :: scatter_affine => tensor_scatter_affine !! Mass and a linear velocity field
       procedure :: scatter_stress => tensor_scatter_stress !! Force of the stress
@@ -31,17 +35,33 @@ module transfer_tensor
    end type basis_tensor_t
 
    abstract interface
-      !> Functions of the particles of a tile along one direction, from their local coordinates:
-      !! weight, slope and low of `spline_data_t`, as if there were no walls.
-      pure subroutine weigh_i(self, grid, store, tile, direction, shape)
-         import :: basis_tensor_t, grid_t, shape_data_t, store_t
+      !> How far the function of a node reaches beyond the cells beside it, for each particle of a
+      !! tile [cells]: one with a smaller local coordinate touches the node before its cell.
+      pure subroutine find_overhang_i(self, grid, store, tile, direction, overhang)
+         import :: basis_tensor_t, grid_t, store_t, wp
          implicit none
          class(basis_tensor_t), intent(in) :: self
          type(grid_t), intent(in) :: grid
          type(store_t), intent(in) :: store
          integer, intent(in) :: tile                            !! Index of the tile
          integer, intent(in) :: direction                       !! 1 to 3
-         type(shape_data_t), intent(inout) :: shape
+         real(wp), contiguous, intent(inout) :: overhang(:)     !! (particle of the tile) [cells]
+      end subroutine find_overhang_i
+
+      !> Functions of nodes along one direction, and their mean derivatives, as if there were no
+      !! walls. If nodes is 3, no particle touches a fourth node.
+      pure subroutine weigh_i(self, count, nodes, inverse, local, overhang, weight, slope)
+         import :: basis_tensor_t, wp
+         implicit none
+         class(basis_tensor_t), intent(in) :: self
+         integer, intent(in) :: count                           !! Particles
+         integer, intent(in) :: nodes                           !! Nodes, 3 or 4
+         real(wp), intent(in) :: inverse                        !! 1 over the spacing [1/m]
+         !> (particle) Coordinate from the second of the nodes on [cells]
+         real(wp), contiguous, intent(in) :: local(:)
+         real(wp), contiguous, intent(in) :: overhang(:)        !! (particle) [cells]
+         real(wp), contiguous, intent(inout) :: weight(:, :)    !! (particle, node)
+         real(wp), contiguous, intent(inout) :: slope(:, :)     !! (particle, node) [1/m]
       end subroutine weigh_i
    end interface
 
@@ -74,33 +94,71 @@ contains
 
       call shape%take_tile(grid, store, tile)
       call shape%spline%reserve(store%count(tile))
+      call shape%spline%take_cells(grid, shape%start)
       do direction = 1, 3
-         if (grid%active(direction)) then
-            call self%weigh(grid, store, tile, direction, shape)
-            call fold_walls(grid, coordinate, store%cell_start(:, tile), direction, &
-               shape%spline%weight, shape%spline%slope)
-         else
+         if (.not. grid%active(direction)) then
             shape%spline%weight(:, :, direction) = 0.0_wp
             shape%spline%weight(:, 1, direction) = 1.0_wp
             shape%spline%slope(:, :, direction) = 0.0_wp
+            shape%spline%local(:, direction) = 0.0_wp
             shape%spline%low(:, direction) = 1
+            cycle
          end if
+         call self%find_overhang(grid, store, tile, direction, shape%spline%overhang(:, direction))
+         call find_first(self%reach(), grid, direction, shape)
+         call self%weigh(shape%count, shape%spline%reach, 1.0_wp/grid%spacing, &
+            shape%spline%local(:, direction), shape%spline%overhang(:, direction), &
+            shape%spline%weight(:, :, direction), shape%spline%slope(:, :, direction))
+         call fold_walls(grid, coordinate, store%cell_start(:, tile), direction, shape%spline)
       end do
    end subroutine tensor_locate
+
+   !> First nodes of particles along one direction. In three dimensions functions are given from the
+   !! first node that counts on. In planes and on lines they are given for four nodes, and `low` is
+   !! the first that counts.
+   pure subroutine find_first(reach, grid, direction, shape)
+      integer, intent(in) :: reach                           !! Nodes of a line that are touched
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: direction                       !! 1 to 3
+      type(shape_data_t), intent(inout) :: shape
+      integer :: p, stride
+      real(wp) :: x
+
+      stride = grid%stride(direction)
+      associate (spline => shape%spline)
+         if (grid%active(2)) spline%reach = reach
+         if (spline%reach == line) then
+            do p = 1, shape%count
+               spline%local(p, direction) = shape%local(p, direction)
+            end do
+            do p = 1, shape%count
+               spline%low(p, direction) = merge(1, 2, &
+                  shape%local(p, direction) < spline%overhang(p, direction))
+            end do
+         else
+            !$omp simd private(x)
+            do p = 1, shape%count
+               x = merge(0.0_wp, 1.0_wp, shape%local(p, direction) < spline%overhang(p, direction))
+               spline%local(p, direction) = shape%local(p, direction) - x
+               spline%low(p, direction) = 1
+               spline%node(p) = spline%node(p) + stride*int(x)
+            end do
+         end if
+      end associate
+   end subroutine find_first
 
    !> Give the function of a node outside a wall to the two nodes inside by linear extrapolation,
    !! 2 f to the node on the wall and -f to the next one. Linear fields stay exact, and the node on
    !! the wall has the only function that is not zero there. These are the boundary splines of M.
    !! Steffen, R. M. Kirby, M. Berzins, Int. J. Numer. Methods Eng. 76 (2008) 922. Equation (N.6) of
    !! doc/theory/node_functions.md.
-   pure subroutine fold_walls(grid, coordinate, start, direction, weight, slope)
+   pure subroutine fold_walls(grid, coordinate, start, direction, spline)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)                   !! The tile, counted from 0
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: direction                       !! 1 to 3
-      real(wp), contiguous, intent(inout) :: weight(:, :, :) !! (particle of the tile, node, 3)
-      real(wp), contiguous, intent(inout) :: slope(:, :, :)  !! The same indices
-      integer :: cell, place, side, out, on, in
+      type(spline_data_t), intent(inout) :: spline
+      integer :: cell, place, side, out, inward, p
 
       if (.not. any(grid%wall(2*direction - 1:2*direction))) return
       do cell = 0, grid%tile_cells - 1
@@ -109,30 +167,29 @@ contains
          do side = 1, 2
             if (.not. grid%wall(2*direction - 2 + side)) cycle
             if (place /= merge(0, grid%cells(direction) - 1, side == 1)) cycle
-            out = merge(1, 4, side == 1)
-            on = merge(2, 3, side == 1)
-            in = merge(3, 2, side == 1)
-            call fold(weight(:, out, direction), weight(:, on, direction), weight(:, in, direction))
-            call fold(slope(:, out, direction), slope(:, on, direction), slope(:, in, direction))
+            inward = merge(1, -1, side == 1)
+            do p = start(cell) + 1, start(cell + 1)
+               ! the coordinate is negative where functions are given from the first node of the
+               ! cell on
+               out = merge(1, line, side == 1) - merge(1, 0, spline%local(p, direction) < 0.0_wp)
+               if (out < 1 .or. out > spline%reach) cycle
+               call fold(spline%weight(p, :, direction), out, inward)
+               call fold(spline%slope(p, :, direction), out, inward)
+            end do
          end do
       end do
-
-   contains
-
-      !> Fold the functions of the particles of one cell.
-      pure subroutine fold(outside, wall, inside)
-         real(wp), intent(inout) :: outside(:)       !! Becomes zero
-         real(wp), intent(inout) :: wall(:)          !! Gets twice as much
-         real(wp), intent(inout) :: inside(:)        !! Loses it
-         integer :: p
-
-         do p = start(cell) + 1, start(cell + 1)
-            wall(p) = wall(p) + 2.0_wp*outside(p)
-            inside(p) = inside(p) - outside(p)
-            outside(p) = 0.0_wp
-         end do
-      end subroutine fold
    end subroutine fold_walls
+
+   !> Fold the functions of one particle.
+   pure subroutine fold(f, out, inward)
+      real(wp), intent(inout) :: f(:)                        !! (node)
+      integer, intent(in) :: out                             !! Node outside
+      integer, intent(in) :: inward                          !! Way to the next node inside
+
+      f(out + inward) = f(out + inward) + 2.0_wp*f(out)
+      f(out + 2*inward) = f(out + 2*inward) - f(out)
+      f(out) = 0.0_wp
+   end subroutine fold
 
    !> Layers of lines that a particle touches after the first one.
    pure integer function layers_after(self, grid) result(layers)
@@ -141,6 +198,23 @@ contains
 
       layers = merge(self%reach() - 1, 0, grid%active(3))
    end function layers_after
+
+   !> Add mass and momentum to columns 1 to 4 of a patch.
+   pure subroutine tensor_scatter_motion(self, grid, shape, first, mass, velocity, patch)
+      class(basis_tensor_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      type(shape_data_t), intent(inout) :: shape
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
+
+      if (grid%active(2)) then
+         call scatter_spline_motion(grid, shape, first, mass, velocity, patch)
+      else
+         call basis_scatter_motion(self, grid, shape, first, mass, velocity, patch)
+      end if
+   end subroutine tensor_scatter_motion
 
    !> Add sum S_i value to columns of a patch.
    pure subroutine tensor_scatter_values(self, grid, shape, count, values, before, patch)
@@ -185,34 +259,19 @@ contains
          patch)
    end subroutine tensor_scatter_stress
 
-   !> Values sum S_i node_i, three columns at a time.
+   !> Values sum S_i node_i.
    pure subroutine tensor_gather_values(self, grid, shape, nodes, values)
       class(basis_tensor_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
-      real(wp) :: part(3, size(nodes, 2))
-      integer :: skip, count
 
       if (grid%dimensions < 3) then
          call gather_plane_values(grid, shape, nodes, values)
-         return
+      else
+         call gather_spline_values(grid, shape%count, shape%spline, nodes, 0, values)
       end if
-      if (size(nodes, 1) == 3) then
-         call gather_spline_values(grid, layers_after(self, grid), shape%start, &
-            size(shape%spline%weight, 1), shape%spline%weight, shape%spline%low, size(nodes, 2), &
-            nodes, 0, values)
-         return
-      end if
-      part = 0.0_wp
-      do skip = 0, size(nodes, 1) - 1, 3
-         count = min(size(nodes, 1) - skip, 3)
-         part(:count, :) = nodes(skip + 1:skip + count, :)
-         call gather_spline_values(grid, layers_after(self, grid), shape%start, &
-            size(shape%spline%weight, 1), shape%spline%weight, shape%spline%low, size(nodes, 2), &
-            part, skip, values)
-      end do
    end subroutine tensor_gather_values
 
    !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
@@ -226,11 +285,9 @@ contains
 
       if (grid%dimensions < 3) then
          call gather_plane_gradient(grid, shape, nodes, scale, gradient)
-         return
+      else
+         call gather_spline_gradient(grid, shape%count, shape%spline, nodes, scale, gradient)
       end if
-      call gather_spline_gradient(grid, layers_after(self, grid), shape%start, &
-         size(shape%spline%weight, 1), shape%spline%weight, shape%spline%slope, shape%spline%low, &
-         size(nodes, 2), nodes, scale, gradient)
    end subroutine tensor_gather_gradient
 
    !> Linear velocity field: C_kl = sum S_i u_k (x_i - x)_l / sum S_i (x_i - x)_l**2, which keeps
@@ -248,17 +305,19 @@ contains
 
       ! least second moment that divides: on a wall there is one function and no gradient across it
       least = 1.0e-6_wp*grid%spacing**2
-      moments = shape
+      moments%count = shape%count
+      moments%start = shape%start
+      moments%spline = shape%spline
       do direction = 1, 3
          if (.not. grid%active(direction)) cycle
          do p = 1, shape%count
             moment = 0.0_wp
-            do n = 1, line
-               away = grid%spacing*(real(n - 2, wp) - shape%local(p, direction))
+            do n = 1, shape%spline%reach
+               away = grid%spacing*(real(n - 2, wp) - shape%spline%local(p, direction))
                moments%spline%slope(p, n, direction) = shape%spline%weight(p, n, direction)*away
                moment = moment + shape%spline%weight(p, n, direction)*away**2
             end do
-            do n = 1, line
+            do n = 1, shape%spline%reach
                moments%spline%slope(p, n, direction) = &
                   moments%spline%slope(p, n, direction)/max(moment, least)
             end do
