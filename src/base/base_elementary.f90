@@ -4,8 +4,8 @@
 !!
 !! Loops over them become vectors, and the vector body, the remainder and a single number have the
 !! same bits. Those of the mathematics library differ between its scalar and its vector variants,
-!! and from one version to the next. Errors are at most 0.65 units in the last place of the exponential
-!! function, 0.9 of the logarithm and 0.8 of the power.
+!! and from one version to the next. Errors are at most 0.65 units in the last place of the
+!! exponential function, 0.9 of the logarithm and 0.8 of the power.
 !!
 !! Arguments are reduced to an interval around 1 or 0 by multiples of ln 2 in two parts (W. J. Cody,
 !! W. Waite, Software Manual for the Elementary Functions, 1980). There a polynomial approximates,

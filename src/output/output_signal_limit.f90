@@ -7,6 +7,7 @@
 !! without artificial viscosity.
 module output_signal_limit
    use base_kinds, only: int64, wp
+   use base_log, only: log_t
    use base_text, only: number
    use io_summary, only: json_t
    use step_bounds, only: rule_signal
@@ -15,7 +16,7 @@ module output_signal_limit
    implicit none
    private
 
-   public :: add_signal_limit, find_signal_limit, signal_limit_t, signal_text
+   public :: add_signal_limit, find_signal_limit, signal_limit_t
 
    real(wp), parameter :: factors(7) = [1.25_wp, 1.5_wp, 2.0_wp, 3.0_wp, 5.0_wp, 10.0_wp, 30.0_wp]
    integer, parameter :: hundred = 100               !! One particle in so many is few
@@ -29,9 +30,22 @@ module output_signal_limit
 
 contains
 
-   !> Find whether few particles limit the steps. Collective.
-   subroutine find_signal_limit(simulation, limit)
+   !> Find whether few particles limit the steps, and name the fastest one if so. Collective.
+   subroutine find_signal_limit(simulation, log, limit)
       type(simulation_t), intent(in) :: simulation   !! The run at its end
+      type(log_t), intent(inout) :: log              !! Gets a line if they do
+      type(signal_limit_t), intent(out) :: limit     !! What they cost
+      character(len=:), allocatable :: text
+
+      call count_few(simulation, limit)
+      if (limit%particles == 0) return
+      call signal_text(simulation, limit, text)
+      call log%info(text)
+   end subroutine find_signal_limit
+
+   !> Count the particles that limit the steps.
+   subroutine count_few(simulation, limit)
+      type(simulation_t), intent(in) :: simulation
       type(signal_limit_t), intent(out) :: limit
       real(wp), allocatable :: bound(:, :)
       real(wp) :: fastest
@@ -52,7 +66,7 @@ contains
          if (hundred*counts(1) > counts(2)) return
          limit = signal_limit_t(counts(1), counts(2), factors(n))
       end do
-   end subroutine find_signal_limit
+   end subroutine count_few
 
    !> Bounds of wave speed and speed of the particles of each tile [m/s].
    subroutine find_bounds(simulation, bound)
@@ -111,7 +125,7 @@ contains
    end function fastest_particle
 
    !> Particles of this rank with a greater signal, and all particles. The signals of others are not
-   !! looked at where the bound of their tile is low.
+   !! found where the bound of their tile is low.
    function count_faster(simulation, bound, speed) result(counts)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: bound(:, :)            !! (tile, store) [m/s]
@@ -133,7 +147,7 @@ contains
       end do
    end function count_faster
 
-   !> Line for the end table, with the fastest particle; empty if the particles are many. Collective.
+   !> Line for the end table, with the fastest particle. Collective.
    subroutine signal_text(simulation, limit, text)
       type(simulation_t), intent(in) :: simulation   !! The run at its end
       type(signal_limit_t), intent(in) :: limit      !! The same on all ranks
@@ -141,13 +155,11 @@ contains
       character(len=:), allocatable :: particle
       character(len=16) :: factor
 
-      text = ""
-      if (limit%particles == 0) return
       call name_limiting(simulation, particle)
       write (factor, "(f16.2)") limit%factor
       text = "signals   "//number(limit%particles)//" of "//number(limit%all)// &
-         " particles make the steps at the end "//trim(adjustl(factor))//" times shorter or more;"// &
-         " the fastest: "//particle//"; see doc/guide/running.md"
+         " particles make the steps at the end "//trim(adjustl(factor))// &
+         " times shorter or more; the fastest: "//particle//"; see doc/guide/running.md"
    end subroutine signal_text
 
    !> The same for scripts.

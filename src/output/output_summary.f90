@@ -12,7 +12,7 @@ module output_summary
    use material_effect_timers, only: divide_phase_time
    use omp_lib, only: omp_get_max_threads
    use output_checkpoint, only: describe_state
-   use output_signal_limit, only: add_signal_limit, find_signal_limit, signal_limit_t, signal_text
+   use output_signal_limit, only: add_signal_limit, find_signal_limit, signal_limit_t
    use output_streams, only: outputs_t
    use output_summary_steps, only: add_rules, steps_text
    use step_exact_error, only: measure_errors
@@ -51,7 +51,6 @@ contains
       type(balance_t) :: now
       type(trust_t) :: trust
       type(signal_limit_t) :: limit
-      character(len=:), allocatable :: signals
       character(len=16) :: digest
       integer(int64) :: counts(4), traffic(kinds)
       real(wp) :: rate, bytes, range(extremes)
@@ -69,9 +68,7 @@ contains
       if (timing) call log%info(simulation%machine%timer%table(simulation%machine%communicator, &
          wall))
       call log%info(steps_text(simulation, wall, nano*real(counts(4), wp), reason))
-      call find_signal_limit(simulation, limit)
-      call signal_text(simulation, limit, signals)
-      if (len(signals) > 0) call log%info(signals)
+      call find_signal_limit(simulation, log, limit)
       call log%info(balance_text(now, rate, real(counts(2), wp)/max(wall, nano), bytes))
       call final_trust(simulation, code, now, trust)
       call log%info(trust_text(trust))

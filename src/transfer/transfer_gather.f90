@@ -9,9 +9,8 @@
 module transfer_gather
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
-   use transfer_cell_terms, only: find_terms
    use transfer_gather_plane, only: dual_gradient_plane, gradient_plane, motion_plane
-   use transfer_gather_values, only: gather_hoop, gather_values, gather_vector
+   use transfer_gather_values, only: find_terms, gather_hoop, gather_values, gather_vector
    implicit none
    private
 

@@ -3,19 +3,23 @@
 !! the polynomial of a cell are found once, then particles of the cell are the lanes, eight in three
 !! dimensions and four in a plane.
 !!
+!! The terms are 1, x, z, xz, y, xy, yz, xyz of the local coordinates, in a plane the first four.
+!! Coefficients are differences, so that a uniform field has slopes of exactly zero; four components
+!! of the field are the lanes, whatever the number of particles in the cell.
+!!
 !! The last lanes of a cell may hold particles of the next cells or none. What they get is
 !! overwritten when those cells come, so cells are taken in order, and columns have `spare` rows
 !! after the last particle.
 module transfer_gather_values
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
-   use transfer_cell_terms, only: find_plane_terms, find_terms, plane_terms
    implicit none
    private
 
-   public :: find_polynomial, gather_hoop, gather_values, gather_vector
+   public :: find_polynomial, find_terms, gather_hoop, gather_values, gather_vector
 
    integer, parameter :: half = lanes/2              !! Particles at a time in a plane
+   integer, parameter :: plane_terms = 4             !! Terms of a polynomial in a plane
 
 contains
 
@@ -223,4 +227,141 @@ contains
          values(lane) = (u1 + u2*x(lane)) + (u3 + u4*x(lane))*z(lane)
       end do
    end subroutine evaluate_plane
+   !> Coefficients of the polynomials of the components of a field in a cell, the terms being
+   !! 1, x, z, xz, y, xy, yz, xyz. The nodes come as one row of numbers, of which four are the
+   !! lanes: those of the next node fill the row up to a multiple of four, and have no meaning.
+   pure subroutine find_terms(components, rows, node, ways, numbers, nodes, scale, u)
+      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: rows                    !! The same, a multiple of four
+      integer, intent(in) :: node                    !! First node of the cell
+      integer, intent(in) :: ways(lanes)             !! Numbers from there to those of a node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(in) :: nodes(numbers)         !! (component and node)
+      real(wp), intent(in) :: scale                  !! Factor
+      real(wp), intent(inout) :: u(rows, lanes)      !! (component, term)
+      integer :: part, before
+
+      before = components*(node - 1)
+      if (before + ways(lanes) + rows > numbers) then
+         call find_last_terms(components, rows, before, ways, numbers, nodes, scale, u)
+         return
+      end if
+      do part = 0, rows - 1, 4
+         call take_differences(before + part, ways, numbers, nodes, scale, rows, u(part + 1, 1))
+      end do
+   end subroutine find_terms
+
+   !> The same for a cell with the last node of the tile, which nothing follows.
+   pure subroutine find_last_terms(components, rows, before, ways, numbers, nodes, scale, u)
+      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: rows                    !! The same, a multiple of four
+      integer, intent(in) :: before                  !! Numbers before those of the first node
+      integer, intent(in) :: ways(lanes)             !! Numbers from there to those of a node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(in) :: nodes(numbers)         !! (component and node)
+      real(wp), intent(in) :: scale                  !! Factor
+      real(wp), intent(inout) :: u(rows, lanes)      !! (component, term)
+      real(wp) :: padded(rows, lanes)
+      integer :: part, lane
+
+      padded = 0.0_wp
+      do lane = 1, lanes
+         padded(:components, lane) = nodes(before + ways(lane) + 1:before + ways(lane) + components)
+      end do
+      do part = 0, rows - 1, 4
+         call take_differences(part, [(rows*(lane - 1), lane=1, lanes)], size(padded), padded, &
+            scale, rows, u(part + 1, 1))
+      end do
+   end subroutine find_last_terms
+
+   !> From the values on the eight nodes of a cell to the coefficients of its polynomial:
+   !! differences along x, then z, then y. Four components are the lanes.
+   pure subroutine take_differences(before, ways, numbers, nodes, scale, rows, u)
+      integer, intent(in) :: before                  !! Numbers before those of the first node
+      integer, intent(in) :: ways(lanes)             !! Numbers from there to those of a node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(in) :: nodes(numbers)         !! (component and node)
+      real(wp), intent(in) :: scale                  !! Factor
+      integer, intent(in) :: rows                    !! From term to term
+      real(wp), intent(inout) :: u(rows*(lanes - 1) + 4) !! (component and term)
+      real(wp) :: u1, u2, u3, u4, u5, u6, u7, u8
+      integer :: c
+
+      !$omp simd private(u1, u2, u3, u4, u5, u6, u7, u8)
+      do c = 1, 4
+         u1 = scale*nodes(before + c)
+         u2 = scale*nodes(before + ways(2) + c) - u1
+         u3 = scale*nodes(before + ways(3) + c)
+         u4 = scale*nodes(before + ways(4) + c) - u3
+         u5 = scale*nodes(before + ways(5) + c)
+         u6 = scale*nodes(before + ways(6) + c) - u5
+         u7 = scale*nodes(before + ways(7) + c)
+         u8 = scale*nodes(before + ways(8) + c) - u7
+         u3 = u3 - u1
+         u4 = u4 - u2
+         u7 = u7 - u5
+         u8 = u8 - u6
+         u(c) = u1
+         u(rows + c) = u2
+         u(2*rows + c) = u3
+         u(3*rows + c) = u4
+         u(4*rows + c) = u5 - u1
+         u(5*rows + c) = u6 - u2
+         u(6*rows + c) = u7 - u3
+         u(7*rows + c) = u8 - u4
+      end do
+   end subroutine take_differences
+
+   !> The same in a plane or on a line: the terms 1, x, z, xz, of which a line uses the first two.
+   pure subroutine find_plane_terms(components, rows, node, ways, numbers, nodes, u)
+      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: rows                    !! The same, a multiple of four
+      integer, intent(in) :: node                    !! First node of the cell
+      integer, intent(in) :: ways(plane_terms)       !! Numbers from there to those of a node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(in) :: nodes(numbers)         !! (component and node)
+      real(wp), intent(inout) :: u(rows, plane_terms) !! (component, term)
+      real(wp) :: padded(rows, plane_terms)
+      integer :: part, before, lane
+
+      before = components*(node - 1)
+      if (before + ways(plane_terms) + rows > numbers) then
+         padded = 0.0_wp
+         do lane = 1, plane_terms
+            padded(:components, lane) = nodes(before + ways(lane) + 1:before + ways(lane) &
+               + components)
+         end do
+         do part = 0, rows - 1, 4
+            call take_plane_differences(part, [0, rows, 2*rows, 3*rows], size(padded), padded, &
+               rows, u(part + 1, 1))
+         end do
+         return
+      end if
+      do part = 0, rows - 1, 4
+         call take_plane_differences(before + part, ways, numbers, nodes, rows, u(part + 1, 1))
+      end do
+   end subroutine find_plane_terms
+
+   !> Differences along x, then z. Four components are the lanes.
+   pure subroutine take_plane_differences(before, ways, numbers, nodes, rows, u)
+      integer, intent(in) :: before                  !! Numbers before those of the first node
+      integer, intent(in) :: ways(plane_terms)       !! Numbers from there to those of a node
+      integer, intent(in) :: numbers                 !! Of the tile
+      real(wp), intent(in) :: nodes(numbers)         !! (component and node)
+      integer, intent(in) :: rows                    !! From term to term
+      real(wp), intent(inout) :: u(rows*(plane_terms - 1) + 4) !! (component and term)
+      real(wp) :: u1, u2, u3
+      integer :: c
+
+      !$omp simd private(u1, u2, u3)
+      do c = 1, 4
+         u1 = nodes(before + c)
+         u2 = nodes(before + ways(2) + c) - u1
+         u3 = nodes(before + ways(3) + c)
+         u(c) = u1
+         u(rows + c) = u2
+         u(2*rows + c) = u3 - u1
+         u(3*rows + c) = (nodes(before + ways(4) + c) - u3) - u2
+      end do
+   end subroutine take_plane_differences
 end module transfer_gather_values
