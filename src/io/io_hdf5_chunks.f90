@@ -8,8 +8,8 @@
 module io_hdf5_chunks
    use base_kinds, only: int32, int64
    use hdf5, only: h5tget_size_f, hid_t, hsize_t, size_t
-   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int32_t, c_int64_t, c_loc, c_long, &
-      c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int32_t, c_int64_t, c_loc, &
+      c_long, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int8
    use omp_lib, only: omp_get_max_threads
    implicit none
