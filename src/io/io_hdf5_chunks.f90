@@ -5,6 +5,7 @@
 !! are applied by all threads, and the library only stores the result, so a file has the bytes that
 !! the library would write. For one rank: HDF5 1.10 stores filtered chunks of several ranks only
 !! through its own filters.
+! allow(C071): the offset of a chunk has as many numbers as the data set has dimensions
 module io_hdf5_chunks
    use base_kinds, only: int32, int64
    use hdf5, only: h5tget_size_f, hid_t, hsize_t, size_t
