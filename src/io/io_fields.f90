@@ -60,6 +60,7 @@ module io_fields
       character(len=field_name_length) :: name = ""      !! Name of the field
       integer, pointer, contiguous :: order(:) => null() !! Indices of the particles
       integer :: before = 0                              !! Rows before the first
+      logical :: found = .false.                         !! Do the particles have the field?
       real(wp), allocatable :: reals(:, :)               !! (component, row)
       integer(int64), allocatable :: integers(:)           !! (row)
    contains
@@ -195,9 +196,8 @@ contains
       type(column_t), intent(in) :: column               !! Name of the field
       real(wp), allocatable, intent(inout) :: values(:, :) !! (component, row)
       type(fetcher_t) :: fetcher
-      integer :: before, store
+      integer :: before, last, store
 
-      values = 0.0_wp
       before = 0
       if (.not. column%derived) call move_alloc(values, fetcher%reals)
       do store = 1, size(stores)
@@ -207,7 +207,10 @@ contains
             fetcher%name = column%name
             fetcher%before = before
             fetcher%order => picks(store)%order
+            fetcher%found = .false.
             call stores(store)%walk(fetcher)
+            last = before + size(picks(store)%order)
+            if (.not. fetcher%found) fetcher%reals(:, before + 1:last) = 0.0_wp
          end if
          before = before + size(picks(store)%order)
       end do
@@ -223,12 +226,12 @@ contains
       type(fetcher_t) :: fetcher
       integer :: before, last, store
 
-      values = 0
       before = 0
       if (.not. column%derived) call move_alloc(values, fetcher%integers)
       do store = 1, size(stores)
          last = before + size(picks(store)%order)
          if (column%name == "fragment") then
+            values(before + 1:last) = 0
             if (allocated(picks(store)%fragment)) values(before + 1:last) = picks(store)%fragment
          else if (column%derived) then
             values(before + 1:last) = stores(store)%material
@@ -236,7 +239,9 @@ contains
             fetcher%name = column%name
             fetcher%before = before
             fetcher%order => picks(store)%order
+            fetcher%found = .false.
             call stores(store)%walk(fetcher)
+            if (.not. fetcher%found) fetcher%integers(before + 1:last) = 0
          end if
          before = last
       end do
@@ -354,6 +359,7 @@ contains
       integer :: row
 
       if (name /= self%name) return
+      self%found = .true.
       !$omp parallel do default(none) shared(self, values) private(row) schedule(static)
       do row = 1, size(self%order)
          self%reals(1, self%before + row) = values(self%order(row))
@@ -370,6 +376,7 @@ contains
       integer :: component, row
 
       if (name /= self%name) return
+      self%found = .true.
       !$omp parallel do default(none) shared(self, values) private(component, row) schedule(static)
       do row = 1, size(self%order)
          do component = 1, size(values, 2)
@@ -388,6 +395,7 @@ contains
       integer :: row
 
       if (name /= self%name) return
+      self%found = .true.
       !$omp parallel do default(none) shared(self, values) private(row) schedule(static)
       do row = 1, size(self%order)
          self%integers(self%before + row) = values(self%order(row))
