@@ -84,6 +84,15 @@ if("${scree_hdf5_libraries}" MATCHES "${scree_other_mpi}")
 endif()
 message(STATUS "Found parallel HDF5: ${scree_hdf5_libraries}")
 
+# Chunks are compressed in threads, with the zlib that HDF5 itself uses.
+get_filename_component(scree_hdf5_folder "${SCREE_HDF5_C}" DIRECTORY)
+find_library(SCREE_ZLIB NAMES z HINTS "${scree_hdf5_folder}" DOC "Library zlib")
+mark_as_advanced(SCREE_ZLIB)
+if(NOT SCREE_ZLIB)
+   message(FATAL_ERROR "No zlib was found; on Debian and Ubuntu: apt-get install zlib1g-dev")
+endif()
+list(APPEND scree_hdf5_libraries "${SCREE_ZLIB}")
+
 add_library(scree_hdf5 INTERFACE)
 set_target_properties(scree_hdf5 PROPERTIES EXPORT_NAME hdf5)
 target_include_directories(scree_hdf5 SYSTEM INTERFACE ${scree_hdf5_includes})

@@ -58,8 +58,9 @@ module io_fields
    !> Copies the values of one field.
    type, extends(field_worker_t) :: fetcher_t
       character(len=field_name_length) :: name = ""      !! Name of the field
-      integer, allocatable :: order(:)                   !! Indices of the particles
+      integer, pointer, contiguous :: order(:) => null() !! Indices of the particles
       integer :: before = 0                              !! Rows before the first
+      logical :: found = .false.                         !! Do the particles have the field?
       real(wp), allocatable :: reals(:, :)               !! (component, row)
       integer(int64), allocatable :: integers(:)           !! (row)
    contains
@@ -191,13 +192,12 @@ contains
    !> Fill a real column, store after store; 0 where a material lacks the field.
    subroutine fill_reals(stores, picks, column, values)
       type(store_t), intent(inout) :: stores(:)          !! Not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
+      type(picks_t), target, intent(in) :: picks(:)      !! (store) Selected particles
       type(column_t), intent(in) :: column               !! Name of the field
       real(wp), allocatable, intent(inout) :: values(:, :) !! (component, row)
       type(fetcher_t) :: fetcher
-      integer :: before, store
+      integer :: before, last, store
 
-      values = 0.0_wp
       before = 0
       if (.not. column%derived) call move_alloc(values, fetcher%reals)
       do store = 1, size(stores)
@@ -206,8 +206,11 @@ contains
          else
             fetcher%name = column%name
             fetcher%before = before
-            call copy_order(picks(store), fetcher%order)
+            fetcher%order => picks(store)%order
+            fetcher%found = .false.
             call stores(store)%walk(fetcher)
+            last = before + size(picks(store)%order)
+            if (.not. fetcher%found) fetcher%reals(:, before + 1:last) = 0.0_wp
          end if
          before = before + size(picks(store)%order)
       end do
@@ -217,71 +220,89 @@ contains
    !> Fill an integer column, store after store; 0 where a material lacks the field.
    subroutine fill_integers(stores, picks, column, values)
       type(store_t), intent(inout) :: stores(:)          !! Not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
+      type(picks_t), target, intent(in) :: picks(:)      !! (store) Selected particles
       type(column_t), intent(in) :: column               !! Name of the field
       integer(int64), allocatable, intent(inout) :: values(:) !! (row)
       type(fetcher_t) :: fetcher
       integer :: before, last, store
 
-      values = 0
       before = 0
       if (.not. column%derived) call move_alloc(values, fetcher%integers)
       do store = 1, size(stores)
          last = before + size(picks(store)%order)
          if (column%name == "fragment") then
+            values(before + 1:last) = 0
             if (allocated(picks(store)%fragment)) values(before + 1:last) = picks(store)%fragment
          else if (column%derived) then
             values(before + 1:last) = stores(store)%material
          else
             fetcher%name = column%name
             fetcher%before = before
-            call copy_order(picks(store), fetcher%order)
+            fetcher%order => picks(store)%order
+            fetcher%found = .false.
             call stores(store)%walk(fetcher)
+            if (.not. fetcher%found) fetcher%integers(before + 1:last) = 0
          end if
          before = last
       end do
       if (.not. column%derived) call move_alloc(fetcher%integers, values)
    end subroutine fill_integers
 
-   !> Copy the indices of the selected particles of a store.
-   pure subroutine copy_order(picks, order)
-      type(picks_t), intent(in) :: picks
-      integer, allocatable, intent(inout) :: order(:)    !! Indices
-
-      if (allocated(order)) deallocate (order)
-      allocate (order, source=picks%order)
-   end subroutine copy_order
-
-   !> Compute a derived field.
-   pure subroutine derive(store, picks, before, name, values)
+   !> Compute a derived field, block after block of rows in threads.
+   subroutine derive(store, picks, before, name, values)
       type(store_t), intent(in) :: store
       type(picks_t), intent(in) :: picks
       integer, intent(in) :: before                      !! Rows before the first
       character(len=*), intent(in) :: name               !! Name of the field
-      real(wp), intent(inout) :: values(:, :)            !! (1, row)
-      integer :: particle, row
+      real(wp), contiguous, intent(inout) :: values(:, :) !! (1, row)
+      integer, parameter :: block = 4096                 ! rows
+      integer :: first, last
 
-      do row = 1, size(picks%order)
-         particle = picks%order(row)
-         associate (value => values(1, before + row), stress => store%state%stress)
-            select case (name)
-            case ("pressure")
-               value = -(stress(particle, xx) + stress(particle, yy) + stress(particle, zz))/3.0_wp
-            case ("mises")
-               value = sqrt(0.5_wp*((stress(particle, xx) - stress(particle, yy))**2 + &
-                  (stress(particle, yy) - stress(particle, zz))**2 + &
-                  (stress(particle, zz) - stress(particle, xx))**2) + &
-                  3.0_wp*(stress(particle, xy)**2 + stress(particle, yz)**2 + &
-                  stress(particle, xz)**2))
-            case ("density")
-               value = store%state%mass(particle)/store%state%volume(particle)
-            case default
-               value = sqrt(store%velocity(particle, 1)**2 + store%velocity(particle, 2)**2 + &
-                  store%velocity(particle, 3)**2)
-            end select
-         end associate
+      !$omp parallel do default(none) shared(store, picks, before, name, values) &
+      !$omp private(first, last) schedule(static)
+      do first = 1, size(picks%order), block
+         last = min(first + block - 1, size(picks%order))
+         call derive_rows(store, picks%order(first:last), name, &
+            values(1, before + first:before + last))
       end do
+      !$omp end parallel do
    end subroutine derive
+
+   !> Compute a derived field of some particles.
+   pure subroutine derive_rows(store, order, name, value)
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: order(:)                    !! (row) Indices of the particles
+      character(len=*), intent(in) :: name               !! Name of the field
+      real(wp), intent(inout) :: value(:)                !! (row)
+      integer :: p, row
+
+      associate (stress => store%state%stress)
+         select case (name)
+         case ("pressure")
+            do row = 1, size(order)
+               p = order(row)
+               value(row) = -(stress(p, xx) + stress(p, yy) + stress(p, zz))/3.0_wp
+            end do
+         case ("mises")
+            do row = 1, size(order)
+               p = order(row)
+               value(row) = sqrt(0.5_wp*((stress(p, xx) - stress(p, yy))**2 + &
+                  (stress(p, yy) - stress(p, zz))**2 + (stress(p, zz) - stress(p, xx))**2) + &
+                  3.0_wp*(stress(p, xy)**2 + stress(p, yz)**2 + stress(p, xz)**2))
+            end do
+         case ("density")
+            do row = 1, size(order)
+               value(row) = store%state%mass(order(row))/store%state%volume(order(row))
+            end do
+         case default
+            do row = 1, size(order)
+               p = order(row)
+               value(row) = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 + &
+                  store%velocity(p, 3)**2)
+            end do
+         end select
+      end associate
+   end subroutine derive_rows
 
    !> Record a field.
    subroutine collector_note(self, name, unit, components, is_real)
@@ -338,9 +359,12 @@ contains
       integer :: row
 
       if (name /= self%name) return
+      self%found = .true.
+      !$omp parallel do default(none) shared(self, values) private(row) schedule(static)
       do row = 1, size(self%order)
          self%reals(1, self%before + row) = values(self%order(row))
       end do
+      !$omp end parallel do
    end subroutine fetcher_scalar
 
    !> Copy a vector or tensor field.
@@ -352,11 +376,14 @@ contains
       integer :: component, row
 
       if (name /= self%name) return
-      do component = 1, size(values, 2)
-         do row = 1, size(self%order)
+      self%found = .true.
+      !$omp parallel do default(none) shared(self, values) private(component, row) schedule(static)
+      do row = 1, size(self%order)
+         do component = 1, size(values, 2)
             self%reals(component, self%before + row) = values(self%order(row), component)
          end do
       end do
+      !$omp end parallel do
    end subroutine fetcher_vector
 
    !> Copy an integer field.
@@ -368,8 +395,11 @@ contains
       integer :: row
 
       if (name /= self%name) return
+      self%found = .true.
+      !$omp parallel do default(none) shared(self, values) private(row) schedule(static)
       do row = 1, size(self%order)
          self%integers(self%before + row) = values(self%order(row))
       end do
+      !$omp end parallel do
    end subroutine fetcher_whole
 end module io_fields

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> HDF5 files: creation and completion, groups and attributes. Only `io_hdf5`, `io_hdf5_write`,
-!! `io_hdf5_read` and `io_hdf5_index` use HDF5.
+!> HDF5 files: creation and completion, groups and attributes. Only `io_hdf5`, `io_hdf5_chunks`,
+!! `io_hdf5_write`, `io_hdf5_read` and `io_hdf5_index` use HDF5.
 !!
 !! All ranks write a file collectively under a name ending in .part and rename it when it is
 !! complete, so a file without that ending is complete. A failure on one rank becomes the error of

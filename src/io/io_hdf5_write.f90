@@ -11,6 +11,7 @@ module io_hdf5_write
       h5t_ieee_f32le, h5t_ieee_f64le, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, h5tclose_f, &
       hid_t, hsize_t
    use io_hdf5, only: hdf5_file_t, text_type
+   use io_hdf5_chunks, only: write_chunks
    use io_libc, only: clear_failure
    use, intrinsic :: iso_c_binding, only: c_loc, c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: real32
@@ -112,7 +113,13 @@ contains
       call h5pclose_f(plan, ignored)
       call file%share_status("write", name, status)
       if (file%works() .and. rows%total > 0) then
-         call write_ranges(file, data_set, space, rows, extent, kind, address, status)
+         if (rows%compress > 0 .and. file%communicator%size == 1) then
+            call clear_failure()
+            call write_chunks(data_set, kind, extent, min(rows%total, rows%chunk), &
+               rows%compress, address, status)
+         else
+            call write_ranges(file, data_set, space, rows, extent, kind, address, status)
+         end if
          call file%share_status("write", name, status)
       end if
       if (data_set >= 0) call h5dclose_f(data_set, ignored)

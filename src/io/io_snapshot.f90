@@ -174,14 +174,12 @@ contains
       type(snapshot_header_t), intent(in) :: header      !! Axes and units
       type(rows_t) :: even
       real(wp), allocatable :: points(:, :)
-      integer :: filled, row, store
+      integer :: filled, store
 
       allocate (points(3, sum(rows%count)))
       filled = 0
       do store = 1, size(stores)
-         do row = 1, size(picks(store)%order)
-            points(:, filled + row) = stores(store)%position(picks(store)%order(row), :)
-         end do
+         call fill_positions(stores(store), picks(store)%order, filled, points)
          filled = filled + size(picks(store)%order)
       end do
       if (header%axisymmetric) points(2, :) = 0.0_wp
@@ -191,6 +189,24 @@ contains
       call write_data(file, root//"/Points", even, points)
       call write_units(file, root//"/Points", "position", "m", header%units)
    end subroutine write_points
+
+   !> Copy the positions of some particles of a store.
+   subroutine fill_positions(store, order, before, points)
+      type(store_t), intent(in) :: store
+      integer, contiguous, intent(in) :: order(:)        !! Indices of the particles
+      integer, intent(in) :: before                      !! Rows before the first
+      real(wp), contiguous, intent(inout) :: points(:, :) !! (component, row) [m]
+      integer :: row
+
+      !$omp parallel do default(none) shared(store, order, before, points) private(row) &
+      !$omp schedule(static)
+      do row = 1, size(order)
+         points(1, before + row) = store%position(order(row), 1)
+         points(2, before + row) = store%position(order(row), 2)
+         points(3, before + row) = store%position(order(row), 3)
+      end do
+      !$omp end parallel do
+   end subroutine fill_positions
 
    !> Write one field.
    subroutine write_column(file, stores, picks, rows, column, single, units)
@@ -252,17 +268,22 @@ contains
 
       if (size(reals, 1) == 1) then
          allocate (numbers(size(reals, 2)))
+         !$omp parallel do default(none) shared(numbers, reals) private(row) schedule(static)
          do row = 1, size(reals, 2)
             numbers(row) = rounded(reals(1, row))
          end do
+         !$omp end parallel do
          call write_data(file, name, rows, numbers)
       else
          allocate (singles(size(reals, 1), size(reals, 2)))
+         !$omp parallel do default(none) shared(singles, reals) private(row, component) &
+         !$omp schedule(static)
          do row = 1, size(reals, 2)
             do component = 1, size(reals, 1)
                singles(component, row) = rounded(reals(component, row))
             end do
          end do
+         !$omp end parallel do
          call write_data(file, name, rows, singles)
       end if
    end subroutine write_single

@@ -8,7 +8,7 @@ module particle_body
    implicit none
    private
 
-   public :: belongs, body_t, cell_of, given_t, site_position, tile_sites
+   public :: belongs, body_t, cell_of, find_boxes, find_near, given_t, site_position, tile_sites
 
    !> Particles at given positions instead of lattice sites. Threads call these procedures
    !! concurrently, so the result must depend on the arguments alone.
@@ -131,21 +131,75 @@ contains
          *(1.0_wp/grid%spacing), real(grid%cells, wp)), -1.0_wp)), grid%cells - 1), 0)
    end function cell_of
 
+   !> Boxes around the shapes of bodies, a little larger than these, and without end for bodies of
+   !! given particles, which may lie outside their shape.
+   pure subroutine find_boxes(grid, bodies, low, high)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      real(wp), allocatable, intent(out) :: low(:, :) !! (direction, body) [m]
+      real(wp), allocatable, intent(out) :: high(:, :) !! (direction, body) [m]
+      real(wp), parameter :: margin = 1.0e-3_wp       ! cells, against rounding
+      integer :: body
+
+      allocate (low(3, size(bodies)), high(3, size(bodies)))
+      do body = 1, size(bodies)
+         call bodies(body)%shape%bounds(low(:, body), high(:, body))
+         low(:, body) = low(:, body) - margin*grid%spacing
+         high(:, body) = high(:, body) + margin*grid%spacing
+         if (.not. allocated(bodies(body)%given)) cycle
+         low(:, body) = -huge(1.0_wp)
+         high(:, body) = huge(1.0_wp)
+      end do
+   end subroutine find_boxes
+
+   !> List the bodies whose boxes touch a tile, in their order. Only they can have particles in it.
+   !! A tile at the border of the domain has no end there, as its cells also have what lies outside.
+   pure subroutine find_near(grid, low, high, coordinate, near, number)
+      type(grid_t), intent(in) :: grid
+      real(wp), contiguous, intent(in) :: low(:, :)   !! (direction, body) From `find_boxes` [m]
+      real(wp), contiguous, intent(in) :: high(:, :)  !! (direction, body) [m]
+      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer, intent(inout) :: near(:)               !! The first ones are bodies
+      integer, intent(out) :: number                  !! Bodies in the list
+      real(wp) :: edge(3), upper(3)
+      integer :: extent(3)
+      integer :: body, k
+      logical :: touches
+
+      edge = grid%tile_corner(coordinate)
+      extent = grid%tile_extent(coordinate)
+      upper = edge + extent*grid%spacing
+      where (coordinate == 0) edge = -huge(1.0_wp)
+      where (coordinate*grid%width + extent >= grid%cells) upper = huge(1.0_wp)
+      number = 0
+      do body = 1, size(low, 2)
+         touches = .true.
+         do k = 1, 3
+            if (grid%active(k)) touches = touches .and. edge(k) <= high(k, body) .and. &
+               upper(k) >= low(k, body)
+         end do
+         if (.not. touches) cycle
+         number = number + 1
+         near(number) = body
+      end do
+   end subroutine find_near
+
    !> True if a position belongs to a body and to no later one.
-   pure logical function belongs(bodies, body, position) result(inside)
+   pure logical function belongs(bodies, body, position, later) result(inside)
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
       real(wp), intent(in) :: position(3)             !! [m]
-      integer :: later
+      integer, intent(in) :: later(:)                 !! Later bodies near it, by `find_near`
+      integer :: n
       logical :: clipped
 
       clipped = .true.
       if (allocated(bodies(body)%given)) clipped = bodies(body)%given%clipped
       inside = .true.
       if (clipped) inside = bodies(body)%shape%contains(position)
-      do later = body + 1, size(bodies)
+      do n = 1, size(later)
          if (.not. inside) return
-         inside = .not. bodies(later)%shape%contains(position)
+         inside = .not. bodies(later(n))%shape%contains(position)
       end do
    end function belongs
 end module particle_body

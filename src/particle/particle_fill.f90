@@ -11,7 +11,8 @@ module particle_fill
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
    use mesh_hilbert, only: hilbert_coordinate, hilbert_key
-   use particle_body, only: belongs, body_t, cell_of, site_position, tile_sites
+   use particle_body, only: belongs, body_t, cell_of, find_boxes, find_near, site_position, &
+      tile_sites
    use particle_store, only: store_t
    implicit none
    private
@@ -28,61 +29,86 @@ contains
       integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
       integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
       integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each body
-      integer(int64), allocatable :: all_keys(:), counts(:, :), flat(:)
-      integer :: tile, body
+      integer(int64), allocatable :: all_keys(:), all_particles(:), own(:)
+      real(wp), allocatable :: low(:, :), high(:, :)
+      integer :: tile
 
       call candidate_tiles(grid, bodies, all_keys)
-      allocate (counts(size(bodies), size(all_keys)))
-      counts = 0
-      !$omp parallel do default(none) shared(communicator, grid, bodies, all_keys, counts) &
-      !$omp private(tile, body) schedule(dynamic, 16)
+      call find_boxes(grid, bodies, low, high)
+      allocate (all_particles(size(all_keys)))
+      all_particles = 0
+      body_count = 0
+      !$omp parallel default(none) private(tile, own) &
+      !$omp shared(communicator, grid, bodies, low, high, all_keys, all_particles, body_count)
+      allocate (own(size(bodies)))
+      own = 0
+      !$omp do schedule(dynamic, 16)
       do tile = communicator%rank + 1, size(all_keys), communicator%size
-         do body = 1, size(bodies)
-            counts(body, tile) = count_sites(grid, bodies, body, &
-               hilbert_coordinate(all_keys(tile), grid%dimensions))
-         end do
+         call count_tile(grid, bodies, low, high, hilbert_coordinate(all_keys(tile), &
+            grid%dimensions), own, all_particles(tile))
       end do
-      !$omp end parallel do
+      !$omp end do nowait
+      !$omp critical (survey_counts)
+      body_count = body_count + own
+      !$omp end critical (survey_counts)
+      !$omp end parallel
       if (communicator%size > 1) then
-         flat = reshape(counts, [size(counts)])
-         call communicator%total(flat)
-         counts = reshape(flat, shape(counts))
+         call communicator%total(body_count)
+         call communicator%total(all_particles)
       end if
-      body_count = sum(counts, dim=2)
-      particles = sum(counts, dim=1)
-      key = pack(all_keys, particles > 0)
-      particles = pack(particles, particles > 0)
+      key = pack(all_keys, all_particles > 0)
+      particles = pack(all_particles, all_particles > 0)
    end subroutine survey_bodies
+
+   !> Count the particles of all bodies in a tile.
+   pure subroutine count_tile(grid, bodies, low, high, coordinate, body_count, particles)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(in) :: bodies(:)
+      real(wp), contiguous, intent(in) :: low(:, :)   !! (direction, body) Boxes of the bodies [m]
+      real(wp), contiguous, intent(in) :: high(:, :)  !! (direction, body) [m]
+      integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
+      integer(int64), intent(inout) :: body_count(:)  !! (body) Grows by its particles
+      integer(int64), intent(out) :: particles        !! Of all bodies
+      integer(int64) :: found
+      integer :: near(size(bodies)), number, n
+
+      call find_near(grid, low, high, coordinate, near, number)
+      particles = 0
+      do n = 1, number
+         found = count_sites(grid, bodies, near(n), near(n + 1:number), coordinate)
+         body_count(near(n)) = body_count(near(n)) + found
+         particles = particles + found
+      end do
+   end subroutine count_tile
 
    !> Find the tiles in the bounding boxes of the bodies, each once, along the Hilbert curve.
    subroutine candidate_tiles(grid, bodies, key)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer(int64), allocatable, intent(out) :: key(:) !! Ascending
-      integer(int64), allocatable :: found(:)
       integer, allocatable :: order(:)
       real(wp) :: low(3), high(3)
-      integer :: first(3), last(3), body, x, y, z, n, number
+      integer :: first(3), last(3), body, x, y, z, n
 
-      allocate (key(0))
+      n = 0
+      do body = 1, size(bodies)
+         call bodies(body)%shape%bounds(low, high)
+         n = n + product(max(tile_of(high) - tile_of(low) + 1, 0))
+      end do
+      allocate (key(n))
+      n = 0
       do body = 1, size(bodies)
          call bodies(body)%shape%bounds(low, high)
          first = tile_of(low)
          last = tile_of(high)
-         if (any(last < first)) cycle
-         number = product(last - first + 1)
-         allocate (found(number))
-         n = 0
          do z = first(3), last(3)
             do y = first(2), last(2)
                do x = first(1), last(1)
                   n = n + 1
-                  found(n) = hilbert_key([x, y, z], grid%dimensions)
+                  key(n) = hilbert_key([x, y, z], grid%dimensions)
                end do
             end do
          end do
-         key = [key, found]
-         deallocate (found)
       end do
       order = sort_order(key)
       key = key(order)
@@ -112,17 +138,18 @@ contains
    end subroutine candidate_tiles
 
    !> Count the particles that a body has in a tile.
-   pure integer(int64) function count_sites(grid, bodies, body, coordinate) result(number)
+   pure integer(int64) function count_sites(grid, bodies, body, later, coordinate) result(number)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
+      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer :: sites(3), x, y, z
       real(wp) :: low(3), high(3), edge(3), position(3), share
 
       number = 0
       if (allocated(bodies(body)%given)) then
-         number = count_given(grid, bodies, body, coordinate)
+         number = count_given(grid, bodies, body, later, coordinate)
          return
       end if
       call bodies(body)%shape%bounds(low, high)
@@ -132,7 +159,7 @@ contains
       do z = 0, sites(3) - 1
          do y = 0, sites(2) - 1
             do x = 0, sites(1) - 1
-               call measure_site(grid, bodies, body, site_position(grid, bodies(body), &
+               call measure_site(grid, bodies, body, later, site_position(grid, bodies(body), &
                   coordinate, [x, y, z]), share, position)
                if (share > 0.0_wp) number = number + 1
             end do
@@ -141,10 +168,11 @@ contains
    end function count_sites
 
    !> Count the given particles that a body has in a tile.
-   pure integer(int64) function count_given(grid, bodies, body, coordinate) result(particles)
+   pure integer(int64) function count_given(grid, bodies, body, later, coordinate) result(particles)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
+      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       real(wp), allocatable :: position(:, :), volume(:)
       integer(int64), allocatable :: number(:)
@@ -153,16 +181,17 @@ contains
       particles = 0
       call bodies(body)%given%collect(grid, coordinate, position, volume, number)
       do n = 1, size(number)
-         if (belongs(bodies, body, position(:, n))) particles = particles + 1
+         if (belongs(bodies, body, position(:, n), later)) particles = particles + 1
       end do
    end function count_given
 
    !> Fraction of a lattice site that belongs to a body, and the centre of that part. Without
    !! cutting, a site belongs to the body if its middle does.
-   pure subroutine measure_site(grid, bodies, body, middle, share, position)
+   pure subroutine measure_site(grid, bodies, body, later, middle, share, position)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
+      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
       real(wp), intent(in) :: middle(3)               !! Of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
       real(wp), intent(out) :: position(3) !! Of the particle, if the fraction is above 0 [m]
@@ -170,7 +199,7 @@ contains
       logical :: inside
 
       position = middle
-      inside = belongs(bodies, body, middle)
+      inside = belongs(bodies, body, middle, later)
       share = merge(1.0_wp, 0.0_wp, inside)
       if (.not. bodies(body)%cut) return
       corners = 0
@@ -178,20 +207,21 @@ contains
          do y = -1, 1, 2
             do x = -1, 1, 2
                if (belongs(bodies, body, middle + 0.5_wp*real([x, y, z], wp) &
-                  *site_edge(grid, bodies(body)))) corners = corners + 1
+                  *site_edge(grid, bodies(body)), later)) corners = corners + 1
             end do
          end do
       end do
       if ((inside .and. corners == 8) .or. (.not. inside .and. corners == 0)) return
-      call cut_site(grid, bodies, body, middle, share, position)
+      call cut_site(grid, bodies, body, later, middle, share, position)
    end subroutine measure_site
 
    !> Fraction of a site and its centre by sampling. Fractions below 1/50 are dropped, because a
    !! particle of so small a mass would be accelerated without bound by adjacent ones.
-   pure subroutine cut_site(grid, bodies, body, middle, share, position)
+   pure subroutine cut_site(grid, bodies, body, later, middle, share, position)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
+      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
       real(wp), intent(in) :: middle(3)               !! Of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
       real(wp), intent(inout) :: position(3) !! Of the particle, if the fraction is above 0 [m]
@@ -211,7 +241,7 @@ contains
                place = middle + edge*((real([x, y, z], wp) - 0.5_wp)/real(number, wp) - 0.5_wp)
                weight = merge(place(1), 1.0_wp, grid%axisymmetric)
                whole = whole + weight
-               if (.not. belongs(bodies, body, place)) cycle
+               if (.not. belongs(bodies, body, place, later)) cycle
                part = part + weight
                moment = moment + weight*(place - middle)
             end do
@@ -239,36 +269,49 @@ contains
       integer, contiguous, intent(in) :: coordinates(:, :) !! (3, tile) Tiles of this rank
       integer, intent(in) :: index                    !! Index of the store
       type(store_t), intent(inout) :: store
-      integer, allocatable :: new_count(:)
-      integer :: tile, body
+      integer, allocatable :: near(:), new_count(:)
+      real(wp), allocatable :: low(:, :), high(:, :)
+      integer :: tile, n, number
 
+      call find_boxes(grid, bodies, low, high)
       allocate (new_count(size(store%count)))
       new_count = 0
+      !$omp parallel default(none) private(tile, near, n, number) &
+      !$omp shared(grid, bodies, low, high, coordinates, index, new_count)
+      allocate (near(size(bodies)))
+      !$omp do schedule(dynamic, 16)
       do tile = 1, size(new_count)
-         do body = 1, size(bodies)
-            if (bodies(body)%store /= index) cycle
-            new_count(tile) = new_count(tile) + int(count_sites(grid, bodies, body, &
-               coordinates(:, tile)))
+         call find_near(grid, low, high, coordinates(:, tile), near, number)
+         do n = 1, number
+            if (bodies(near(n))%store == index) new_count(tile) = new_count(tile) &
+               + int(count_sites(grid, bodies, near(n), near(n + 1:number), coordinates(:, tile)))
          end do
       end do
+      !$omp end do
+      !$omp end parallel
       call store%layout(new_count)
-      !$omp parallel do default(none) shared(grid, bodies, coordinates, index, store, new_count) &
-      !$omp private(tile, body) schedule(dynamic, 16)
+      !$omp parallel default(none) private(tile, near, n, number) &
+      !$omp shared(grid, bodies, low, high, coordinates, index, store, new_count)
+      allocate (near(size(bodies)))
+      !$omp do schedule(dynamic, 16)
       do tile = 1, size(new_count)
-         do body = 1, size(bodies)
-            if (bodies(body)%store == index) &
-               call fill_tile(grid, bodies, body, coordinates(:, tile), tile, store)
+         call find_near(grid, low, high, coordinates(:, tile), near, number)
+         do n = 1, number
+            if (bodies(near(n))%store == index) call fill_tile(grid, bodies, near(n), &
+               near(n + 1:number), coordinates(:, tile), tile, store)
          end do
          store%unsorted(tile) = .true.
       end do
-      !$omp end parallel do
+      !$omp end do
+      !$omp end parallel
    end subroutine fill_bodies
 
    !> Make the particles of one body in one tile.
-   subroutine fill_tile(grid, bodies, body, coordinate, tile, store)
+   subroutine fill_tile(grid, bodies, body, later, coordinate, tile, store)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
+      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: tile                     !! Its index
       type(store_t), intent(inout) :: store
@@ -277,7 +320,7 @@ contains
       real(wp) :: middle(3), position(3), share
 
       if (allocated(bodies(body)%given)) then
-         call fill_given(grid, bodies, body, coordinate, tile, store)
+         call fill_given(grid, bodies, body, later, coordinate, tile, store)
          return
       end if
       associate (it => bodies(body))
@@ -287,7 +330,7 @@ contains
             do y = 0, sites(2) - 1
                do x = 0, sites(1) - 1
                   middle = site_position(grid, it, coordinate, [x, y, z])
-                  call measure_site(grid, bodies, body, middle, share, position)
+                  call measure_site(grid, bodies, body, later, middle, share, position)
                   if (.not. share > 0.0_wp) cycle
                   number = [x, y, z] + merge(int(coordinate*grid%width, int64)*it%per_cell, &
                      0_int64, grid%active)
@@ -307,10 +350,11 @@ contains
    end subroutine fill_tile
 
    !> Make the given particles of one body in one tile, as cubes of their volume.
-   subroutine fill_given(grid, bodies, body, coordinate, tile, store)
+   subroutine fill_given(grid, bodies, body, later, coordinate, tile, store)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
+      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: tile                     !! Its index
       type(store_t), intent(inout) :: store
@@ -322,7 +366,7 @@ contains
       associate (it => bodies(body))
          call it%given%collect(grid, coordinate, position, volume, number)
          do n = 1, size(number)
-            if (.not. belongs(bodies, body, position(:, n))) cycle
+            if (.not. belongs(bodies, body, position(:, n), later)) cycle
             call add_particle(bodies, body, tile, it%first_identity + number(n) - 1, &
                cell_number(grid, cell_of(grid, position(:, n)) - coordinate*grid%width), &
                position(:, n), it%share*volume(n), store)

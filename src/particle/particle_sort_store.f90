@@ -19,6 +19,10 @@ module particle_sort_store
       integer, allocatable :: source(:) !! (particle) Old index > 0, row < 0, 0 = unused
       integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
       integer :: word = 0                             !! Words of the rows used so far
+      ! the old array of a field becomes the new one of the next field of its shape
+      real(wp), allocatable :: spare(:)               !! (particle) For scalars
+      real(wp), allocatable :: spare_vector(:, :)     !! (particle, component) For vectors
+      integer(int64), allocatable :: spare_whole(:)   !! (particle) For integers
    contains
       procedure :: scalar => store_sorter_scalar          !! Sorts a scalar field
       procedure :: vector => store_sorter_vector          !! Sorts a vector or tensor field
@@ -40,6 +44,7 @@ contains
       integer :: length
 
       call store%plan_ranges(new_count, first, length)
+      if (keeps_length(store%used, size(store%identity))) length = size(store%identity)
       allocate (store_sorter%source(length), cells(length))
       store_sorter%source = 0
       cells = 0
@@ -52,6 +57,15 @@ contains
       store%unsorted = .false.
       store%leaving = 0
    end subroutine sort_store
+
+   !> True if arrays of the old length have enough spare capacity, and not too much. New memory
+   !! costs more than sorting, because the system clears it page by page.
+   pure logical function keeps_length(used, length) result(keeps)
+      integer, intent(in) :: used                     !! End of the last range
+      integer, intent(in) :: length                   !! Of the old arrays
+
+      keeps = length >= used + used/64 + 64 .and. length <= used + used/24 + 64
+   end function keeps_length
 
    !> Find the old index or the row of each particle, and its cell.
    ! gate: long kernel because newcomers are given by their rows, groups and cells
@@ -111,8 +125,10 @@ contains
       real(wp), allocatable :: sorted(:)
 
       self%word = self%word + 1
-      allocate (sorted(size(self%source)))
+      if (allocated(self%spare)) call move_alloc(self%spare, sorted)
+      if (.not. allocated(sorted)) allocate (sorted(size(self%source)))
       call take_reals(self%source, self%rows, self%word, values, sorted)
+      if (size(values) == size(sorted)) call move_alloc(values, self%spare)
       call move_alloc(sorted, values)
    end subroutine store_sorter_scalar
 
@@ -125,12 +141,20 @@ contains
       real(wp), allocatable :: sorted(:, :)
       integer :: component
 
-      allocate (sorted(size(self%source), size(values, 2)))
+      if (allocated(self%spare_vector)) then
+         if (size(self%spare_vector, 2) == size(values, 2)) then
+            call move_alloc(self%spare_vector, sorted)
+         else
+            deallocate (self%spare_vector)
+         end if
+      end if
+      if (.not. allocated(sorted)) allocate (sorted(size(self%source), size(values, 2)))
       do component = 1, size(values, 2)
          call take_reals(self%source, self%rows, self%word + component, values(:, component), &
             sorted(:, component))
       end do
       self%word = self%word + size(values, 2)
+      if (size(values, 1) == size(sorted, 1)) call move_alloc(values, self%spare_vector)
       call move_alloc(sorted, values)
    end subroutine store_sorter_vector
 
@@ -141,21 +165,37 @@ contains
       character(len=*), intent(in) :: unit
       integer(int64), allocatable, intent(inout) :: values(:) !! (particle)
       integer(int64), allocatable :: sorted(:)
-      integer :: p
 
       self%word = self%word + 1
-      allocate (sorted(size(self%source)))
-      do p = 1, size(self%source)
-         if (self%source(p) > 0) then
-            sorted(p) = values(self%source(p))
-         else if (self%source(p) < 0) then
-            sorted(p) = self%rows(self%word, -self%source(p))
+      if (allocated(self%spare_whole)) call move_alloc(self%spare_whole, sorted)
+      if (.not. allocated(sorted)) allocate (sorted(size(self%source)))
+      call take_integers(self%source, self%rows, self%word, values, sorted)
+      if (size(values) == size(sorted)) call move_alloc(values, self%spare_whole)
+      call move_alloc(sorted, values)
+   end subroutine store_sorter_whole
+
+   !> Copy integers from the old arrays or the rows.
+   subroutine take_integers(source, rows, word, values, sorted)
+      integer, intent(in) :: source(:) !! (particle) Old index > 0, row < 0, 0 = unused
+      integer(int64), contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
+      integer, intent(in) :: word                     !! Word of the rows
+      integer(int64), contiguous, intent(in) :: values(:) !! (particle)
+      integer(int64), contiguous, intent(inout) :: sorted(:) !! (new particle)
+      integer :: p
+
+      !$omp parallel do default(none) shared(source, rows, word, values, sorted) private(p) &
+      !$omp schedule(static) if(size(source) > many)
+      do p = 1, size(source)
+         if (source(p) > 0) then
+            sorted(p) = values(source(p))
+         else if (source(p) < 0) then
+            sorted(p) = rows(word, -source(p))
          else
             sorted(p) = 0
          end if
       end do
-      call move_alloc(sorted, values)
-   end subroutine store_sorter_whole
+      !$omp end parallel do
+   end subroutine take_integers
 
    !> Copy reals from the old arrays or the rows.
    subroutine take_reals(source, rows, word, values, sorted)

@@ -63,21 +63,22 @@ contains
       real(wp), allocatable :: position(:, :), volume(:)
       integer(int64), allocatable :: number(:)
       real(wp) :: middle(3)
-      integer :: sites(3), x, y, z, n
+      integer :: later(size(bodies) - body), sites(3), x, y, z, n
 
+      later = [(n, n=body + 1, size(bodies))]
       sites = tile_sites(grid, bodies(body), coordinate)
       do z = 0, sites(3) - 1
          do y = 0, sites(2) - 1
             do x = 0, sites(1) - 1
                middle = site_position(grid, bodies(body), coordinate, [x, y, z])
-               if (belongs(bodies, body, middle)) &
+               if (belongs(bodies, body, middle, later)) &
                   sums(1) = sums(1) + site_volume(grid, bodies(body), middle)
             end do
          end do
       end do
       call bodies(body)%given%collect(grid, coordinate, position, volume, number)
       do n = 1, size(number)
-         if (belongs(bodies, body, position(:, n))) sums(2) = sums(2) + volume(n)
+         if (belongs(bodies, body, position(:, n), later)) sums(2) = sums(2) + volume(n)
       end do
    end subroutine sum_volumes
 end module particle_volume_factors

@@ -7,6 +7,7 @@ module scene_particles
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
    use material_stages, only: effect_count, effect_names
+   use material_type, only: material_t
    use mesh_hilbert, only: hilbert_key
    use mesh_tiles, only: partition_keys
    use omp_lib, only: omp_get_max_threads
@@ -140,7 +141,7 @@ contains
       type(survey_t), intent(in) :: survey           !! Counts of them
       integer(int64), allocatable :: own(:), none(:), border(:)
       integer(int64) :: next
-      integer :: index, body, tile, p
+      integer :: index, body, tile
 
       next = 1
       do body = 1, size(bodies)
@@ -160,12 +161,7 @@ contains
             call fill_bodies(simulation%space%grid, bodies, simulation%space%tiles%coordinate, &
                index, store)
             do tile = 1, size(own)
-               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  body = body_of(bodies, store%identity(p))
-                  call simulation%materials(index)%start(store%state, p, p, &
-                     bodies(body)%temperature)
-                  if (bodies(body)%energy > 0.0_wp) store%state%energy(p) = bodies(body)%energy
-               end do
+               call start_tile(bodies, simulation%materials(index), tile, store)
                call simulation%materials(index)%draw_strength(store%state, store%identity, &
                   store%first(tile), store%first(tile) + store%count(tile) - 1)
                if (any(bodies%energy > 0.0_wp .and. bodies%store == index)) &
@@ -176,6 +172,30 @@ contains
       end do
       call sort_particles(simulation)
    end subroutine fill_simulation
+
+   !> Set the state of the particles of a tile at the start. Those of a body follow each other.
+   subroutine start_tile(bodies, material, tile, store)
+      type(body_t), intent(in) :: bodies(:)
+      type(material_t), intent(in) :: material
+      integer, intent(in) :: tile
+      type(store_t), intent(inout) :: store
+      integer :: body, first, last, most
+
+      first = store%first(tile)
+      most = first + store%count(tile) - 1
+      do while (first <= most)
+         body = body_of(bodies, store%identity(first))
+         last = first
+         do while (last < most)
+            if (body_of(bodies, store%identity(last + 1)) /= body) exit
+            last = last + 1
+         end do
+         call material%start(store%state, first, last, bodies(body)%temperature)
+         if (bodies(body)%energy > 0.0_wp) &
+            store%state%energy(first:last) = bodies(body)%energy
+         first = last + 1
+      end do
+   end subroutine start_tile
 
    !> Add the rotation of bodies about their centres of mass, which are found from the particles.
    !! Particles with a linear velocity field rotate like their body.
@@ -255,11 +275,18 @@ contains
    pure integer function body_of(bodies, identity) result(body)
       type(body_t), intent(in) :: bodies(:)
       integer(int64), intent(in) :: identity         !! Of the particle
+      integer :: last, middle
 
-      do body = size(bodies), 2, -1
-         if (identity >= bodies(body)%first_identity) return
-      end do
       body = 1
+      last = size(bodies)
+      do while (body < last)
+         middle = (body + last + 1)/2
+         if (identity >= bodies(middle)%first_identity) then
+            body = middle
+         else
+            last = middle - 1
+         end if
+      end do
    end function body_of
 
    !> Share the particles out among the ranks anew and bring each to its tile; what tiles there were

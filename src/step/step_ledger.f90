@@ -224,19 +224,11 @@ contains
       type(material_t), intent(in) :: materials(:)   !! Their materials
       type(balance_t), intent(out) :: now            !! Entries and errors
       type(exact_sum_t) :: sums(size(ledger_entries)), scales(2), total
-      real(wp) :: tile_sum(size(ledger_entries)), tile_scale(2), drift(3)
-      integer :: index, tile, n
+      real(wp) :: drift(3)
+      integer :: index, n
 
       do index = 1, size(stores)
-         do tile = 1, size(stores(index)%count)
-            if (stores(index)%count(tile) == 0) cycle
-            call sum_tile(stores(index), materials(index), tile, tile_sum, tile_scale)
-            do n = 1, size(ledger_entries)
-               if (.not. ledger_entries(n)%accumulates) call sums(n)%add(tile_sum(n))
-            end do
-            call scales(1)%add(tile_scale(1))
-            call scales(2)%add(tile_scale(2))
-         end do
+         call sum_store(stores(index), materials(index), sums, scales)
       end do
       do n = 1, size(ledger_entries)
          if (ledger_entries(n)%accumulates) call sums(n)%merge(self%sums(n))
@@ -292,6 +284,41 @@ contains
          if (.not. merge(turns(axis), keep(axis), ledger_entries(n)%is_moment)) entry(n) = 0.0_wp
       end do
    end subroutine clear_meaningless
+
+   !> Add the sums over the particles of a store, tiles in threads.
+   subroutine sum_store(store, material, sums, scales)
+      type(store_t), intent(in) :: store
+      type(material_t), intent(in) :: material       !! Their material
+      type(exact_sum_t), intent(inout) :: sums(:)    !! (entry) Of the state only
+      type(exact_sum_t), intent(inout) :: scales(2)  !! Sums of m |v| and m |x||v|
+      type(exact_sum_t), allocatable :: part(:)
+      real(wp) :: tile_sum(size(ledger_entries)), tile_scale(2)
+      integer :: n, tile
+
+      !$omp parallel default(none) shared(store, material, sums, scales) &
+      !$omp private(part, tile_sum, tile_scale, n, tile)
+      ! two more than the entries: the scales
+      allocate (part(size(sums) + 2))
+      !$omp do schedule(dynamic, 16)
+      do tile = 1, size(store%count)
+         if (store%count(tile) == 0) cycle
+         call sum_tile(store, material, tile, tile_sum, tile_scale)
+         do n = 1, size(sums)
+            if (.not. ledger_entries(n)%accumulates) call part(n)%add(tile_sum(n))
+         end do
+         call part(size(sums) + 1)%add(tile_scale(1))
+         call part(size(sums) + 2)%add(tile_scale(2))
+      end do
+      !$omp end do nowait
+      !$omp critical (ledger_sums)
+      do n = 1, size(sums)
+         call sums(n)%merge(part(n))
+      end do
+      call scales(1)%merge(part(size(sums) + 1))
+      call scales(2)%merge(part(size(sums) + 2))
+      !$omp end critical (ledger_sums)
+      !$omp end parallel
+   end subroutine sum_store
 
    !> Sums over the particles of one tile in their order. Equation (L.1).
    subroutine sum_tile(store, material, tile, sums, scales)

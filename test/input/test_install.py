@@ -213,7 +213,7 @@ class Install(unittest.TestCase):
         for mpi in ("openmpi", "mpich"):
             place = folder / mpi
             place.mkdir()
-            for name in ("hdf5.mod", "libhdf5_fortran.a", "libhdf5.a"):
+            for name in ("hdf5.mod", "libhdf5_fortran.a", "libhdf5.a", "libz.a"):
                 (place / name).touch()
             (place / "H5pubconf.h").write_text("#define H5_HAVE_PARALLEL 1\n", encoding="utf-8")
             wrapper = folder / "bin" / f"h5pfc.{mpi}"
