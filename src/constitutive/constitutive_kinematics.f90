@@ -149,7 +149,7 @@ contains
          k = first - 1 + i
          dilatation(i) = gradient(i, 1) + gradient(i, 5) + gradient(i, 9)
          old_volume(i) = volume(k)
-         volume(k) = volume(k)*(1.0_wp + dilatation(i)/growth_divisor(dilatation(i)))
+         volume(k) = volume(k) + volume(k)*(dilatation(i)/growth_divisor(dilatation(i)))
       end do
    end subroutine dilate
 
@@ -261,7 +261,7 @@ contains
          gradient(i, 7:9) = c(:, 3)
          dilatation(i) = c(1, 1) + c(2, 2) + c(3, 3)
          old_volume(i) = volume(k)
-         volume(k) = volume(k)*(1.0_wp + dilatation(i)/growth_divisor(dilatation(i)))
+         volume(k) = volume(k) + volume(k)*(dilatation(i)/growth_divisor(dilatation(i)))
          mean = third*(stress(k, 1) + stress(k, 2) + stress(k, 3))
          pressure(i) = -mean
          stress(k, 1) = stress(k, 1) - mean
@@ -325,7 +325,7 @@ contains
          ! One division for the growth of the volume and the rotation.
          turn = 1.0_wp + 0.25_wp*(wx*wx + wy*wy + wz*wz)
          inverse = 1.0_wp/(turn*divisor)
-         volume(k) = volume(k)*(1.0_wp + trace*(turn*inverse))
+         volume(k) = volume(k) + volume(k)*(trace*(turn*inverse))
          call rotate(divisor*inverse, wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
          stress(k, 1) = sxx + dxx
          stress(k, 2) = syy + dyy
@@ -374,7 +374,7 @@ contains
          turn = 0.5_wp*(gradient(i, 7) - gradient(i, 3))
          half = 1.0_wp + 0.25_wp*turn*turn
          inverse = 1.0_wp/(half*divisor)
-         volume(k) = volume(k)*(1.0_wp + trace*(half*inverse))
+         volume(k) = volume(k) + volume(k)*(trace*(half*inverse))
          a = divisor*inverse
          c = 1.0_wp - 0.5_wp*a*turn*turn
          s = a*turn
