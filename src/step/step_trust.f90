@@ -16,7 +16,7 @@ module step_trust
    use particle_store, only: store_t
    use step_diagnostics, only: bounds_look_t, examine_bounds, examine_shapes, find_greatest, &
       measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
-   use step_ledger, only: balance_t, external_work, mass, retired_mass
+   use step_ledger, only: balance_t, external_work, internal, mass, retired_mass
    use step_method, only: method_t
    use step_offending_particle, only: name_particle, step_text
    use step_simulation, only: conservation_t, machine_t, scheme_t, simulation_t
@@ -28,7 +28,8 @@ module step_trust
 
    public :: begin_trust, final_trust, number_lattices, warn_of_balance, watch_trust
 
-   !> Material slower than this fraction of the wave speed is at rest, and its momentum is rounding
+   !> Material slower than this fraction of the wave speed, or of the square root of its internal
+   !! energy per mass where that is greater, as in a gas, is at rest, and its momentum is rounding
    !! [1]
    real(wp), parameter :: slow = 1.0e-3_wp
    integer(int64), parameter :: bounds_every = 5     !! Steps between checks of speed and energy
@@ -160,7 +161,8 @@ contains
       associate (ledger => simulation%balance%ledger)
          if (ledger%momentum_scale > 0.0_wp) trust%worst(trust_momentum) = now%momentum_error &
             *ledger%momentum_scale/max(ledger%momentum_scale, slow*ledger%start%entry(mass) &
-            *sqrt(greatest_wave_square(simulation%materials)))
+            *sqrt(max(greatest_wave_square(simulation%materials), &
+            now%entry(internal)/ledger%start%entry(mass))))
       end associate
       if (simulation%balance%ledger%start%entry(mass) > 0.0_wp) trust%worst(trust_retired) = &
          now%entry(retired_mass)/simulation%balance%ledger%start%entry(mass)
