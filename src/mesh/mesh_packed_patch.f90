@@ -440,11 +440,9 @@ contains
 
       margin = merge(grid%margin, 0, grid%active)
       extent = extent_of(grid, tiles, tile)
-      ! lower corners of the tiles around seen from this one; before the first tile lies the last
-      origin(:, -1) = -merge(merge(grid%cells - (grid%tiles - 1)*grid%width, grid%width, &
-         tiles%coordinate(:, tile) == 0), 0, grid%active)
-      origin(:, 0) = 0
-      origin(:, 1) = extent
+      do direction = 1, 3
+         origin(direction, :) = lower_corners(grid, tiles, direction, tile, extent(direction))
+      end do
       rows = size(self%row)
       do place = 1, neighbors
          other = tiles%neighbor(place, tile)
