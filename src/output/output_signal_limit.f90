@@ -47,7 +47,7 @@ contains
    subroutine count_few(simulation, limit)
       type(simulation_t), intent(in) :: simulation
       type(signal_limit_t), intent(out) :: limit
-      real(wp), allocatable :: bound(:, :)
+      real(wp), allocatable :: wave(:, :), bound(:, :)
       real(wp) :: fastest
       integer(int64) :: counts(2)
       integer :: n
@@ -55,93 +55,102 @@ contains
       associate (guard => simulation%clock%guard)
          if (2*guard%steps(rule_signal) <= sum(guard%steps)) return
       end associate
-      call find_bounds(simulation, bound)
-      fastest = 0.0_wp
-      if (size(bound) > 0) fastest = fastest_particle(simulation, bound, maxval(bound))
-      fastest = simulation%machine%communicator%maximum(fastest)
+      call find_bounds(simulation, wave, bound)
+      fastest = simulation%machine%communicator%maximum(fastest_particle(simulation, wave, bound))
       if (.not. (fastest > 0.0_wp .and. fastest < huge(1.0_wp))) return
+      counts = 0
+      do n = 1, size(simulation%stores)
+         counts(2) = counts(2) + sum(int(simulation%stores(n)%count, int64))
+      end do
+      call simulation%machine%communicator%total(counts)
       do n = 1, size(factors)
-         counts = count_faster(simulation, bound, fastest/factors(n))
-         call simulation%machine%communicator%total(counts)
+         counts(1) = count_faster(simulation, wave, bound, fastest/factors(n), counts(2)/hundred)
+         call simulation%machine%communicator%total(counts(1:1))
          if (hundred*counts(1) > counts(2)) return
          limit = signal_limit_t(counts(1), counts(2), factors(n))
       end do
    end subroutine count_few
 
-   !> Bounds of wave speed and speed of the particles of each tile [m/s].
-   subroutine find_bounds(simulation, bound)
+   !> Greatest wave speed in each tile, and bounds of wave speed and speed of its particles [m/s].
+   subroutine find_bounds(simulation, wave, bound)
       type(simulation_t), intent(in) :: simulation
+      real(wp), allocatable, intent(out) :: wave(:, :)  !! (tile, store)
       real(wp), allocatable, intent(out) :: bound(:, :) !! (tile, store)
       integer :: index, tile, first, last
 
-      allocate (bound(simulation%space%tiles%own, size(simulation%stores)), source=0.0_wp)
+      allocate (wave(simulation%space%tiles%own, size(simulation%stores)), source=0.0_wp)
+      allocate (bound, source=wave)
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             do tile = 1, size(bound, 1)
                if (store%count(tile) == 0) cycle
                first = store%first(tile)
                last = first + store%count(tile) - 1
-               bound(tile, index) = simulation%materials(index)%signal_speed(store%state, first, &
-                  last) + sqrt(maxval(store%velocity(first:last, 1)**2 &
-                  + store%velocity(first:last, 2)**2 + store%velocity(first:last, 3)**2))
+               wave(tile, index) = simulation%materials(index)%signal_speed(store%state, first, &
+                  last)
+               bound(tile, index) = wave(tile, index) + sqrt(maxval(store%velocity(first:last, &
+                  1)**2 + store%velocity(first:last, 2)**2 + store%velocity(first:last, 3)**2))
             end do
          end associate
       end do
    end subroutine find_bounds
 
-   !> Wave speed plus speed of a particle [m/s].
-   pure real(wp) function signal_of(simulation, index, p) result(signal)
+   !> Wave speed plus speed of a particle, or less where that cannot be above a given speed. The
+   !! wave speed of one particle is costly, so it is found only where that of its tile would do.
+   pure real(wp) function signal_of(simulation, index, p, wave, above) result(signal)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: p                       !! Index of the particle
+      real(wp), intent(in) :: wave                   !! Greatest wave speed in its tile [m/s]
+      real(wp), intent(in) :: above                  !! Lower signals are not used [m/s]
 
-      associate (store => simulation%stores(index))
-         signal = simulation%materials(index)%signal_speed(store%state, p, p) &
-            + norm2(store%velocity(p, :))
+      associate (velocity => simulation%stores(index)%velocity)
+         signal = norm2([velocity(p, 1), velocity(p, 2), velocity(p, 3)])
       end associate
+      if (signal + wave > above) signal = signal &
+         + simulation%materials(index)%signal_speed(simulation%stores(index)%state, p, p)
    end function signal_of
 
-   !> Greatest signal of this rank. Tiles are taken in the order of their bounds, until no other one
-   !! can hold a faster particle.
-   real(wp) function fastest_particle(simulation, bound, highest) result(fastest)
+   !> Greatest signal of this rank.
+   real(wp) function fastest_particle(simulation, wave, bound) result(fastest)
       type(simulation_t), intent(in) :: simulation
+      real(wp), intent(in) :: wave(:, :)             !! (tile, store) [m/s]
       real(wp), intent(in) :: bound(:, :)            !! (tile, store) [m/s]
-      real(wp), intent(in) :: highest                !! Greatest bound [m/s]
-      real(wp) :: below
-      integer :: at(2), p
+      integer :: index, tile, p
 
       fastest = 0.0_wp
-      below = 2.0_wp*highest
-      do
-         if (.not. any(bound > fastest .and. bound < below)) exit
-         at = maxloc(bound, mask=bound < below)
-         below = bound(at(1), at(2))
-         associate (store => simulation%stores(at(2)))
-            do p = store%first(at(1)), store%first(at(1)) + store%count(at(1)) - 1
-               fastest = max(fastest, signal_of(simulation, at(2), p))
+      do index = 1, size(bound, 2)
+         associate (store => simulation%stores(index))
+            do tile = 1, size(bound, 1)
+               if (.not. bound(tile, index) > fastest) cycle
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  fastest = max(fastest, signal_of(simulation, index, p, wave(tile, index), &
+                     fastest))
+               end do
             end do
          end associate
       end do
    end function fastest_particle
 
-   !> Particles of this rank with a greater signal, and all particles. The signals of others are not
-   !! found where the bound of their tile is low.
-   function count_faster(simulation, bound, speed) result(counts)
+   !> Particles of this rank with a greater signal. Where they are not few the count ends early.
+   integer(int64) function count_faster(simulation, wave, bound, speed, few) result(number)
       type(simulation_t), intent(in) :: simulation
+      real(wp), intent(in) :: wave(:, :)             !! (tile, store) [m/s]
       real(wp), intent(in) :: bound(:, :)            !! (tile, store) [m/s]
       real(wp), intent(in) :: speed                  !! [m/s]
-      integer(int64) :: counts(2)
+      integer(int64), intent(in) :: few              !! More than so many are not few
       integer :: index, tile, p
 
-      counts = 0
+      number = 0
       do index = 1, size(bound, 2)
          associate (store => simulation%stores(index))
-            counts(2) = counts(2) + sum(int(store%count, int64))
             do tile = 1, size(bound, 1)
                if (.not. bound(tile, index) > speed) cycle
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  if (signal_of(simulation, index, p) > speed) counts(1) = counts(1) + 1
+                  if (signal_of(simulation, index, p, wave(tile, index), speed) > speed) &
+                     number = number + 1
                end do
+               if (number > few) return
             end do
          end associate
       end do
