@@ -53,6 +53,7 @@ module base_communicator
       procedure :: gather => communicator_gather      !! Concatenate over the ranks, on all of them
       procedure :: broadcast => communicator_broadcast !! Text of rank 0 to all
       procedure :: exchange => communicator_exchange  !! Sparse exchange of messages
+      procedure :: send_rows => communicator_send_rows !! Rows of words to their ranks
       procedure :: post => communicator_post          !! First half of an exchange: send
       procedure :: complete => communicator_complete  !! Second half: receive
    end type communicator_t
@@ -283,6 +284,50 @@ contains
       call self%complete(posted, incoming, words)
       incoming = incoming(:words)
    end subroutine communicator_exchange
+
+   !> Send each row of words to a rank, which may be this one. Rows that arrive follow each other, in
+   !! an order that varies but for those of one rank.
+   subroutine communicator_send_rows(self, owner, rows, arrived)
+      class(communicator_t), intent(inout) :: self
+      integer, contiguous, intent(in) :: owner(:)              !! (row) Rank that gets it
+      integer(int64), contiguous, intent(in) :: rows(:, :)     !! (word, row)
+      integer(int64), allocatable, intent(out) :: arrived(:)   !! Words of the rows for this rank
+      type(posted_t) :: posted
+      integer(int64), allocatable :: incoming(:)
+      integer, allocatable :: number(:), at(:), destination(:), length(:)
+      integer :: row, rank, words, filled
+
+      words = size(rows, 1)
+      allocate (number(0:self%size - 1), at(0:self%size - 1))
+      number = 0
+      do row = 1, size(owner)
+         number(owner(row)) = number(owner(row)) + 1
+      end do
+      allocate (arrived(words*number(self%rank)), &
+         posted%outgoing(words*(size(owner) - number(self%rank))))
+      destination = pack([(rank, rank=0, self%size - 1)], number > 0)
+      destination = pack(destination, destination /= self%rank)
+      length = words*number(destination)
+      filled = 0
+      do rank = 0, self%size - 1
+         at(rank) = filled
+         if (rank /= self%rank) filled = filled + words*number(rank)
+      end do
+      at(self%rank) = 0
+      do row = 1, size(owner)
+         rank = owner(row)
+         if (rank == self%rank) then
+            arrived(at(rank) + 1:at(rank) + words) = rows(:, row)
+         else
+            posted%outgoing(at(rank) + 1:at(rank) + words) = rows(:, row)
+         end if
+         at(rank) = at(rank) + words
+      end do
+      if (self%size == 1) return
+      call self%post(destination, length, posted)
+      call self%complete(posted, incoming, filled)
+      arrived = [arrived, incoming(:filled)]
+   end subroutine communicator_send_rows
 
    !> Send messages. Between this and `complete` other work is possible, but no other exchange.
    !!

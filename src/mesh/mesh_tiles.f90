@@ -10,7 +10,7 @@ module mesh_tiles
    implicit none
    private
 
-   public :: tiles_t, partition_keys, partition_distributed_keys
+   public :: tiles_t, partition_keys, partition_distributed_keys, partition_scattered_keys
 
    integer, parameter, public :: neighbors = 27      !! Neighbours of a tile, itself included
    integer, parameter, public :: itself = 14         !! Its own index among them
@@ -201,6 +201,87 @@ contains
       call communicator%least(border)
    end subroutine partition_distributed_keys
 
+   !> The same where a rank knows tiles anywhere on the curve, and several ranks may know a part of
+   !! the weight of one. Each cut is found by bisection of the curve, all at a time: about as many
+   !! sums over the ranks as the greatest key has bits. Collective.
+   subroutine partition_scattered_keys(communicator, key, weight, border)
+      type(communicator_t), intent(in) :: communicator
+      integer(int64), intent(in) :: key(:)           !! Tiles that this rank knows, ascending
+      integer(int64), intent(in) :: weight(:)        !! Their weights, or parts of them
+      integer(int64), allocatable, intent(out) :: border(:) !! (0:ranks) Cuts
+      integer(int64), allocatable :: before(:), low(:), high(:), sums(:)
+      integer(int64) :: middle, total(1), most(1)
+      integer :: ranks, cut, tile
+
+      ranks = communicator%size
+      allocate (before(size(key) + 1), low(ranks - 1), high(ranks - 1), sums(2*ranks - 2))
+      before(1) = 0
+      do tile = 1, size(key)
+         before(tile + 1) = before(tile) + weight(tile)
+      end do
+      total = before(size(before))
+      call communicator%total(total)
+      most = 0
+      if (size(key) > 0) most = -key(size(key)) - 1
+      call communicator%least(most)
+      low = 0
+      high = -most(1)
+      do while (any(low < high))
+         do cut = 1, ranks - 1
+            middle = low(cut) + (high(cut) - low(cut))/2
+            sums(2*cut - 1) = before(first_at(key, middle))
+            sums(2*cut) = before(first_at(key, middle + 1)) - sums(2*cut - 1)
+         end do
+         call communicator%total(sums)
+         do cut = 1, ranks - 1
+            middle = low(cut) + (high(cut) - low(cut))/2
+            if (lies_before(sums(2*cut - 1), sums(2*cut), total(1), cut, ranks)) then
+               low(cut) = middle + 1
+            else
+               high(cut) = middle
+            end if
+         end do
+      end do
+      allocate (border(0:ranks))
+      border = huge(1_int64)
+      border(0) = 0
+      do cut = 1, ranks - 1
+         tile = first_at(key, low(cut))
+         if (tile <= size(key)) border(cut) = key(tile)
+      end do
+      call communicator%least(border)
+   end subroutine partition_scattered_keys
+
+   !> Index of the first key that is not below a place; one more than there are, if all are.
+   pure integer function first_at(key, place) result(first)
+      integer(int64), intent(in) :: key(:)           !! Ascending
+      integer(int64), intent(in) :: place            !! On the curve
+      integer :: above, middle
+
+      first = 1
+      above = size(key) + 1
+      do while (first < above)
+         middle = first + (above - first)/2
+         if (key(middle) < place) then
+            first = middle + 1
+         else
+            above = middle
+         end if
+      end do
+   end function first_at
+
+   !> True if the middle of a tile lies before a cut: the share of the ranks before it.
+   pure logical function lies_before(before, weight, total, cut, ranks)
+      integer(int64), intent(in) :: before           !! Weight of the tiles before
+      integer(int64), intent(in) :: weight           !! Of the tile
+      integer(int64), intent(in) :: total            !! Weight of all tiles
+      integer, intent(in) :: cut                     !! Ranks before the cut
+      integer, intent(in) :: ranks                   !! Number of ranks
+
+      lies_before = real(before, wp) + 0.5_wp*real(weight, wp) < &
+         real(total, wp)*real(cut, wp)/real(ranks, wp)
+   end function lies_before
+
    !> The first tile of each piece, as far as it is among these: that whose middle lies beyond the
    !! share of the ranks before.
    pure subroutine find_cuts(key, weight, start, total, ranks, border)
@@ -220,8 +301,7 @@ contains
       rank = 1
       do tile = 1, size(key)
          do while (rank < ranks)
-            if (real(before, wp) + 0.5_wp*real(weight(tile), wp) < &
-               real(total, wp)*real(rank, wp)/real(ranks, wp)) exit
+            if (lies_before(before, weight(tile), total, rank, ranks)) exit
             border(rank) = key(tile)
             rank = rank + 1
          end do

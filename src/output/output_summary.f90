@@ -52,7 +52,7 @@ contains
       type(trust_t) :: trust
       type(signal_limit_t) :: limit
       character(len=16) :: digest
-      integer(int64) :: counts(4), traffic(kinds)
+      integer(int64) :: counts(4), traffic(kinds), listed(1)
       real(wp) :: rate, bytes, range(extremes)
       real(wp), allocatable :: least(:), mean(:), greatest(:)
 
@@ -74,6 +74,8 @@ contains
       call log%info(trust_text(trust))
       call warn_of_balance(simulation%scheme%method, now, trust, log)
       call count_traffic(simulation, traffic)
+      listed = -simulation%machine%load%listed
+      call simulation%machine%communicator%least(listed)
       if (simulation%machine%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)
       if (allocated(simulation%effects%exact)) call measure_errors(simulation)
@@ -93,7 +95,8 @@ contains
       call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
       call add_balance(json, simulation, now, trust)
-      if (simulation%machine%communicator%size > 1) call add_ranks(json, simulation, traffic)
+      if (simulation%machine%communicator%size > 1) call add_ranks(json, simulation, traffic, &
+         -listed(1))
       if (allocated(simulation%effects%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
@@ -268,10 +271,11 @@ contains
    end function ranks_text
 
    !> The same for scripts.
-   subroutine add_ranks(json, simulation, traffic)
+   subroutine add_ranks(json, simulation, traffic, listed)
       type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation
       integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
+      integer(int64), intent(in) :: listed           !! Longest list of tiles of a rank at the start
       integer :: n
 
       associate (load => simulation%machine%load)
@@ -289,6 +293,7 @@ contains
          call json%add(trim(kind_names(n)), traffic(n))
       end do
       call json%end()
+      call json%add("tiles_listed_at_start", listed)
    end subroutine add_ranks
 
    !> Greatest speed, and the ranges of pressure and density, over all particles and ranks; zero

@@ -10,55 +10,81 @@ module particle_fill
    use base_random, only: random_uniform
    use base_sort, only: sort_order
    use mesh_grid, only: grid_t
-   use mesh_hilbert, only: hilbert_coordinate, hilbert_key
+   use mesh_hilbert, only: hilbert_key
    use particle_body, only: belongs, body_t, cell_of, find_boxes, find_near, site_position, &
       tile_sites
+   use particle_candidates, only: candidates_t
    use particle_store, only: store_t
    implicit none
    private
 
-   public :: body_t, candidate_tiles, fill_bodies, site_volume, survey_bodies
+   public :: body_t, fill_bodies, site_volume, survey_bodies
 
 contains
 
-   !> Count the particles of each body and of each tile that a body overlaps.
+   !> Count the particles of each body, and those of each tile that is dealt out to this rank. A tile
+   !! is on the list of one rank, which is any of them; no rank has a list of all. Collective.
    subroutine survey_bodies(communicator, grid, bodies, key, particles, body_count)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
       integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
-      integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each body
-      integer(int64), allocatable :: all_keys(:), all_particles(:), own(:)
+      integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each, on all ranks
+      type(candidates_t) :: candidates
+      integer(int64), allocatable :: own(:), pairs(:, :)
+      integer, allocatable :: order(:)
       real(wp), allocatable :: low(:, :), high(:, :)
-      integer :: tile
+      integer(int64) :: round, found
+      integer :: coordinate(3), filled
+      logical :: dealt
 
-      call candidate_tiles(grid, bodies, all_keys)
+      call candidates%find(grid, bodies)
       call find_boxes(grid, bodies, low, high)
-      allocate (all_particles(size(all_keys)))
-      all_particles = 0
+      allocate (key(0), particles(0))
       body_count = 0
-      !$omp parallel default(none) private(tile, own) &
-      !$omp shared(communicator, grid, bodies, low, high, all_keys, all_particles, body_count)
-      allocate (own(size(bodies)))
+      !$omp parallel default(none) private(round, coordinate, dealt, own, pairs, filled, found) &
+      !$omp shared(communicator, grid, bodies, low, high, candidates, key, particles, body_count)
+      allocate (own(size(bodies)), pairs(64, 2))
       own = 0
+      filled = 0
       !$omp do schedule(dynamic, 16)
-      do tile = communicator%rank + 1, size(all_keys), communicator%size
-         call count_tile(grid, bodies, low, high, hilbert_coordinate(all_keys(tile), &
-            grid%dimensions), own, all_particles(tile))
+      do round = 1, candidates%rounds(communicator)
+         call candidates%deal(communicator, round, coordinate, dealt)
+         if (.not. dealt) cycle
+         call count_tile(grid, bodies, low, high, coordinate, own, found)
+         if (found > 0) call append_pair(hilbert_key(coordinate, grid%dimensions), found, pairs, &
+            filled)
       end do
       !$omp end do nowait
       !$omp critical (survey_counts)
       body_count = body_count + own
+      key = [key, pairs(:filled, 1)]
+      particles = [particles, pairs(:filled, 2)]
       !$omp end critical (survey_counts)
       !$omp end parallel
-      if (communicator%size > 1) then
-         call communicator%total(body_count)
-         call communicator%total(all_particles)
-      end if
-      key = pack(all_keys, all_particles > 0)
-      particles = pack(all_particles, all_particles > 0)
+      call communicator%total(body_count)
+      order = sort_order(key)
+      key = key(order)
+      particles = particles(order)
    end subroutine survey_bodies
+
+   !> Append a tile and its particles to a list, which grows as needed.
+   pure subroutine append_pair(key, particles, pairs, filled)
+      integer(int64), intent(in) :: key               !! The tile
+      integer(int64), intent(in) :: particles         !! Its particles
+      integer(int64), allocatable, intent(inout) :: pairs(:, :) !! (entry, 2) The list
+      integer, intent(inout) :: filled                !! Entries in use
+      integer(int64), allocatable :: larger(:, :)
+
+      if (filled == size(pairs, 1)) then
+         allocate (larger(2*filled, 2))
+         larger(:filled, :) = pairs
+         call move_alloc(larger, pairs)
+      end if
+      filled = filled + 1
+      pairs(filled, :) = [key, particles]
+   end subroutine append_pair
 
    !> Count the particles of all bodies in a tile.
    pure subroutine count_tile(grid, bodies, low, high, coordinate, body_count, particles)
@@ -80,62 +106,6 @@ contains
          particles = particles + found
       end do
    end subroutine count_tile
-
-   !> Find the tiles in the bounding boxes of the bodies, each once, along the Hilbert curve.
-   subroutine candidate_tiles(grid, bodies, key)
-      type(grid_t), intent(in) :: grid
-      type(body_t), intent(in) :: bodies(:)
-      integer(int64), allocatable, intent(out) :: key(:) !! Ascending
-      integer, allocatable :: order(:)
-      real(wp) :: low(3), high(3)
-      integer :: first(3), last(3), body, x, y, z, n
-
-      n = 0
-      do body = 1, size(bodies)
-         call bodies(body)%shape%bounds(low, high)
-         n = n + product(max(tile_of(high) - tile_of(low) + 1, 0))
-      end do
-      allocate (key(n))
-      n = 0
-      do body = 1, size(bodies)
-         call bodies(body)%shape%bounds(low, high)
-         first = tile_of(low)
-         last = tile_of(high)
-         do z = first(3), last(3)
-            do y = first(2), last(2)
-               do x = first(1), last(1)
-                  n = n + 1
-                  key(n) = hilbert_key([x, y, z], grid%dimensions)
-               end do
-            end do
-         end do
-      end do
-      order = sort_order(key)
-      key = key(order)
-      n = 0
-      do x = 1, size(key)
-         if (n > 0) then
-            if (key(n) == key(x)) cycle
-         end if
-         n = n + 1
-         key(n) = key(x)
-      end do
-      key = key(:n)
-
-   contains
-
-      !> Tile of a corner, clipped to the domain.
-      pure function tile_of(corner) result(coordinate)
-         real(wp), intent(in) :: corner(3)            !! [m]
-         integer :: coordinate(3)
-         real(wp) :: place(3)
-
-         coordinate = 0
-         place = (corner - grid%lower)/grid%spacing
-         where (grid%active) coordinate = min(int(max(min(place, real(grid%cells, wp)), 0.0_wp)), &
-            grid%cells - 1)/grid%width
-      end function tile_of
-   end subroutine candidate_tiles
 
    !> Count the particles that a body has in a tile.
    pure integer(int64) function count_sites(grid, bodies, body, later, coordinate) result(number)

@@ -185,29 +185,17 @@ contains
    subroutine send_rows(communicator, tiles, messages, arrived)
       type(communicator_t), intent(inout) :: communicator
       type(tiles_t), intent(in) :: tiles
-      integer(int64), intent(in) :: messages(:, :)   !! (word, row)
+      integer(int64), contiguous, intent(in) :: messages(:, :) !! (word, row)
       !> Rows for this rank, one after another
       integer(int64), allocatable, intent(out) :: arrived(:)
-      integer, allocatable :: owner(:), ranks(:), length(:)
-      integer(int64), allocatable :: outgoing(:)
-      integer :: row, rank, at
+      integer, allocatable :: owner(:)
+      integer :: row
 
-      allocate (owner(size(messages, 2)), outgoing(size(messages)), ranks(0), length(0))
+      allocate (owner(size(messages, 2)))
       do row = 1, size(owner)
          owner(row) = tiles%owner(messages(2, row))
       end do
-      at = 0
-      do rank = 0, communicator%size - 1
-         if (.not. any(owner == rank)) cycle
-         ranks = [ranks, rank]
-         length = [length, size(messages, 1)*count(owner == rank)]
-         do row = 1, size(owner)
-            if (owner(row) /= rank) cycle
-            outgoing(at + 1:at + size(messages, 1)) = messages(:, row)
-            at = at + size(messages, 1)
-         end do
-      end do
-      call communicator%exchange(ranks, length, outgoing, arrived)
+      call communicator%send_rows(owner, messages, arrived)
    end subroutine send_rows
 
    !> Add the rows that arrived to the newcomers of their stores.

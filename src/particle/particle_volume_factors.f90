@@ -7,9 +7,9 @@ module particle_volume_factors
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
-   use mesh_hilbert, only: hilbert_coordinate
    use particle_body, only: belongs, body_t, site_position, tile_sites
-   use particle_fill, only: candidate_tiles, site_volume
+   use particle_candidates, only: candidates_t
+   use particle_fill, only: site_volume
    implicit none
    private
 
@@ -23,33 +23,41 @@ contains
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
       type(body_t), intent(inout) :: bodies(:)
-      type(exact_sum_t) :: lattice, given
-      integer(int64), allocatable :: key(:)
-      real(wp), allocatable :: sums(:, :)
-      integer :: body, tile
+      type(candidates_t) :: candidates
+      type(exact_sum_t) :: lattice, given, own(2)
+      integer(int64) :: round
+      real(wp) :: sums(2)
+      integer :: body, coordinate(3)
+      logical :: dealt
 
       do body = 1, size(bodies)
          if (bodies(body)%on_lattice()) cycle
          if (.not. bodies(body)%given%clipped) cycle
-         call candidate_tiles(grid, bodies(body:body), key)
-         allocate (sums(2, size(key)))
-         sums = 0.0_wp
-         !$omp parallel do default(none) shared(communicator, grid, bodies, body, key, sums) &
-         !$omp private(tile) schedule(dynamic, 4)
-         do tile = communicator%rank + 1, size(key), communicator%size
-            call sum_volumes(grid, bodies, body, hilbert_coordinate(key(tile), grid%dimensions), &
-               sums(:, tile))
-         end do
-         !$omp end parallel do
+         call candidates%find(grid, bodies(body:body))
          call lattice%clear()
          call given%clear()
-         call lattice%add_all(sums(1, :))
-         call given%add_all(sums(2, :))
+         !$omp parallel default(none) private(round, coordinate, dealt, sums, own) &
+         !$omp shared(communicator, grid, bodies, body, candidates, lattice, given)
+         call own(1)%clear()
+         call own(2)%clear()
+         !$omp do schedule(dynamic, 4)
+         do round = 1, candidates%rounds(communicator)
+            call candidates%deal(communicator, round, coordinate, dealt)
+            if (.not. dealt) cycle
+            call sum_volumes(grid, bodies, body, coordinate, sums)
+            call own(1)%add(sums(1))
+            call own(2)%add(sums(2))
+         end do
+         !$omp end do nowait
+         !$omp critical (volume_sums)
+         call lattice%merge(own(1))
+         call given%merge(own(2))
+         !$omp end critical (volume_sums)
+         !$omp end parallel
          call lattice%over_ranks(communicator)
          call given%over_ranks(communicator)
          bodies(body)%share = 0.0_wp
          if (given%value() > 0.0_wp) bodies(body)%share = lattice%value()/given%value()
-         deallocate (sums)
       end do
    end subroutine set_volume_factors
 
@@ -59,13 +67,14 @@ contains
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
-      real(wp), intent(inout) :: sums(2)              !! Grows [m3, 1 or m]
+      real(wp), intent(out) :: sums(2)                !! [m3, 1 or m]
       real(wp), allocatable :: position(:, :), volume(:)
       integer(int64), allocatable :: number(:)
       real(wp) :: middle(3)
       integer :: later(size(bodies) - body), sites(3), x, y, z, n
 
       later = [(n, n=body + 1, size(bodies))]
+      sums = 0.0_wp
       sites = tile_sites(grid, bodies(body), coordinate)
       do z = 0, sites(3) - 1
          do y = 0, sites(2) - 1

@@ -69,7 +69,7 @@ contains
       type(job_t), intent(out) :: job
       integer :: tiles
 
-      tiles = max(size(setup%survey%key), 1)
+      tiles = int(max(setup%survey%tiles, 1_int64))
       job%ranks = min(max(ceiling(real(setup%survey%particles, wp)/particles_of_rank), 1), tiles)
       if (setup%command%job%ranks > 0) job%ranks = setup%command%job%ranks
       job%threads = max(min(usual_threads, tiles/job%ranks), 1)
@@ -115,7 +115,7 @@ contains
       character(len=:), allocatable :: text
 
       text = "# "//number(setup%survey%particles)//" particles in "// &
-         number(size(setup%survey%key))//" tiles; about a million particles a rank "// &
+         number(setup%survey%tiles)//" tiles; about a million particles a rank "// &
          "are efficient."//newline
       if (setup%command%job%scheduler == "pbs") then
          text = text//"# The limit below replaces wall_limit of the deck."

@@ -65,7 +65,7 @@ contains
          text = "grid       "//number(grid%cells(1))//" x " &
             //number(grid%cells(2))//" x "//number(grid%cells(3))//" = " &
             //number(grid%cell_count())//" cells of "//four_digits(grid%spacing)//" m; tiles of " &
-            //number(grid%tile_cells)//" cells, "//number(size(survey%key, kind=int64)) &
+            //number(grid%tile_cells)//" cells, "//number(survey%tiles) &
             //" of "//number(product(int(grid%tiles, int64)))//" hold particles"
       end associate
    end function grid_line
@@ -167,7 +167,7 @@ contains
          end do
          call simulation%effects%count(simulation%scheme%method, tally)
          bytes = spare*real(survey%particles, wp)*particle_bytes(simulation, survey) &
-            + real(size(survey%key), wp)*(8.0_wp*real(tally%needed, wp) &
+            + real(survey%tiles, wp)*(8.0_wp*real(tally%needed, wp) &
             + 4.0_wp*real(grid%tile_cells + neighbors + 12, wp))
       end associate
    end function memory_bytes
@@ -183,7 +183,7 @@ contains
          needs%vector = count(vector_rows(space%grid))
          needs%tensor = count(tensor_rows(space%grid))
          needs%lean = may_be_lean(scheme, effects) .and. &
-            size(survey%key, kind=int64)*space%grid%tile_nodes > survey%particles
+            survey%tiles*space%grid%tile_nodes > survey%particles
          needs%dual = method%dual
          needs%energy = scheme%carries_energy
          needs%averages = method%averages()

@@ -45,7 +45,7 @@ contains
             number(communicator%size)//" ranks x "//number(omp_get_max_threads())// &
             " threads  results "//outputs%folder)
          line = threads_text(most_threads, &
-            (size(survey%key) + communicator%size - 1)/communicator%size, &
+            int((survey%tiles + communicator%size - 1)/communicator%size), &
             survey%particles/communicator%size)
          if (len(line) > 0) call log%info(line)
          if (setup%deck%warnings() > 0) call log%warn(setup%deck%report())

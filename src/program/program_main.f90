@@ -153,7 +153,7 @@ contains
 
       session%most_threads = omp_get_max_threads()
       associate (survey => session%survey, ranks => session%simulation%machine%communicator%size)
-         call choose_threads(session%most_threads, (size(survey%key) + ranks - 1)/ranks, &
+         call choose_threads(session%most_threads, int((survey%tiles + ranks - 1)/ranks), &
             survey%particles/ranks)
       end associate
    end subroutine limit_threads
@@ -260,12 +260,12 @@ contains
          session%outputs, session%outputs%folder, session%limits%time_end, error)
    end subroutine start_simulation
 
-   !> Free voxels, facets and lists of points, which only the first state needs.
+   !> Free voxels, facets and lists of points and tiles, which only the first state needs.
    subroutine free_shapes(session)
       type(session_t), intent(inout) :: session
       integer :: n
 
-      deallocate (session%shapes)
+      deallocate (session%shapes, session%survey%key, session%survey%particles_of)
       do n = 1, size(session%bodies)
          if (allocated(session%bodies(n)%shape%shape)) deallocate (session%bodies(n)%shape%shape)
          if (allocated(session%bodies(n)%given)) deallocate (session%bodies(n)%given)

@@ -9,7 +9,7 @@ module scene_particles
    use material_stages, only: effect_count, effect_names
    use material_type, only: material_t
    use mesh_hilbert, only: hilbert_key
-   use mesh_tiles, only: partition_keys
+   use mesh_tiles, only: partition_keys, partition_scattered_keys
    use omp_lib, only: omp_get_max_threads
    use particle_fill, only: body_t, fill_bodies, survey_bodies
    use particle_place, only: find_place
@@ -31,9 +31,12 @@ module scene_particles
    !> What the bodies will fill, known before there are particles.
    type :: survey_t
       integer(int64) :: particles = 0                !! In all bodies
+      integer(int64) :: tiles = 0                    !! Tiles that hold some, on all ranks
       integer(int64), allocatable :: body(:)         !! (body) Particles
-      integer(int64), allocatable :: key(:)          !! (tile) Tiles that hold some, ascending
-      integer(int64), allocatable :: tile(:)         !! (tile) Their particles
+      !> (tile) Tiles with particles that this rank has counted, ascending. They lie anywhere; each
+      !! tile is on the list of one rank.
+      integer(int64), allocatable :: key(:)
+      integer(int64), allocatable :: particles_of(:) !! (tile) Their particles
    end type survey_t
 
 contains
@@ -125,13 +128,17 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run without particles
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get factors of volumes
       type(survey_t), intent(out) :: survey
+      integer(int64) :: total(1)
 
       call set_volume_factors(simulation%machine%communicator, simulation%space%grid, bodies)
       allocate (survey%body(size(bodies)))
       call survey_bodies(simulation%machine%communicator, simulation%space%grid, bodies, &
          survey%key, &
-         survey%tile, survey%body)
-      survey%particles = sum(survey%tile)
+         survey%particles_of, survey%body)
+      total = size(survey%key)
+      call simulation%machine%communicator%total(total)
+      survey%tiles = total(1)
+      survey%particles = sum(survey%body)
    end subroutine take_survey
 
    !> Fill the bodies with particles, each rank its own tiles.
@@ -139,7 +146,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
-      integer(int64), allocatable :: own(:), none(:), border(:)
+      integer(int64), allocatable :: own(:), none(:)
       integer(int64) :: next
       integer :: index, body, tile
 
@@ -148,11 +155,7 @@ contains
          bodies(body)%first_identity = next
          next = next + product(bodies(body)%sites(simulation%space%grid))
       end do
-      call partition_keys(survey%key, survey%tile, simulation%machine%communicator%size, border)
-      call simulation%space%tiles%cut(border)
-      own = pack(survey%key, &
-         survey%key >= simulation%space%tiles%border(simulation%machine%communicator%rank) .and. &
-         survey%key < simulation%space%tiles%border(simulation%machine%communicator%rank + 1))
+      call share_out_tiles(simulation, survey, own)
       allocate (none(0))
       call simulation%space%tiles%set(simulation%space%grid, own, none)
       do index = 1, size(simulation%stores)
@@ -172,6 +175,30 @@ contains
       end do
       call sort_particles(simulation)
    end subroutine fill_simulation
+
+   !> Cut the curve into pieces of equal numbers of particles, and send each rank its tiles.
+   subroutine share_out_tiles(simulation, survey, own)
+      type(simulation_t), intent(inout) :: simulation !! Gets the cuts
+      type(survey_t), intent(in) :: survey           !! Counts of particles
+      integer(int64), allocatable, intent(out) :: own(:) !! Keys of its tiles, ascending
+      integer(int64), allocatable :: border(:), rows(:, :)
+      integer, allocatable :: owner(:)
+      integer :: tile
+
+      associate (machine => simulation%machine)
+         call partition_scattered_keys(machine%communicator, survey%key, survey%particles_of, &
+            border)
+         call simulation%space%tiles%cut(border)
+         allocate (owner(size(survey%key)), rows(1, size(survey%key)))
+         do tile = 1, size(owner)
+            rows(1, tile) = survey%key(tile)
+            owner(tile) = simulation%space%tiles%owner(survey%key(tile))
+         end do
+         call machine%communicator%send_rows(owner, rows, own)
+         own = own(sort_order(own))
+         machine%load%listed = max(size(survey%key, kind=int64), size(own, kind=int64))
+      end associate
+   end subroutine share_out_tiles
 
    !> Set the state of the particles of a tile at the start. Those of a body follow each other.
    subroutine start_tile(bodies, material, tile, store)
@@ -293,28 +320,12 @@ contains
    !! is forgotten. For particles that were just read, each store in one range.
    subroutine distribute_particles(simulation)
       type(simulation_t), intent(inout) :: simulation
-      integer(int64), allocatable :: own(:), whole(:), key(:), weight(:), border(:)
-      integer, allocatable :: order(:)
-      integer :: n, tiles
+      integer(int64), allocatable :: key(:), particles(:), border(:)
+      integer :: n
 
-      call count_tiles(simulation, own)
-      call simulation%machine%communicator%gather(own, whole)
-      ! pairs of key and particles, a tile perhaps several times
-      order = sort_order(whole(1::2))
-      allocate (key(size(order)), weight(size(order)))
-      tiles = 0
-      do n = 1, size(order)
-         if (tiles > 0) then
-            if (key(tiles) == whole(2*order(n) - 1)) then
-               weight(tiles) = weight(tiles) + whole(2*order(n))
-               cycle
-            end if
-         end if
-         tiles = tiles + 1
-         key(tiles) = whole(2*order(n) - 1)
-         weight(tiles) = whole(2*order(n))
-      end do
-      call partition_keys(key(:tiles), weight(:tiles), simulation%machine%communicator%size, border)
+      call count_tiles(simulation, key, particles)
+      simulation%machine%load%listed = size(key, kind=int64)
+      call partition_scattered_keys(simulation%machine%communicator, key, particles, border)
       call simulation%space%tiles%cut(border)
       do n = 1, size(simulation%stores)
          call simulation%stores(n)%mark_all_leaving(simulation%space%grid%tile_cells)
@@ -322,12 +333,11 @@ contains
       call sort_particles(simulation)
    end subroutine distribute_particles
 
-   !> Pairs of tile and number of particles on this rank.
-   subroutine count_tiles(simulation, pairs)
+   !> Count the particles of this rank in each tile.
+   subroutine count_tiles(simulation, key, particles)
       type(simulation_t), intent(in) :: simulation
-      integer(int64), allocatable, intent(out) :: pairs(:) !! Key, particles, key, particles, ...
-      integer(int64), allocatable :: key(:)
-      integer, allocatable :: order(:)
+      integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
+      integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
       integer :: index, n, filled, owner(3), cells(3)
       logical :: lost
 
@@ -343,21 +353,22 @@ contains
             end do
          end associate
       end do
-      order = sort_order(key)
-      allocate (pairs(2*size(key)))
+      key = key(sort_order(key))
+      allocate (particles(size(key)))
       filled = 0
-      do n = 1, size(order)
+      do n = 1, size(key)
          if (filled > 0) then
-            if (pairs(2*filled - 1) == key(order(n))) then
-               pairs(2*filled) = pairs(2*filled) + 1
+            if (key(filled) == key(n)) then
+               particles(filled) = particles(filled) + 1
                cycle
             end if
          end if
          filled = filled + 1
-         pairs(2*filled - 1) = key(order(n))
-         pairs(2*filled) = 1
+         key(filled) = key(n)
+         particles(filled) = 1
       end do
-      pairs = pairs(:2*filled)
+      key = key(:filled)
+      particles = particles(:filled)
    end subroutine count_tiles
 
    !> Stable time step for the initial state [s].
