@@ -65,9 +65,10 @@ contains
       rounds = (self%before(size(self%before)) + communicator%size - 1)/communicator%size
    end function candidates_rounds
 
-   !> The tile that this rank gets in a round, if any. The order of the ranks is another one in each
-   !! round, at random: with a fixed one a rank would get whole layers of tiles, be they full or
-   !! empty. A tile in the boxes of several bodies is dealt with the first of them only.
+   !> The tile that this rank gets in a round, if any. Which rank is the first in a round is chosen at
+   !! random: if it were always the same, a rank could get whole layers of full or of empty tiles. A
+   !! tile in the boxes of several bodies is dealt with the first of them only; they are searched from
+   !! the end because most bodies that share tiles follow each other.
    pure subroutine candidates_deal(self, communicator, round, coordinate, dealt)
       class(candidates_t), intent(in) :: self
       type(communicator_t), intent(in) :: communicator
@@ -92,7 +93,7 @@ contains
       coordinate(2) = int(modulo(place, int(width(2), int64)))
       coordinate(3) = int(place/width(2))
       coordinate = coordinate + self%first(:, body)
-      do n = 1, body - 1
+      do n = body - 1, 1, -1
          if (coordinate(1) < self%first(1, n) .or. coordinate(1) > self%last(1, n)) cycle
          if (coordinate(2) < self%first(2, n) .or. coordinate(2) > self%last(2, n)) cycle
          if (coordinate(3) < self%first(3, n) .or. coordinate(3) > self%last(3, n)) cycle

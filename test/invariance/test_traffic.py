@@ -3,9 +3,11 @@
 """What ranks send in a step is what the model of doc/developer/scaling.md says.
 
 Would catch: patches sent twice, sent to ranks that do not see them, or with columns that nobody
-asked for; a second exchange in a step; messages with nothing in them.
+asked for; a second exchange in a step; messages with nothing in them; at the start and at a
+restart, a list of all tiles on some rank, and cuts of the curve that depend on who knows which tile.
 """
 
+import re
 import sys
 from pathlib import Path
 
@@ -25,6 +27,18 @@ BAR = """
 &region  name='bar'  shape='box'  lo=0,0,0  hi=512,1,1 /
 &body  name='bar'  region='bar'  material='rubber' /
 &parallel  balance='never' /
+"""
+RANKS = 8
+SPHERES = """
+&run  dimension='3d' /
+&grid  lo=0,0,0  hi=96,96,96  dx=1 /
+&time  t_end=1.0e3  max_steps=2 /
+&material  name='rubber'  density=1000  young=1.0e6  poisson=0.3 /
+&region  name='ball'  shape='sphere'  centre=8,10,8  radius=4.4 /
+&body  name='ball'  region='ball'  material='rubber'  ppc=1,1,1  repeat=5,5,1  repeat_step=9,9,9 /
+&region  name='plate'  shape='box'  lo=1,1,2  hi=95,95,4 /
+&body  name='plate'  region='plate'  material='rubber'  ppc=1,1,1 /
+&output  name='h'  kind='history'  every=1000000 /
 """
 
 
@@ -57,12 +71,31 @@ def blocks(options, sheet):
                            traffic["patch_bytes"] / STEPS / ranks, size, 1.0e-3)
 
 
+def starts(options, sheet):
+    """Balls in rows, whose boxes share tiles, over a plate, in the lower third of the box: the lists of tiles
+    that a rank has at the start and at a restart are shares of the whole, and results are those of one rank."""
+    one = case.Case(options, "start_1", SPHERES).run("-q")
+    tiles = int(re.search(r"([0-9]+) of [0-9]+ hold particles", one.path(".log").read_text("utf-8")).group(1))
+    sheet.require(tiles > 300, f"{tiles} tiles hold particles")
+    many = case.Case(options, f"start_{RANKS}", SPHERES, ranks=RANKS).run("-q")
+    for name in ("start", "restart"):
+        listed = many.summary["tiles_listed_at_start"]
+        sheet.require(tiles / RANKS <= listed <= 1.5 * tiles / RANKS,
+                      f"{name}: a rank of {RANKS} has a list of {listed} of {tiles} tiles")
+        sheet.require(many.summary["digest"] == one.summary["digest"],
+                      f"{name} on {RANKS} ranks: digest {many.summary['digest']}, "
+                      f"not {one.summary['digest']}")
+        many.run("-q", "--restart", "--set", "time.max_steps=3")
+        one.run("-q", "--restart", "--set", "time.max_steps=3")
+
+
 def main():
-    """Bars exactly, blocks as the model says."""
+    """Bars exactly, blocks as the model says, lists of tiles in shares."""
     options = case.arguments()
     sheet = report.Report()
     bars(options, sheet)
     blocks(options, sheet)
+    starts(options, sheet)
     sheet.end()
 
 
