@@ -285,8 +285,8 @@ contains
       incoming = incoming(:words)
    end subroutine communicator_exchange
 
-   !> Send each row of words to a rank, which may be this one. Rows that arrive follow each other, in
-   !! an order that varies but for those of one rank.
+   !> Send each row of words to a rank, which may be this one. Rows of one sender arrive in their
+   !! order; the order of the senders varies.
    subroutine communicator_send_rows(self, owner, rows, arrived)
       class(communicator_t), intent(inout) :: self
       integer, contiguous, intent(in) :: owner(:)              !! (row) Rank that gets it

@@ -271,14 +271,14 @@ contains
    end function first_at
 
    !> True if the middle of a tile lies before a cut: the share of the ranks before it.
-   pure logical function lies_before(before, weight, total, cut, ranks)
+   pure logical function lies_before(before, weight, total, cut, ranks) result(lower)
       integer(int64), intent(in) :: before           !! Weight of the tiles before
       integer(int64), intent(in) :: weight           !! Of the tile
       integer(int64), intent(in) :: total            !! Weight of all tiles
       integer, intent(in) :: cut                     !! Ranks before the cut
       integer, intent(in) :: ranks                   !! Number of ranks
 
-      lies_before = real(before, wp) + 0.5_wp*real(weight, wp) < &
+      lower = real(before, wp) + 0.5_wp*real(weight, wp) < &
          real(total, wp)*real(cut, wp)/real(ranks, wp)
    end function lies_before
 

@@ -31,9 +31,9 @@ module output_summary
    character(len=12), parameter :: extreme_names(extremes) = [character(len=12) :: "speed_max", &
       "pressure_min", "pressure_max", "density_min", "density_max"]
    real(wp), parameter :: nano = 1.0e-9_wp           !! Times are added as integers [ns]
-   integer, parameter :: kinds = 5                   !! Kinds of messages between ranks
-   character(len=15), parameter :: kind_names(kinds) = [character(len=15) :: "patch_messages", &
-      "patch_bytes", "moving_messages", "moving_bytes", "tiles_sent"]
+   integer, parameter :: kinds = 6                   !! Kinds of messages and lists of ranks
+   character(len=21), parameter :: kind_names(kinds) = [character(len=21) :: "patch_messages", &
+      "patch_bytes", "moving_messages", "moving_bytes", "tiles_sent", "tiles_listed_at_start"]
 
 contains
 
@@ -52,7 +52,7 @@ contains
       type(trust_t) :: trust
       type(signal_limit_t) :: limit
       character(len=16) :: digest
-      integer(int64) :: counts(4), traffic(kinds), listed(1)
+      integer(int64) :: counts(4), traffic(kinds)
       real(wp) :: rate, bytes, range(extremes)
       real(wp), allocatable :: least(:), mean(:), greatest(:)
 
@@ -74,8 +74,6 @@ contains
       call log%info(trust_text(trust))
       call warn_of_balance(simulation%scheme%method, now, trust, log)
       call count_traffic(simulation, traffic)
-      listed = -simulation%machine%load%listed
-      call simulation%machine%communicator%least(listed)
       if (simulation%machine%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)
       if (allocated(simulation%effects%exact)) call measure_errors(simulation)
@@ -95,8 +93,7 @@ contains
       call json%add("particles_halved", counts(3))
       call add_timers(json, simulation, least, mean, greatest)
       call add_balance(json, simulation, now, trust)
-      if (simulation%machine%communicator%size > 1) call add_ranks(json, simulation, traffic, &
-         -listed(1))
+      if (simulation%machine%communicator%size > 1) call add_ranks(json, simulation, traffic)
       if (allocated(simulation%effects%exact)) call add_exact(json, simulation)
       call add_files(json, outputs)
       call json%write(outputs%folder//"/"//outputs%case//".summary.json", error)
@@ -234,15 +231,20 @@ contains
 
    !> What the ranks said to each other, in the order of the names, summed over them. Patches are
    !! node fields; what moves are particles that change ranks and data that are levelled for files.
+   !! The last number is the length of the longest list of tiles that a rank had at the start.
    subroutine count_traffic(simulation, traffic)
       type(simulation_t), intent(in) :: simulation
-      integer(int64), intent(out) :: traffic(kinds)  !! Messages, bytes, messages, bytes, tiles
+      integer(int64), intent(out) :: traffic(kinds)  !! In the order of the names
+      integer(int64) :: listed(1)
 
       associate (said => simulation%machine%communicator%traffic, halo => simulation%space%halo)
          traffic = [halo%messages, 8*halo%words, said%messages - halo%messages, &
-            8*(said%words - halo%words), simulation%machine%load%sent]
+            8*(said%words - halo%words), simulation%machine%load%sent, 0_int64]
       end associate
       call simulation%machine%communicator%total(traffic)
+      listed = -simulation%machine%load%listed
+      call simulation%machine%communicator%least(listed)
+      traffic(kinds) = -listed(1)
    end subroutine count_traffic
 
    !> How evenly the ranks worked and what they said to each other, as lines of text.
@@ -271,11 +273,10 @@ contains
    end function ranks_text
 
    !> The same for scripts.
-   subroutine add_ranks(json, simulation, traffic, listed)
+   subroutine add_ranks(json, simulation, traffic)
       type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation
       integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
-      integer(int64), intent(in) :: listed           !! Longest list of tiles of a rank at the start
       integer :: n
 
       associate (load => simulation%machine%load)
@@ -293,7 +294,6 @@ contains
          call json%add(trim(kind_names(n)), traffic(n))
       end do
       call json%end()
-      call json%add("tiles_listed_at_start", listed)
    end subroutine add_ranks
 
    !> Greatest speed, and the ranges of pressure and density, over all particles and ranks; zero

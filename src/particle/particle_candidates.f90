@@ -65,10 +65,10 @@ contains
       rounds = (self%before(size(self%before)) + communicator%size - 1)/communicator%size
    end function candidates_rounds
 
-   !> The tile that this rank gets in a round, if any. Which rank is the first in a round is chosen at
-   !! random: if it were always the same, a rank could get whole layers of full or of empty tiles. A
-   !! tile in the boxes of several bodies is dealt with the first of them only; they are searched from
-   !! the end because most bodies that share tiles follow each other.
+   !> The tile that this rank gets in a round, if any. Which rank is the first in a round is chosen
+   !! at random: if it were always the same, a rank could get whole layers of full or empty tiles.
+   !! A tile in the boxes of several bodies is dealt with the first of them only; they are searched
+   !! from the end because most bodies that share tiles follow each other.
    pure subroutine candidates_deal(self, communicator, round, coordinate, dealt)
       class(candidates_t), intent(in) :: self
       type(communicator_t), intent(in) :: communicator

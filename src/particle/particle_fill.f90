@@ -22,8 +22,8 @@ module particle_fill
 
 contains
 
-   !> Count the particles of each body, and those of each tile that is dealt out to this rank. A tile
-   !! is on the list of one rank, which is any of them; no rank has a list of all. Collective.
+   !> Count the particles of each body, and those of each tile that is dealt out to this rank. A
+   !! tile is on the list of one rank, which is any of them; no rank has a list of all. Collective.
    subroutine survey_bodies(communicator, grid, bodies, key, particles, body_count)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
@@ -71,8 +71,8 @@ contains
 
    !> Append a tile and its particles to a list, which grows as needed.
    pure subroutine append_pair(key, particles, pairs, filled)
-      integer(int64), intent(in) :: key               !! The tile
-      integer(int64), intent(in) :: particles         !! Its particles
+      integer(int64), intent(in) :: key               !! Place of the tile on the curve
+      integer(int64), intent(in) :: particles         !! Particles in it
       integer(int64), allocatable, intent(inout) :: pairs(:, :) !! (entry, 2) The list
       integer, intent(inout) :: filled                !! Entries in use
       integer(int64), allocatable :: larger(:, :)

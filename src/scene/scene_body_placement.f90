@@ -16,7 +16,7 @@ module scene_body_placement
    public :: check_elastic, check_placement, check_size
 
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
-   real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that bodies may reach; 1.6 GB of keys
+   real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that a body may reach
    real(wp), parameter :: most_identities = 4.0e18_wp !! 64-bit integers end at 9e18
    !> Of the speed of waves, from which on bodies that meet are strained by a quarter and more [1]
    real(wp), parameter :: fast = 0.5_wp

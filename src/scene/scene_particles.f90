@@ -176,7 +176,7 @@ contains
       call sort_particles(simulation)
    end subroutine fill_simulation
 
-   !> Cut the curve into pieces of equal numbers of particles, and send each rank its tiles.
+   !> Cut the curve so that ranks get equal numbers of particles, and send each rank its tiles.
    subroutine share_out_tiles(simulation, survey, own)
       type(simulation_t), intent(inout) :: simulation !! Gets the cuts
       type(survey_t), intent(in) :: survey           !! Counts of particles

@@ -79,7 +79,7 @@ def starts(options, sheet):
     sheet.require(tiles > 300, f"{tiles} tiles hold particles")
     many = case.Case(options, f"start_{RANKS}", SPHERES, ranks=RANKS).run("-q")
     for name in ("start", "restart"):
-        listed = many.summary["tiles_listed_at_start"]
+        listed = many.summary["traffic"]["tiles_listed_at_start"]
         sheet.require(tiles / RANKS <= listed <= 1.5 * tiles / RANKS,
                       f"{name}: a rank of {RANKS} has a list of {listed} of {tiles} tiles")
         sheet.require(many.summary["digest"] == one.summary["digest"],
