@@ -12,7 +12,7 @@ module grains_cell
    implicit none
    private
 
-   public :: cell_t, drive_t
+   public :: cell_t, drive_t, mean_t
 
    !> Losses that are summed over pairs: dashpots, friction, length of the step.
    integer, parameter, public :: losses = 3

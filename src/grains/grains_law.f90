@@ -26,6 +26,7 @@ module grains_law
       real(wp) :: stored = 0.5_wp                    !! Energy of the normal spring/(k_n overlap^2)
    contains
       procedure :: duration => law_duration          !! Of a collision [s]
+      procedure :: modulus => law_modulus            !! Of a dense packing, roughly [Pa]
    end type contact_law_t
 
 contains
@@ -83,4 +84,21 @@ contains
          duration = pi/sqrt(self%normal/mass - 0.25_wp*self%damping**2/mass)
       end if
    end function law_duration
+
+   !> Modulus of a dense packing, roughly: stress over strain of one contact a grain [Pa].
+   pure real(wp) function law_modulus(self, dimension, diameter, pressure) result(modulus)
+      class(contact_law_t), intent(in) :: self
+      integer, intent(in) :: dimension               !! 2: discs of 1 m thickness
+      real(wp), intent(in) :: diameter               !! [m]
+      real(wp), intent(in) :: pressure               !! For Hertz [Pa]
+      real(wp), parameter :: third = 1.0_wp/3.0_wp
+
+      if (self%hertz) then
+         modulus = self%normal*(pressure/self%normal)**third
+      else if (dimension == 2) then
+         modulus = self%normal
+      else
+         modulus = self%normal/diameter
+      end if
+   end function law_modulus
 end module grains_law

@@ -52,6 +52,7 @@ module program_command_line
       logical :: estimate = .true.                       !! A check estimates the run time
       logical :: preview = .false.                       !! Write and draw the first state
       logical :: point = .false.                         !! Drive one material point
+      logical :: grains = .false.                        !! Run a periodic cell of grains
       logical :: restart = .false.                       !! Continue from a checkpoint
       character(len=:), allocatable :: checkpoint        !! Which one; default: the newest valid one
       type(text_t), allocatable :: overrides(:)          !! GROUP.KEY=VALUE, !GROUP.KEY
@@ -70,7 +71,7 @@ module program_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(24) = [ &
+   type(option_t), parameter :: options(25) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
@@ -82,7 +83,8 @@ module program_command_line
       option_t("job     ", " ", a_value), option_t("ranks   ", " ", a_value), &
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
       option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing), &
-      option_t("preview ", "p", nothing), option_t("unset   ", " ", a_value)]
+      option_t("preview ", "p", nothing), option_t("unset   ", " ", a_value), &
+      option_t("grains  ", " ", nothing)]
    character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
       "shapes", "units", "examples"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
@@ -297,6 +299,8 @@ contains
          command%preview = .true.
       case ("point")
          command%point = .true.
+      case ("grains")
+         command%grains = .true.
       case ("restart")
          command%restart = .true.
          if (allocated(value)) command%checkpoint = value
@@ -409,6 +413,9 @@ contains
          call command_line_error(error, "--quiet and --verbose exclude each other")
       else if (command%point .and. (command%check .or. command%restart)) then
          call command_line_error(error, "--point excludes --check and --restart")
+      else if (command%grains .and. (command%point .or. command%preview &
+         .or. allocated(command%job%scheduler))) then
+         call command_line_error(error, "--grains excludes --point, --preview and --job")
       else if (command%check .and. command%restart) then
          call command_line_error(error, "--check and --restart exclude each other")
       else if (command%output%overwrite .and. command%restart) then

@@ -32,6 +32,8 @@ contains
          "      --explain KEY      explain a key or group of the deck"//newline// &
          "      --point            drive one material point, write CASE_point.csv"// &
          newline// &
+         "      --grains           run a periodic cell of grains along its &stage groups"// &
+         newline// &
          "      --list [WHAT]      materials, fields, shapes, units, examples, former"//newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &

@@ -20,6 +20,7 @@ module program_main
    use program_examples, only: copied_t, copy_example, next_steps
    use program_existing_results, only: existing_results_text, protect_results
    use program_expected_steps, only: expected_steps
+   use program_grains, only: run_grains
    use program_information, only: print_information
    use program_log_files, only: open_log
    use program_material_point, only: drive_point
@@ -128,6 +129,10 @@ contains
          if (allocated(error)) return
          if (command%point) then
             call run_point(session, error)
+            return
+         end if
+         if (command%grains) then
+            call run_grains(session, session%log, code, error)
             return
          end if
          call build_setup(session, error)

@@ -52,14 +52,15 @@ contains
       call schema%require("point", "velocity_gradient speed")
    end subroutine declare_point
 
-   !> Make the keys of the scene optional: a deck for --point needs only &material and &point.
+   !> Make the keys of the scene optional: a deck for --point needs only &material and
+   !! &point, one for --grains only &grains, &cell and &stage.
    subroutine make_scene_optional(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       integer :: i
 
       do i = 1, size(schema%groups)
          select case (schema%groups(i)%name)
-         case ("material", "point")
+         case ("material", "point", "grains", "cell", "stage")
             cycle
          case default
             schema%groups(i)%keys%required = .false.

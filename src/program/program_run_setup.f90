@@ -8,6 +8,7 @@ module program_run_setup
    use base_kinds, only: wp
    use base_schema, only: schema_t
    use base_text, only: text_t
+   use grains_deck, only: declare_grains, require_grains
    use io_checkpoint, only: checkpoint_place_t
    use io_deck_file, only: read_deck_file
    use output_deck, only: check_output_fields, check_output_groups, declare_output_groups
@@ -56,6 +57,7 @@ contains
       call declare_deck(schema)
       call declare_output_groups(schema)
       call declare_point(schema)
+      call declare_grains(schema)
    end subroutine declare_deck_keys
 
    !> Read the deck on rank 0 and parse it on all ranks.
@@ -70,11 +72,12 @@ contains
          if (allocated(error)) return
          call communicator%broadcast(setup%deck_text)
          if (.not. allocated(setup%schema%groups)) call declare_deck_keys(setup%schema)
-         if (command%point) call make_scene_optional(setup%schema)
+         if (command%point .or. command%grains) call make_scene_optional(setup%schema)
+         if (command%grains) call require_grains(setup%schema)
          overrides = command%overrides
          call setup%deck%read(setup%schema, setup%deck_text, command%deck, overrides, error)
          if (allocated(error)) return
-         if (command%point) return
+         if (command%point .or. command%grains) return
          call check_deck(setup%deck)
          call check_output_groups(setup%deck)
       end associate

@@ -1,0 +1,254 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The groups &grains and &cell: their keys, their checks, and the cell that they describe.
+module grains_deck
+   use base_constants, only: pi
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use grains_cell, only: cell_t
+   use grains_law, only: hertz_law, linear_law
+   use grains_packing, only: fill_lattice, fill_random, grain_radii, set_masses
+   use grains_path, only: check_stages, declare_stages
+   implicit none
+   private
+
+   public :: check_grains, declare_grains, read_cell, require_grains
+
+contains
+
+   !> Declare &grains, &cell and &stage.
+   subroutine declare_grains(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%group("grains", "grains of a periodic cell, for scree --grains; a run of the "// &
+         "scene ignores it")
+      call schema%text("grains", "shape", "discs of 1 m thickness in x and y, or spheres", &
+         default="discs", words="discs spheres")
+      call schema%integer("grains", "number", "number of grains", range="> 1 <= 100000000", &
+         owner="cell.packing = random")
+      call schema%real("grains", "diameter", "mean diameter", unit="m", range="> 0")
+      call schema%real("grains", "spread", "half the range of diameters over the mean", &
+         default="0.2", range=">= 0 < 0.9", owner="cell.packing = random")
+      call schema%text("grains", "sizes", "diameters evenly over the range, or its two ends", &
+         default="uniform", words="uniform two")
+      call schema%real("grains", "density", "of the solid", unit="kg/m3", range="> 0")
+      call schema%text("grains", "law", "contact: springs of constant stiffness, or elastic "// &
+         "spheres after Hertz and Mindlin", default="linear", words="linear hertz")
+      call schema%real("grains", "stiffness", "normal stiffness of a contact", unit="N/m", &
+         range="> 0", owner="law = linear")
+      call schema%real("grains", "tangential_ratio", "tangential over normal stiffness", &
+         default="0.5", range="> 0 <= 1", owner="law = linear")
+      call schema%real("grains", "young", "Young's modulus of the solid", unit="Pa", range="> 0", &
+         owner="law = hertz")
+      call schema%real("grains", "poisson", "Poisson's ratio of the solid", default="0.25", &
+         range=">= 0 <= 0.5", owner="law = hertz")
+      call schema%real("grains", "restitution", "speed after over speed before a collision", &
+         default="0.5", range="> 0 <= 1")
+      call schema%real("grains", "friction", "coefficient of friction between grains", &
+         default="0.4", range=">= 0")
+      call schema%integer("grains", "steps_per_contact", "steps in the shortest collision", &
+         default="50", range=">= 10 <= 100000")
+      call declare_cell(schema)
+      call declare_stages(schema)
+   end subroutine declare_grains
+
+   !> Declare &cell.
+   subroutine declare_cell(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%group("cell", "periodic cell of grains at its start, for scree --grains")
+      call schema%text("cell", "packing", "at random without overlap, or a perfect lattice", &
+         default="random", words="random triangular fcc")
+      call schema%integer("cell", "cells(3)", "rectangular cells of the lattice: two discs or "// &
+         "four spheres each", owner="packing = triangular fcc")
+      call schema%real("cell", "overlap", "of neighbours in the lattice over the diameter", &
+         default="0", range=">= 0 < 0.1", owner="packing = triangular fcc")
+      call schema%real("cell", "volume_fraction", "solid volume over cell volume; default: what "// &
+         "fits without overlap", &
+         range="> 0 < 1", owner="packing = random")
+      call schema%real("cell", "aspect(3)", "edges relative to each other", default="1 1 1", &
+         range="> 0", owner="packing = random")
+      call schema%real("cell", "speed", "random velocities: root of the mean square of a "// &
+         "component", unit="m/s", default="0", range=">= 0")
+      call schema%integer("cell", "seed", "of the random numbers", default="1", range=">= 0")
+      call schema%real("cell", "tilt", "tilt of the y edge along x, over the x edge", default="0")
+      call schema%real("cell", "pressure", "stress that servos hold", unit="Pa", range="> 0")
+      call schema%real("cell", "skin", "gap up to which neighbours are listed, over the diameter", &
+         default="0.25", range="> 0 <= 2")
+   end subroutine declare_cell
+
+   !> Keys that a deck for --grains must give.
+   subroutine require_grains(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%require("grains", "number diameter density stiffness young")
+      call schema%require("cell", "cells")
+   end subroutine require_grains
+
+   !> What no single key can say.
+   subroutine check_grains(deck)
+      type(deck_t), intent(inout) :: deck
+      type(group_t) :: grains, cell
+      character(len=:), allocatable :: packing, shape, law
+      real(wp) :: fraction, spread, reach
+      integer :: number, d
+
+      grains = deck%group("grains")
+      cell = deck%group("cell")
+      call grains%get("shape", shape)
+      call grains%get("law", law)
+      call grains%get("spread", spread)
+      call grains%get("number", number)
+      call cell%get("packing", packing)
+      call cell%get("volume_fraction", fraction)
+      d = merge(2, 3, shape == "discs")
+      if (packing == "triangular" .and. d == 3) call deck%complain(cell, &
+         "a triangular lattice is of discs; use packing = 'fcc' for spheres", "packing")
+      if (packing == "fcc" .and. d == 2) call deck%complain(cell, &
+         "an fcc lattice is of spheres; use packing = 'triangular' for discs", "packing")
+      if (law == "hertz" .and. d == 2) call deck%complain(grains, &
+         "the law of Hertz is for spheres; discs take law = 'linear'", "law")
+      if (packing == "random" .and. grains%valid(["spread", "number"]) .and. &
+         grains%given("number") .and. cell%given("volume_fraction")) then
+         reach = loosest(d, spread)
+         if (fraction > reach) call deck%complain(cell, &
+            "grains placed at random without overlap reach "//deck%shown(reach, "1")// &
+            "; begin there and compress in a first &stage with servo = 'isotropic'", &
+            "volume_fraction")
+         if (number < 4**d) call deck%complain(grains, &
+            "a periodic cell needs four grains or more along each edge", "number")
+      end if
+      call check_stages(deck)
+   end subroutine check_grains
+
+   !> Volume fraction at which the largest grains fit the sites of a square or cubic lattice, with a
+   !! little room [1].
+   pure real(wp) function loosest(dimension, spread) result(fraction)
+      integer, intent(in) :: dimension
+      real(wp), intent(in) :: spread                 !! Of &grains
+      real(wp), parameter :: room = 0.9_wp
+
+      fraction = room*merge(pi/4.0_wp, pi/6.0_wp, dimension == 2)/(1.0_wp + spread)**dimension
+   end function loosest
+
+   !> Make the cell. The same on all ranks.
+   subroutine read_cell(deck, cell)
+      type(deck_t), intent(in) :: deck               !! Without errors
+      type(cell_t), intent(inout) :: cell            !! With a communicator
+      type(group_t) :: group, grains
+      character(len=:), allocatable :: word
+      real(wp) :: number, skin
+
+      grains = deck%group("grains")
+      group = deck%group("cell")
+      call grains%get("shape", word)
+      cell%box%dimension = merge(2, 3, word == "discs")
+      call grains%get("diameter", cell%diameter)
+      call grains%get("density", cell%density)
+      call read_law(grains, cell)
+      call group%get("packing", word)
+      if (word == "random") then
+         call pack_random(grains, group, cell)
+      else
+         call pack_lattice(group, cell)
+      end if
+      call group%get("tilt", number)
+      call tilt_cell(number, cell)
+      call group%get("skin", skin)
+      cell%skin = skin*cell%diameter
+      call choose_step(grains, cell)
+   end subroutine read_cell
+
+   !> Read the contact law.
+   subroutine read_law(grains, cell)
+      type(group_t), intent(in) :: grains            !! &grains
+      type(cell_t), intent(inout) :: cell
+      character(len=:), allocatable :: word
+      real(wp) :: stiffness, ratio, restitution, friction
+
+      call grains%get("restitution", restitution)
+      call grains%get("friction", friction)
+      call grains%get("law", word)
+      if (word == "linear") then
+         call grains%get("stiffness", stiffness)
+         call grains%get("tangential_ratio", ratio)
+         cell%law = linear_law(stiffness, ratio, restitution, friction)
+      else
+         call grains%get("young", stiffness)
+         call grains%get("poisson", ratio)
+         cell%law = hertz_law(stiffness, ratio, restitution, friction)
+      end if
+   end subroutine read_law
+
+   !> Grains at random.
+   subroutine pack_random(grains, group, cell)
+      type(group_t), intent(in) :: grains            !! &grains
+      type(group_t), intent(in) :: group             !! &cell
+      type(cell_t), intent(inout) :: cell
+      character(len=:), allocatable :: sizes
+      real(wp) :: spread, fraction, aspect(3), speed
+      integer :: number, seed
+
+      call grains%get("number", number)
+      call grains%get("spread", spread)
+      call grains%get("sizes", sizes)
+      call group%get("seed", seed)
+      fraction = loosest(cell%box%dimension, spread)
+      if (group%given("volume_fraction")) call group%get("volume_fraction", fraction)
+      call group%get("aspect", aspect)
+      call group%get("speed", speed)
+      call cell%grains%allocate(number)
+      call grain_radii(int(seed, int64), cell%diameter, spread, sizes == "two", cell%grains%radius)
+      call set_masses(cell)
+      call fill_random(int(seed, int64), fraction, aspect, speed, cell)
+   end subroutine pack_random
+
+   !> Equal grains on a lattice.
+   subroutine pack_lattice(group, cell)
+      type(group_t), intent(in) :: group             !! &cell
+      type(cell_t), intent(inout) :: cell
+      real(wp) :: overlap
+      integer :: cells(3)
+
+      call group%get("cells", cells)
+      call group%get("overlap", overlap)
+      if (cell%box%dimension == 2) cells(3) = 1
+      call cell%grains%allocate(product(cells)*merge(2, 4, cell%box%dimension == 2))
+      cell%grains%radius = 0.5_wp*cell%diameter
+      call set_masses(cell)
+      call fill_lattice(cells, cell%diameter*(1.0_wp - overlap), cell)
+   end subroutine pack_lattice
+
+   !> Tilt the y edge without moving the grains. Whole edges make no difference, so they are left
+   !! out: a tilt of 1 is the same cell to the last bit.
+   pure subroutine tilt_cell(tilt, cell)
+      real(wp), intent(in) :: tilt                   !! Over the x edge [1]
+      type(cell_t), intent(inout) :: cell
+      real(wp) :: part
+
+      part = tilt - anint(tilt)
+      cell%box%edges(1, 2) = part*cell%box%edges(1, 1)
+      if (.not. abs(part) > 0.0_wp) return
+      cell%grains%place(1, :) = cell%grains%place(1, :) - part*cell%grains%place(2, :)
+   end subroutine tilt_cell
+
+   !> The time step: a share of the shortest collision of two of the smallest grains. That of Hertz
+   !! depends on the speed; it is taken for an overlap of 2 % of the radius.
+   subroutine choose_step(grains, cell)
+      type(group_t), intent(in) :: grains            !! &grains
+      type(cell_t), intent(inout) :: cell
+      real(wp), parameter :: deep = 0.02_wp
+      real(wp) :: mass, radius, stiffness
+      integer :: steps
+
+      call grains%get("steps_per_contact", steps)
+      mass = 0.5_wp*minval(cell%grains%mass)
+      radius = 0.5_wp*minval(cell%grains%radius)
+      if (cell%law%hertz) then
+         stiffness = 1.5_wp*cell%law%normal*sqrt(radius*deep*radius)
+         cell%dt = pi*sqrt(mass/stiffness)/real(steps, wp)
+      else
+         cell%dt = cell%law%duration(mass, radius, 1.0_wp)/real(steps, wp)
+      end if
+   end subroutine choose_step
+end module grains_deck

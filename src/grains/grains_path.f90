@@ -1,0 +1,199 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The path of a cell: stages with a velocity gradient, held stresses and an end each.
+module grains_path
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use grains_cell, only: cell_t, drive_t
+   implicit none
+   private
+
+   public :: check_stages, declare_stages, path_t, read_stages, stage_t
+
+   !> One stage.
+   type :: stage_t
+      character(len=:), allocatable :: name
+      type(drive_t) :: drive                         !! Velocity gradient and held stresses
+      real(wp) :: friction = 0.0_wp                  !! [1]
+      real(wp) :: duration = 0.0_wp                  !! [s]
+      real(wp) :: fraction = 0.0_wp                  !! It ends at this volume fraction; 0: not
+      real(wp) :: quiet = 0.0_wp                     !! ... at this ratio of energies; 0: not
+      integer :: rows = 0                            !! Of the history
+      integer :: snapshots = 0                       !! Evenly over the stage
+      logical :: probe = .false.                     !! Are moduli measured at its end?
+   end type stage_t
+
+   !> All stages, and where the cell is among them.
+   type :: path_t
+      type(stage_t), allocatable :: stages(:)
+      integer :: now = 1                             !! Stage
+      integer(int64) :: start = 0                    !! Step at which it began
+      real(wp) :: from_fraction = 0.0_wp             !! Volume fraction then
+   contains
+      procedure :: steps => path_steps               !! Steps of a stage
+      procedure :: is_row => path_is_row             !! Is a row of the history due?
+      procedure :: is_snapshot => path_is_snapshot   !! Is a snapshot due?
+   end type path_t
+
+contains
+
+   !> Declare &stage.
+   subroutine declare_stages(schema)
+      type(schema_t), intent(inout) :: schema        !! Keys of the deck
+
+      call schema%group("stage", "one part of the path of a cell of grains, for scree --grains", &
+         many=.true.)
+      call schema%text("stage", "name", "for the history", default="stage")
+      call schema%real("stage", "rate(6)", "du_x/dx du_y/dy du_z/dz du_x/dy du_x/dz du_y/dz", &
+         unit="1/s", default="0 0 0 0 0 0")
+      call schema%real("stage", "inertial_number", "shear of x along y at this inertial number "// &
+         "of `pressure`, rate = I sqrt(pressure/density)/diameter; negative: reversed")
+      call schema%text("stage", "servo", "axes whose stress is held at `pressure`: each by "// &
+         "itself, or the mean with isotropic", default="none", &
+         words="none isotropic x y z xy xz yz xyz")
+      call schema%real("stage", "pressure", "stress that is held; default: that of &cell", &
+         unit="Pa", range="> 0")
+      call schema%real("stage", "friction", "friction between grains in this stage; default: "// &
+         "that of &grains", range=">= 0")
+      call schema%real("stage", "strain", "end: the greatest rate times the time", range="> 0")
+      call schema%real("stage", "duration", "end: the time", unit="s", range="> 0")
+      call schema%real("stage", "volume_fraction", "end, if sooner: when it is passed", &
+         range="> 0 < 1")
+      call schema%real("stage", "quiet", "end, if sooner: kinetic energy over that of the springs", &
+         range="> 0")
+      call schema%integer("stage", "rows", "rows of the history, means over equal times", &
+         default="100", range=">= 1 <= 100000000")
+      call schema%integer("stage", "snapshots", "snapshots of grains and contacts, evenly", &
+         default="1", range=">= 0 <= 1000000")
+      call schema%logical("stage", "probe", "measure elastic moduli at the end by small strains", &
+         default=".false.")
+   end subroutine declare_stages
+
+   !> Each stage has an end, and what it holds is known.
+   subroutine check_stages(deck)
+      type(deck_t), intent(inout) :: deck
+      type(group_t) :: stage, cell
+      character(len=:), allocatable :: servo, shape
+      integer :: n
+
+      cell = deck%group("cell")
+      stage = deck%group("grains")
+      call stage%get("shape", shape)
+      if (deck%count("stage") == 0) call deck%complain(stage, "there is no &stage: give at least "// &
+         "one, say servo = 'isotropic'   duration = 1.0")
+      do n = 1, deck%count("stage")
+         stage = deck%group("stage", n)
+         call stage%get("servo", servo)
+         if (.not. (stage%given("strain") .or. stage%given("duration"))) call deck%complain(stage, &
+            "the stage has no end: give strain or duration")
+         if (stage%given("strain") .and. .not. (stage%given("rate") .or. &
+            stage%given("inertial_number"))) call deck%complain(stage, &
+            "strain needs a rate or an inertial_number; without them give duration", "strain")
+         if (stage%given("rate") .and. stage%given("inertial_number")) call deck%complain(stage, &
+            "rate and inertial_number are both given; keep one", "inertial_number")
+         if ((servo /= "none" .or. stage%given("inertial_number")) .and. .not. &
+            (stage%given("pressure") .or. cell%given("pressure"))) call deck%complain(stage, &
+            "servo and inertial_number need a pressure, here or in &cell")
+         if (shape == "discs" .and. index(servo, "z") > 0) call deck%complain(stage, &
+            "discs have no z: use 'isotropic', 'x', 'y' or 'xy'", "servo")
+      end do
+   end subroutine check_stages
+
+   !> Read the stages.
+   subroutine read_stages(deck, cell, friction, path)
+      type(deck_t), intent(in) :: deck
+      type(cell_t), intent(in) :: cell               !! With grains; its edges may change later
+      real(wp), intent(in) :: friction               !! Of &grains
+      type(path_t), intent(out) :: path
+      integer :: n
+
+      allocate (path%stages(deck%count("stage")))
+      do n = 1, size(path%stages)
+         call read_stage(deck, n, cell, friction, path%stages(n))
+      end do
+   end subroutine read_stages
+
+   !> Read one stage.
+   subroutine read_stage(deck, n, cell, friction, stage)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: n                       !! Its number
+      type(cell_t), intent(in) :: cell
+      real(wp), intent(in) :: friction               !! Of &grains
+      type(stage_t), intent(out) :: stage
+      type(group_t) :: group, parent
+      character(len=:), allocatable :: servo
+      real(wp) :: rate(6), number
+      integer :: axis
+
+      group = deck%group("stage", n)
+      parent = deck%group("cell")
+      call group%get("name", stage%name)
+      call group%get("servo", servo)
+      stage%drive%isotropic = servo == "isotropic"
+      do axis = 1, cell%box%dimension
+         stage%drive%servo(axis) = stage%drive%isotropic .or. index(servo, "xyz"(axis:axis)) > 0
+      end do
+      call parent%get("pressure", stage%drive%pressure)
+      if (group%given("pressure")) call group%get("pressure", stage%drive%pressure)
+      call group%get("rate", rate)
+      if (group%given("inertial_number")) then
+         call group%get("inertial_number", number)
+         rate(4) = number*sqrt(stage%drive%pressure/cell%density)/cell%diameter
+      end if
+      do axis = 1, 3
+         stage%drive%gradient(axis, axis) = rate(axis)
+      end do
+      stage%drive%gradient(1, 2) = rate(4)
+      stage%drive%gradient(1, 3) = rate(5)
+      stage%drive%gradient(2, 3) = rate(6)
+      stage%friction = friction
+      if (group%given("friction")) call group%get("friction", stage%friction)
+      stage%duration = huge(1.0_wp)
+      if (group%given("duration")) call group%get("duration", stage%duration)
+      if (group%given("strain")) then
+         call group%get("strain", number)
+         stage%duration = min(stage%duration, number/maxval(abs(rate)))
+      end if
+      if (group%given("volume_fraction")) call group%get("volume_fraction", stage%fraction)
+      if (group%given("quiet")) call group%get("quiet", stage%quiet)
+      call group%get("rows", stage%rows)
+      call group%get("snapshots", stage%snapshots)
+      call group%get("probe", stage%probe)
+   end subroutine read_stage
+
+   !> Steps of a stage, if nothing ends it sooner.
+   pure integer(int64) function path_steps(self, dt) result(steps)
+      class(path_t), intent(in) :: self
+      real(wp), intent(in) :: dt                     !! [s]
+
+      steps = max(1_int64, ceiling(self%stages(self%now)%duration/dt, int64))
+   end function path_steps
+
+   !> True if a row of the history is due after a step.
+   pure logical function path_is_row(self, step, dt) result(due)
+      class(path_t), intent(in) :: self
+      integer(int64), intent(in) :: step
+      real(wp), intent(in) :: dt                     !! [s]
+
+      due = is_due(step - self%start, self%steps(dt), self%stages(self%now)%rows)
+   end function path_is_row
+
+   !> True if a snapshot is due after a step.
+   pure logical function path_is_snapshot(self, step, dt) result(due)
+      class(path_t), intent(in) :: self
+      integer(int64), intent(in) :: step
+      real(wp), intent(in) :: dt                     !! [s]
+
+      due = is_due(step - self%start, self%steps(dt), self%stages(self%now)%snapshots)
+   end function path_is_snapshot
+
+   !> True at `count` steps evenly among `steps`, the last one included.
+   pure logical function is_due(step, steps, count) result(due)
+      integer(int64), intent(in) :: step             !! From 1
+      integer(int64), intent(in) :: steps
+      integer, intent(in) :: count
+
+      due = .false.
+      if (count > 0) due = (step*count)/steps > ((step - 1)*count)/steps
+   end function is_due
+end module grains_path

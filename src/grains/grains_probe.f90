@@ -1,0 +1,130 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Elastic moduli of a cell by small strains of a copy of it: with all grains moved alike
+!! (unrelaxed), and after the grains have come to rest again (relaxed).
+module grains_probe
+   use base_kinds, only: wp
+   use grains_cell, only: cell_t, drive_t
+   use grains_pairs, only: dashpot
+   use grains_step, only: advance_cell
+   implicit none
+   private
+
+   public :: probe_cell, probe_columns
+
+   integer, parameter :: column_length = 24          !! Longest heading of a column
+   real(wp), parameter :: small = 1.0e-7_wp          !! Strain of a probe [1]
+   integer, parameter :: strain_steps = 100          !! Steps in which a relaxed probe is strained
+   integer, parameter :: settle_collisions = 400     !! Collision times in which it comes to rest
+   !> Rows and columns of the components xx yy zz xy xz yz.
+   integer, parameter :: row_of(6) = [1, 2, 3, 1, 1, 2], column_of(6) = [1, 2, 3, 2, 3, 3]
+
+contains
+
+   !> Headings of the table of moduli.
+   pure function probe_columns() result(columns)
+      character(len=column_length), allocatable :: columns(:)
+
+      columns = [character(len=column_length) :: "step", "stage", "time [s]", "relaxed", &
+         "component", "xx [Pa]", "yy [Pa]", "zz [Pa]", "xy [Pa]", "xz [Pa]", "yz [Pa]", &
+         "pressure [Pa]"]
+   end function probe_columns
+
+   !> Measure moduli: a row for each strain component, unrelaxed and relaxed, with the change of the
+   !! stress per strain. Shear is u_x along y. Collective.
+   subroutine probe_cell(cell, rows)
+      type(cell_t), intent(in) :: cell
+      real(wp), allocatable, intent(out) :: rows(:, :) !! (relaxed, component, 6 stresses, p; row)
+      real(wp) :: stress(6), base(6)
+      integer :: component, n
+
+      allocate (rows(9, merge(6, 12, cell%box%dimension == 2)))
+      n = 0
+      do component = 1, 6
+         if (cell%box%dimension == 2 .and. .not. any(component == [1, 2, 4])) cycle
+         n = n + 1
+         call strain_affine(cell, component, 0.0_wp, base)
+         call strain_affine(cell, component, small, stress)
+         rows(:, n) = [0.0_wp, real(component, wp), (stress - base)/small, cell%pressure()]
+      end do
+      call strain_relaxed(cell, 1, 0.0_wp, base)
+      do component = 1, 6
+         if (cell%box%dimension == 2 .and. .not. any(component == [1, 2, 4])) cycle
+         n = n + 1
+         call strain_relaxed(cell, component, small, stress)
+         rows(:, n) = [1.0_wp, real(component, wp), (stress - base)/small, cell%pressure()]
+      end do
+   end subroutine probe_cell
+
+   !> A copy at rest, without dashpots, whose contacts cannot slip.
+   subroutine copy_at_rest(cell, copy)
+      type(cell_t), intent(in) :: cell
+      type(cell_t), intent(out) :: copy
+
+      copy = cell
+      copy%drive = drive_t()
+      copy%box%gradient = 0.0_wp
+      copy%grains%velocity = 0.0_wp
+      copy%grains%spin = 0.0_wp
+      copy%grains%force = 0.0_wp
+      copy%grains%torque = 0.0_wp
+      copy%law%damping = 0.0_wp
+      copy%law%friction = huge(1.0_wp)
+      copy%pairs%history(dashpot, :) = 0.0_wp
+   end subroutine copy_at_rest
+
+   !> Stress after all grains have moved with the cell and turned with its rotation.
+   subroutine strain_affine(cell, component, strain, stress)
+      type(cell_t), intent(in) :: cell
+      integer, intent(in) :: component               !! 1 to 6: xx yy zz xy xz yz
+      real(wp), intent(in) :: strain                 !! [1]
+      real(wp), intent(out) :: stress(6)             !! [Pa]
+      type(cell_t) :: copy
+      real(wp) :: g(3, 3)
+
+      call copy_at_rest(cell, copy)
+      copy%box%gradient(row_of(component), column_of(component)) = strain/copy%dt
+      g = 0.5_wp*copy%box%gradient
+      copy%grains%spin(1, :) = g(3, 2) - g(2, 3)
+      copy%grains%spin(2, :) = g(1, 3) - g(3, 1)
+      copy%grains%spin(3, :) = g(2, 1) - g(1, 2)
+      call advance_cell(copy)
+      call take_stress(copy, stress)
+   end subroutine strain_affine
+
+   !> Stress after the cell was strained in some steps and the grains came to rest, with the dashpots
+   !! of the cell. Contacts do not slip.
+   subroutine strain_relaxed(cell, component, strain, stress)
+      type(cell_t), intent(in) :: cell
+      integer, intent(in) :: component               !! 1 to 6: xx yy zz xy xz yz
+      real(wp), intent(in) :: strain                 !! [1]
+      real(wp), intent(out) :: stress(6)             !! [Pa]
+      type(cell_t) :: copy
+      integer :: step, steps
+
+      call copy_at_rest(cell, copy)
+      copy%law%damping = cell%law%damping
+      copy%drive%gradient(row_of(component), column_of(component)) = &
+         strain/(copy%dt*real(strain_steps, wp))
+      copy%box%gradient = copy%drive%gradient
+      steps = strain_steps + settle_collisions*50
+      do step = 1, steps
+         if (step > strain_steps) copy%drive%gradient = 0.0_wp
+         call advance_cell(copy)
+      end do
+      call take_stress(copy, stress)
+   end subroutine strain_relaxed
+
+   !> Stress of the contacts.
+   pure subroutine take_stress(cell, stress)
+      type(cell_t), intent(in) :: cell
+      real(wp), intent(out) :: stress(6)             !! xx yy zz xy xz yz [Pa]
+      real(wp), parameter :: none(9) = 0.0_wp
+      real(wp) :: full(3, 3)
+      integer :: n
+
+      full = cell%stress(cell%contact, none)
+      do n = 1, 6
+         stress(n) = full(row_of(n), column_of(n))
+      end do
+   end subroutine take_stress
+end module grains_probe

@@ -1,0 +1,233 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> scree --grains: runs a periodic cell of grains along the stages of a deck.
+module program_grains
+   use base_agreement, only: agree
+   use base_deck, only: group_t
+   use base_error, only: error_t, exit_success
+   use base_kinds, only: int64, wp
+   use base_log, only: log_t
+   use base_text, only: number
+   use base_timer, only: wall_seconds
+   use base_units, only: system_number, system_si
+   use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
+      version_text
+   use grains_cell, only: cell_t
+   use grains_checkpoint, only: cell_digest, save_cell
+   use grains_deck, only: check_grains, read_cell
+   use grains_measures, only: energy_t, find_energy
+   use grains_output, only: grains_output_t
+   use grains_path, only: path_t, read_stages
+   use io_file, only: make_folder, write_file
+   use io_state, only: state_t
+   use io_summary, only: json_t
+   use omp_lib, only: omp_get_max_threads
+   use program_existing_results, only: protect_results
+   use program_grains_loop, only: follow_path, grains_run_t, restart_cell, start_run
+   use program_information, only: version_line
+   use program_run_limits, only: read_limits
+   use program_run_setup, only: run_setup_t
+   use scene_run, only: check_case, set_output_units
+   implicit none
+   private
+
+   public :: run_grains
+
+   real(wp), parameter :: grain_steps_per_second = 5.0e6_wp !! For estimates, of one core
+
+contains
+
+   !> Read the cell, check it, and run it if the command line does not ask for a check only.
+   subroutine run_grains(setup, log, code, error)
+      class(run_setup_t), intent(inout) :: setup     !! With the deck
+      type(log_t), intent(inout) :: log
+      integer, intent(out) :: code                   !! Exit code without an error
+      type(error_t), allocatable, intent(out) :: error
+      type(grains_run_t) :: run
+      real(wp) :: begin
+
+      code = exit_success
+      begin = wall_seconds()
+      call check_case(setup%deck)
+      call check_grains(setup%deck)
+      call setup%deck%verdict(error)
+      if (allocated(error)) return
+      call set_output_units(setup%deck)
+      run%cell%communicator = setup%simulation%machine%communicator
+      call read_cell(setup%deck, run%cell)
+      call read_stages(setup%deck, run%cell, run%cell%law%friction, run%path)
+      call read_limits(setup%deck, run%limits)
+      call describe_run(setup, run)
+      if (setup%command%check) then
+         call log%info(setup%deck%report())
+         call log%info(cost_text(run))
+         return
+      end if
+      call protect_results(setup, error)
+      if (allocated(error)) return
+      if (setup%command%restart) then
+         call restart_cell(setup, run, error)
+      else
+         call start_run(run)
+      end if
+      if (allocated(error)) return
+      call open_grains_log(setup, run, log, error)
+      if (allocated(error)) return
+      call follow_path(run, log, code, error)
+      call finish_run(run, log, wall_seconds() - begin, code, error)
+   end subroutine run_grains
+
+   !> Names and provenance of the files.
+   subroutine describe_run(setup, run)
+      class(run_setup_t), intent(inout) :: setup
+      type(grains_run_t), intent(inout) :: run
+      type(group_t) :: group
+      character(len=:), allocatable :: word
+
+      group = setup%deck%group("run")
+      associate (output => run%output, header => run%output%header)
+         call group%get("case", output%case)
+         output%folder = "out/"//output%case
+         if (allocated(setup%command%output%folder)) output%folder = setup%command%output%folder
+         header%code = "scree"
+         header%version = version_text
+         header%git = git_commit
+         header%compiler = compiler_name//" "//compiler_version_text
+         header%flags = compiler_flags
+         header%case = output%case
+         call group%get("title", header%title)
+         header%dimension = number(run%cell%box%dimension)//"d"
+         header%deck = setup%deck_text
+         header%echo = setup%deck%echo()
+         group = setup%deck%group("units")
+         call group%get("output_units", word)
+         header%units%system = max(system_number(word), system_si)
+         setup%outputs%folder = output%folder
+         setup%outputs%case = output%case
+         setup%outputs%header%echo = header%echo
+         run%place%folder = output%folder
+         run%place%case = output%case
+         run%place%version = version_text
+         run%place%deck = header%deck
+         run%place%echo = header%echo
+         group = setup%deck%group("checkpoint")
+         call group%get("keep", run%place%keep)
+      end associate
+   end subroutine describe_run
+
+   !> What the run will do and cost: stages with their steps.
+   function cost_text(run) result(text)
+      type(grains_run_t), intent(in) :: run
+      character(len=:), allocatable :: text
+      character(len=*), parameter :: newline = new_line("a")
+      type(path_t) :: path
+      character(len=100) :: line
+      integer(int64) :: steps
+      integer :: n
+
+      text = "grains    "//number(run%cell%grains%count)
+      write (line, "(a, es9.2, a, es9.2, a)") "   step", run%cell%dt, " s   cell", &
+         run%cell%box%edges(1, 1), " m"
+      text = text//trim(line)//newline
+      path = run%path
+      steps = 0
+      do n = 1, size(path%stages)
+         path%now = n
+         write (line, "(a, i3, 2a, t30, i12, a)") "stage  ", n, "  ", path%stages(n)%name, &
+            path%steps(run%cell%dt), " steps at most"
+         text = text//trim(line)//newline
+         steps = steps + path%steps(run%cell%dt)
+      end do
+      write (line, "(a, es9.2, a, f8.1, a)") "total  ", real(steps, wp) &
+         *real(run%cell%grains%count, wp), " grain steps, about", real(steps, wp) &
+         *real(run%cell%grains%count, wp)/grain_steps_per_second/60.0_wp, &
+         " minutes at 5 million a second on one core"
+      text = text//trim(line)
+   end function cost_text
+
+   !> Open the log and write its beginning. Collective.
+   subroutine open_grains_log(setup, run, log, error)
+      class(run_setup_t), intent(inout) :: setup
+      type(grains_run_t), intent(inout) :: run
+      type(log_t), intent(inout) :: log
+      type(error_t), allocatable, intent(out) :: error
+      character(len=:), allocatable :: stem, note
+
+      associate (communicator => run%cell%communicator, output => run%output)
+         if (communicator%rank == 0) call make_folder(output%folder, error)
+         call agree(communicator, error)
+         if (allocated(error)) return
+         stem = output%folder//"/"//output%case
+         call log%open(communicator%rank, stem//".log", quiet=setup%command%output%quiet, &
+            error=error)
+         call agree(communicator, error)
+         if (allocated(error)) return
+         call log%info(version_line())
+         call log%info("deck      "//setup%command%deck//"  case "//output%case//"  "// &
+            number(communicator%size)//" ranks x "//number(omp_get_max_threads())// &
+            " threads  results "//output%folder)
+         if (setup%deck%warnings() > 0) call log%warn(setup%deck%report())
+         call log%info(cost_text(run))
+         if (len(run%note) > 0) call log%info(run%note)
+         if (communicator%rank == 0) call write_file(stem//".echo.nml", setup%deck%echo(), error)
+         call agree(communicator, error)
+         if (allocated(error)) return
+         call output%open(run%cell, run%path, setup%command%restart, note, error)
+         if (.not. allocated(error) .and. len(note) > 0) call log%warn(note)
+      end associate
+   end subroutine open_grains_log
+
+   !> Write the end of the log and the summary. Collective.
+   subroutine finish_run(run, log, wall, code, error)
+      type(grains_run_t), intent(inout) :: run
+      type(log_t), intent(inout) :: log
+      real(wp), intent(in) :: wall                   !! [s]
+      integer, intent(inout) :: code
+      type(error_t), allocatable, intent(inout) :: error
+      type(error_t), allocatable :: late
+      type(energy_t) :: energy
+      type(state_t) :: state
+      type(json_t) :: json
+      character(len=200) :: line
+      character(len=16) :: digest
+      real(wp) :: rate
+
+      call run%output%close(run%cell, late)
+      if (allocated(late) .and. .not. allocated(error)) call move_alloc(late, error)
+      if (allocated(error)) code = error%code
+      call find_energy(run%cell, energy)
+      call save_cell(run%cell, run%path, run%output%energy_at_start, state)
+      digest = cell_digest(state)
+      rate = real(run%cell%step - run%first_step, wp)*real(run%cell%grains%count, wp) &
+         /max(run%steps_wall, tiny(1.0_wp))
+      write (line, "(a, es10.3, a, es10.3, a, es10.3, a, es9.2)") "energy    work ", energy%work, &
+         " J   dashpots", energy%lost(1), " J   friction", energy%lost(2), " J   error", &
+         energy%total - run%output%energy_at_start - energy%work
+      call log%info(trim(line)//" J")
+      write (line, "(a, f8.2, a, i0, a, i0, a)") "speed     ", rate*1.0e-6_wp, &
+         " million grain steps/s   pairs found ", run%cell%searches, " times in ", run%cell%step, &
+         " steps"
+      call log%info(trim(line))
+      call log%info("ended     "//run%reason)
+      if (run%cell%communicator%rank == 0) then
+         call json%add("version", version_text)
+         call json%add("git", git_commit)
+         call json%add("case", run%output%case)
+         call json%add("exit_code", code)
+         call json%add("reason", run%reason)
+         call json%add("steps", run%cell%step)
+         call json%add("time", run%cell%time)
+         call json%add("grains", int(run%cell%grains%count, int64))
+         call json%add("strain", run%cell%box%strain)
+         call json%add("wall_s", wall)
+         call json%add("grain_steps_per_s", rate)
+         call json%add("ranks", run%cell%communicator%size)
+         call json%add("threads", omp_get_max_threads())
+         call json%add("digest", digest)
+         call json%add("work", energy%work)
+         call json%add("energy_error", energy%total - run%output%energy_at_start - energy%work)
+         call json%write(run%output%folder//"/"//run%output%case//".summary.json", late)
+      end if
+      call agree(run%cell%communicator, late)
+      if (allocated(late) .and. .not. allocated(error)) call move_alloc(late, error)
+   end subroutine finish_run
+end module program_grains
