@@ -237,6 +237,7 @@ contains
       real(wp) :: times(1), edges(3, 3)
 
       times = header%units%shown(cell%time, "s")
+      call file%attribute(root, "Time", times(1))
       edges = header%units%shown(cell%box%edges, "m")
       call file%group(root//"/FieldData")
       call write_data(file, root//"/FieldData/TimeValue", rows_of_root(file%communicator, 1), times)

@@ -20,7 +20,7 @@ module program_grains
    use io_file, only: make_folder, write_file
    use io_state, only: state_t
    use io_summary, only: json_t
-   use omp_lib, only: omp_get_max_threads
+   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use program_existing_results, only: protect_results
    use program_grains_loop, only: follow_path, grains_run_t, restart_cell, start_run
    use program_information, only: version_line
@@ -33,6 +33,7 @@ module program_grains
    public :: run_grains
 
    real(wp), parameter :: grain_steps_per_second = 5.0e6_wp !! For estimates, of one core
+   integer, parameter :: grains_per_thread = 300     !! Fewest that pay
 
 contains
 
@@ -44,6 +45,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(grains_run_t) :: run
       real(wp) :: begin
+      integer :: most_threads
 
       code = exit_success
       begin = wall_seconds()
@@ -51,11 +53,15 @@ contains
       call check_grains(setup%deck)
       call setup%deck%verdict(error)
       if (allocated(error)) return
+      most_threads = omp_get_max_threads()
       call set_output_units(setup%deck)
       run%cell%communicator = setup%simulation%machine%communicator
       call read_cell(setup%deck, run%cell)
       call read_stages(setup%deck, run%cell, run%cell%law%friction, run%path)
       call read_limits(setup%deck, run%limits)
+      ! a thread with fewer grains waits longer for the others than it works
+      call omp_set_num_threads(max(1, min(most_threads, run%cell%grains%count &
+         /(grains_per_thread*run%cell%communicator%size))))
       call describe_run(setup, run)
       if (setup%command%check) then
          call log%info(setup%deck%report())
