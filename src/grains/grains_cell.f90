@@ -54,6 +54,7 @@ module grains_cell
       integer(int64) :: searches = 0                 !! How often pairs were found
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: dt = 0.0_wp                        !! [s]
+      real(wp) :: collision = 0.0_wp                 !! Duration of the shortest collision [s]
       real(wp) :: skin = 0.0_wp                      !! Gap of surfaces up to which pairs are found [m]
       real(wp) :: diameter = 0.0_wp                  !! Mean diameter [m]
       real(wp) :: density = 0.0_wp                   !! Of the grains [kg/m3]

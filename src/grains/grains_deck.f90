@@ -246,9 +246,10 @@ contains
       radius = 0.5_wp*minval(cell%grains%radius)
       if (cell%law%hertz) then
          stiffness = 1.5_wp*cell%law%normal*sqrt(radius*deep*radius)
-         cell%dt = pi*sqrt(mass/stiffness)/real(steps, wp)
+         cell%collision = pi*sqrt(mass/stiffness)
       else
-         cell%dt = cell%law%duration(mass, radius, 1.0_wp)/real(steps, wp)
+         cell%collision = cell%law%duration(mass, radius, 1.0_wp)
       end if
+      cell%dt = cell%collision/real(steps, wp)
    end subroutine choose_step
 end module grains_deck

@@ -14,7 +14,10 @@ module grains_probe
    integer, parameter :: column_length = 24          !! Longest heading of a column
    real(wp), parameter :: small = 1.0e-7_wp          !! Strain of a probe [1]
    integer, parameter :: strain_steps = 100          !! Steps in which a relaxed probe is strained
-   integer, parameter :: settle_collisions = 400     !! Collision times in which it comes to rest
+   !> Times of the shortest collision in which the grains come to rest: before the probes and after
+   !! each strain.
+   real(wp), parameter :: rest_before = 400.0_wp, rest_after = 200.0_wp
+   real(wp), parameter :: calming = 2.0_wp           !! Decay of velocities in a collision time [1]
    !> Rows and columns of the components xx yy zz xy xz yz.
    integer, parameter :: row_of(6) = [1, 2, 3, 1, 1, 2], column_of(6) = [1, 2, 3, 2, 3, 3]
 
@@ -34,6 +37,7 @@ contains
    subroutine probe_cell(cell, rows)
       type(cell_t), intent(in) :: cell
       real(wp), allocatable, intent(out) :: rows(:, :) !! (relaxed, component, 6 stresses, p; row)
+      type(cell_t) :: rest
       real(wp) :: stress(6), base(6)
       integer :: component, n
 
@@ -46,12 +50,15 @@ contains
          call strain_affine(cell, component, small, stress)
          rows(:, n) = [0.0_wp, real(component, wp), (stress - base)/small, cell%pressure()]
       end do
-      call strain_relaxed(cell, 1, 0.0_wp, base)
+      call copy_at_rest(cell, rest)
+      rest%law%damping = cell%law%damping
+      call settle(rest, rest_before)
+      call strain_relaxed(rest, 1, 0.0_wp, base)
       do component = 1, 6
          if (cell%box%dimension == 2 .and. .not. any(component == [1, 2, 4])) cycle
          n = n + 1
-         call strain_relaxed(cell, component, small, stress)
-         rows(:, n) = [1.0_wp, real(component, wp), (stress - base)/small, cell%pressure()]
+         call strain_relaxed(rest, component, small, stress)
+         rows(:, n) = [1.0_wp, real(component, wp), (stress - base)/small, rest%pressure()]
       end do
    end subroutine probe_cell
 
@@ -91,26 +98,39 @@ contains
       call take_stress(copy, stress)
    end subroutine strain_affine
 
-   !> Stress after the cell was strained in some steps and the grains came to rest, with the dashpots
-   !! of the cell. Contacts do not slip.
+   !> Let the grains of a cell come to rest. Their velocities decay besides what dashpots take.
+   subroutine settle(cell, collisions)
+      type(cell_t), intent(inout) :: cell
+      real(wp), intent(in) :: collisions             !! Time in durations of a collision
+      real(wp) :: keep
+      integer :: step
+
+      keep = 1.0_wp - min(0.5_wp, calming*cell%dt/cell%collision)
+      do step = 1, nint(collisions*cell%collision/cell%dt)
+         call advance_cell(cell)
+         cell%grains%velocity = keep*cell%grains%velocity
+         cell%grains%spin = keep*cell%grains%spin
+      end do
+   end subroutine settle
+
+   !> Stress after a cell at rest was strained in some steps and came to rest again.
    subroutine strain_relaxed(cell, component, strain, stress)
-      type(cell_t), intent(in) :: cell
+      type(cell_t), intent(in) :: cell               !! At rest; contacts do not slip
       integer, intent(in) :: component               !! 1 to 6: xx yy zz xy xz yz
       real(wp), intent(in) :: strain                 !! [1]
       real(wp), intent(out) :: stress(6)             !! [Pa]
       type(cell_t) :: copy
-      integer :: step, steps
+      integer :: step
 
-      call copy_at_rest(cell, copy)
-      copy%law%damping = cell%law%damping
+      copy = cell
       copy%drive%gradient(row_of(component), column_of(component)) = &
          strain/(copy%dt*real(strain_steps, wp))
       copy%box%gradient = copy%drive%gradient
-      steps = strain_steps + settle_collisions*50
-      do step = 1, steps
-         if (step > strain_steps) copy%drive%gradient = 0.0_wp
+      do step = 1, strain_steps
+         if (step == strain_steps) copy%drive%gradient = 0.0_wp
          call advance_cell(copy)
       end do
+      call settle(copy, rest_after)
       call take_stress(copy, stress)
    end subroutine strain_relaxed
 
