@@ -37,7 +37,7 @@ module grains_cell
    type :: reference_t
       real(wp), allocatable :: place(:, :)           !! (axis, row)
       real(wp) :: edges(3, 3) = 0.0_wp               !! [m]
-      real(wp) :: sorted = -1.0_wp                   !! Shear strain when rows were sorted; < 0: never
+      real(wp) :: sorted = -1.0_wp !! Shear strain when rows were sorted; < 0: never
    end type reference_t
 
    !> The cell.
@@ -55,7 +55,7 @@ module grains_cell
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: dt = 0.0_wp                        !! [s]
       real(wp) :: collision = 0.0_wp                 !! Duration of the shortest collision [s]
-      real(wp) :: skin = 0.0_wp                      !! Gap of surfaces up to which pairs are found [m]
+      real(wp) :: skin = 0.0_wp !! Gap of surfaces up to which pairs are found [m]
       real(wp) :: diameter = 0.0_wp                  !! Mean diameter [m]
       real(wp) :: density = 0.0_wp                   !! Of the grains [kg/m3]
       real(wp) :: solid = 0.0_wp                     !! Volume of all grains [m3]

@@ -63,7 +63,8 @@ contains
          "four spheres each", owner="packing = triangular fcc")
       call schema%real("cell", "overlap", "of neighbours in the lattice over the diameter", &
          default="0", range=">= 0 < 0.1", owner="packing = triangular fcc")
-      call schema%real("cell", "volume_fraction", "solid volume over cell volume; default: what "// &
+      call schema%real("cell", "volume_fraction", &
+         "solid volume over cell volume; default: what "// &
          "fits without overlap", &
          range="> 0 < 1", owner="packing = random")
       call schema%real("cell", "aspect(3)", "edges relative to each other", default="1 1 1", &

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Carries the histories of contacts from one list of pairs to the next, to other ranks and to files.
+!> Carries the histories of contacts from one list of pairs to the next, to other ranks and to
+!! files.
 module grains_histories
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t

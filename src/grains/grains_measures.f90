@@ -10,7 +10,8 @@ module grains_measures
    implicit none
    private
 
-   public :: contact_counts_t, count_contacts, energy_t, find_contacts, find_energy, history_columns, &
+   public :: contact_counts_t, count_contacts, energy_t, find_contacts, find_energy, &
+      history_columns, &
       history_values
 
    integer, parameter :: column_length = 32          !! Longest heading of a column

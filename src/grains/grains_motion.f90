@@ -41,7 +41,7 @@ contains
    subroutine move_grains(grains, h, from, m, dt, travel)
       type(grains_t), intent(inout) :: grains
       real(wp), intent(in) :: h(3, 3)                !! Edges at the end of the step [m]
-      real(wp), intent(in) :: from(:, :)             !! (axis, row) Coordinates when pairs were found
+      real(wp), intent(in) :: from(:, :) !! (axis, row) Coordinates when pairs were found
       real(wp), intent(in) :: m(3, 3)                !! Inverse of the mean edges [1/m]
       real(wp), intent(in) :: dt                     !! [s]
       real(wp), intent(out) :: travel                !! [m]

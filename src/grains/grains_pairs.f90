@@ -1,7 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Pairs of grains that are near each other, the histories of their contacts, and the forces of both.
+!> Pairs of grains that are near each other, the histories of their contacts, and the forces of
+!! both.
 !!
-!! A pair belongs to the rank of its first grain, which has the lower identity. A rank holds all pairs
+!! A pair belongs to the rank of its first grain, which has the lower identity. A rank holds all
+!! pairs
 !! of its own rows; both ranks of a pair compute the same bits.
 module grains_pairs
    use base_kinds, only: wp
@@ -11,7 +13,7 @@ module grains_pairs
    public :: pairs_t
 
    !> Words of a history. The losses are sums over the life of the pair.
-   integer, parameter, public :: tangent = 1         !! to 3: tangential force on the second grain [N]
+   integer, parameter, public :: tangent = 1 !! to 3: tangential force on the second grain [N]
    integer, parameter, public :: overlap = 4         !! [m]; 0 without contact
    integer, parameter, public :: dashpot = 5         !! Force of the dashpot [N]
    integer, parameter, public :: factor = 6          !! Stiffness factor q

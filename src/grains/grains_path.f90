@@ -59,7 +59,8 @@ contains
       call schema%real("stage", "duration", "end: the time", unit="s", range="> 0")
       call schema%real("stage", "volume_fraction", "end, if sooner: when it is passed", &
          range="> 0 < 1")
-      call schema%real("stage", "quiet", "end, if sooner: kinetic energy over that of the springs", &
+      call schema%real("stage", "quiet", &
+         "end, if sooner: kinetic energy over that of the springs", &
          range="> 0")
       call schema%integer("stage", "rows", "rows of the history, means over equal times", &
          default="100", range=">= 1 <= 100000000")
@@ -79,7 +80,8 @@ contains
       cell = deck%group("cell")
       stage = deck%group("grains")
       call stage%get("shape", shape)
-      if (deck%count("stage") == 0) call deck%complain(stage, "there is no &stage: give at least "// &
+      if (deck%count("stage") == 0) call deck%complain(stage, &
+         "there is no &stage: give at least "// &
          "one, say servo = 'isotropic'   duration = 1.0")
       do n = 1, deck%count("stage")
          stage = deck%group("stage", n)

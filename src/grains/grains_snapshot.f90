@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Snapshots of a cell as VTKHDF files, which ParaView opens: the grains as points with a radius, and
+!> Snapshots of a cell as VTKHDF files, which ParaView opens: the grains as points with a radius,
+!! and
 !! the contacts as lines with a force.
 module grains_snapshot
    use base_communicator, only: communicator_t
@@ -40,7 +41,8 @@ contains
       associate (grains => cell%grains)
          allocate (points(3, grains%count), flow(3, grains%count))
          do row = 1, grains%count
-            points(:, row) = matmul(cell%box%edges, grains%place(:, row) - floor(grains%place(:, row)))
+            points(:, row) = matmul(cell%box%edges, grains%place(:, row) - floor(grains%place(:, &
+               row)))
             flow(:, row) = grains%velocity(:, row) + matmul(cell%box%gradient, points(:, row))
          end do
          if (cell%box%dimension == 2) points(3, :) = 0.0_wp

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The grains of a periodic cell: discs of 1 m thickness, or spheres.
 !!
-!! Rows are the order in memory and follow a space-filling curve from time to time; identities are the
+!! Rows are the order in memory and follow a space-filling curve from time to time; identities are
+!! the
 !! numbers of the grains at the start. Every rank holds all rows; it moves its own ones and gets
 !! those around from other ranks.
 module grains_state

@@ -9,8 +9,8 @@ module grains_step
    use grains_cell, only: cell_t, losses
    use grains_discs, only: push_discs, sum_discs
    use grains_exchange, only: exchange_grains, gather_rows, link_halo, own_rows, total_of
-   use grains_motion, only: finish_velocities, move_grains, start_velocities
    use grains_histories, only: collect_records, drop_parted, give_records, share_records
+   use grains_motion, only: finish_velocities, move_grains, start_velocities
    use grains_neighbours, only: find_pairs
    use grains_pairs, only: dashpot_loss
    use grains_spheres, only: push_spheres, sum_spheres

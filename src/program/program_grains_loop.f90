@@ -9,15 +9,15 @@ module program_grains_loop
    use grains_cell, only: cell_t
    use grains_checkpoint, only: load_cell, save_cell
    use grains_measures, only: energy_t, find_energy
-   use grains_pairs, only: overlap
    use grains_output, only: grains_output_t
+   use grains_pairs, only: overlap
    use grains_path, only: path_t
    use grains_step, only: advance_cell, servo_gradient, start_cell
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use io_checkpoint, only: checkpoint_place_t, checkpoint_write
    use io_deck_changes, only: changes_t
    use io_restart, only: checkpoint_find, checkpoint_read
    use io_state, only: state_t
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use particle_store, only: store_t
    use program_run_limits, only: limits_t
    use program_run_setup, only: run_setup_t
@@ -261,7 +261,8 @@ contains
          overlap_max = 0.0_wp
          if (cell%pairs%count > 0) overlap_max = maxval(cell%pairs%history(overlap, :))
          overlap_max = cell%communicator%maximum(overlap_max)/cell%diameter
-         if (overlap_max > deepest) call fail(error, exit_physics, "grains overlap by more than "// &
+         if (overlap_max > deepest) call fail(error, exit_physics, &
+            "grains overlap by more than "// &
             "a tenth of a diameter at step "//number(int(cell%step))//": the contacts are too "// &
             "soft for this pressure; raise stiffness (or young) in &grains")
       end associate
