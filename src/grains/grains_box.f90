@@ -92,17 +92,17 @@ contains
    end subroutine box_reduce
 
    !> Determinant of a matrix.
-   pure real(wp) function determinant(matrix)
-      real(wp), intent(in) :: matrix(3, 3)
+   pure real(wp) function determinant(matrix) result(value)
+      real(wp), intent(in) :: matrix(3, 3)           !! Any matrix
 
-      determinant = matrix(1, 1)*(matrix(2, 2)*matrix(3, 3) - matrix(2, 3)*matrix(3, 2)) &
+      value = matrix(1, 1)*(matrix(2, 2)*matrix(3, 3) - matrix(2, 3)*matrix(3, 2)) &
          - matrix(1, 2)*(matrix(2, 1)*matrix(3, 3) - matrix(2, 3)*matrix(3, 1)) &
          + matrix(1, 3)*(matrix(2, 1)*matrix(3, 2) - matrix(2, 2)*matrix(3, 1))
    end function determinant
 
    !> Inverse of a matrix that has one.
    pure function inverse(matrix) result(dual)
-      real(wp), intent(in) :: matrix(3, 3)
+      real(wp), intent(in) :: matrix(3, 3)           !! Of a determinant that is not 0
       real(wp) :: dual(3, 3)
       integer :: i, j, i1, i2, j1, j2
 

@@ -1,5 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The state of a periodic cell of grains, with what is known of its stress and its energy.
+!!
+!! Equations of doc/theory/grains.md.
 module grains_cell
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
@@ -74,7 +76,7 @@ module grains_cell
 
 contains
 
-   !> Stress, tension positive: -(sum of F r + sum of m u u)/V [Pa].
+   !> Stress, tension positive: -(sum of F r + sum of m u u)/V, (G.1) [Pa].
    pure function cell_stress(self, contact, kinetic) result(stress)
       class(cell_t), intent(in) :: self
       real(wp), intent(in) :: contact(9), kinetic(9) !! Sums [J]

@@ -114,10 +114,10 @@ contains
    end subroutine sort_records
 
    !> True if a pair of identities comes after another one.
-   pure logical function comes_after(a, b)
-      real(wp), intent(in) :: a(2), b(2)
+   pure logical function comes_after(a, b) result(after)
+      real(wp), intent(in) :: a(2), b(2)             !! Identities
 
-      comes_after = a(1) > b(1) .or. (a(1) >= b(1) .and. a(2) > b(2))
+      after = a(1) > b(1) .or. (a(1) >= b(1) .and. a(2) > b(2))
    end function comes_after
 
    !> Read the state. Collective.

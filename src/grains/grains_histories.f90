@@ -11,7 +11,7 @@ module grains_histories
    implicit none
    private
 
-   public :: collect_records, drop_parted, give_records, share_records
+   public :: collect_records, drop_parted, give_records, is_own_pair, share_records
 
    integer, parameter, public :: record_words = history_words + 2 !! Both identities first
 
@@ -30,7 +30,7 @@ contains
       do pair = 1, pairs%count
          wanted(pair) = pairs%touches(pair) .or. any(abs(pairs%history(dashpot_loss: &
             dashpot_loss + losses - 1, pair)) > 0.0_wp)
-         if (home_only) wanted(pair) = wanted(pair) .and. is_home(grains, pairs, pair)
+         if (home_only) wanted(pair) = wanted(pair) .and. is_own_pair(grains, pairs, pair)
       end do
       allocate (records(record_words, count(wanted)))
       n = 0
@@ -44,13 +44,13 @@ contains
    end subroutine collect_records
 
    !> True if a pair belongs to this rank.
-   pure logical function is_home(grains, pairs, pair)
+   pure logical function is_own_pair(grains, pairs, pair) result(is_own)
       type(grains_t), intent(in) :: grains
       type(pairs_t), intent(in) :: pairs
-      integer, intent(in) :: pair
+      integer, intent(in) :: pair                    !! Its number
 
-      is_home = pairs%first(pair) >= grains%first .and. pairs%first(pair) <= grains%last
-   end function is_home
+      is_own = pairs%first(pair) >= grains%first .and. pairs%first(pair) <= grains%last
+   end function is_own_pair
 
    !> Add the losses of pairs of this rank that do not touch to the sums, and forget them.
    subroutine drop_parted(grains, pairs, lost)
@@ -61,7 +61,7 @@ contains
 
       do pair = 1, pairs%count
          if (pairs%touches(pair)) cycle
-         if (is_home(grains, pairs, pair)) then
+         if (is_own_pair(grains, pairs, pair)) then
             do loss = 1, losses
                call lost(loss)%add(pairs%history(dashpot_loss + loss - 1, pair))
             end do
@@ -73,7 +73,7 @@ contains
    !> Give every rank the records of all. Collective.
    subroutine share_records(communicator, records)
       type(communicator_t), intent(in) :: communicator
-      real(wp), allocatable, intent(inout) :: records(:, :)
+      real(wp), allocatable, intent(inout) :: records(:, :) !! (word, record)
       integer(int64), allocatable :: own(:), whole(:)
 
       if (communicator%size == 1) return

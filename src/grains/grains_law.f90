@@ -2,13 +2,15 @@
 !> Contact laws of grains: a spring and a dashpot along the line of centres, a spring with a slider
 !! across it.
 !!
-!! Both laws are one formula with a stiffness factor q of the overlap: the normal spring is
+!! Both laws are one formula, (G.4), with a stiffness factor q of the overlap: the normal spring is
 !! k_n = normal q, the tangential one k_t = tangential q, the dashpot g = damping sqrt(q m) with the
 !! reduced mass m. Linear: q = 1 (P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47). Hertz
 !! and Mindlin: q = sqrt(R overlap) with the reduced radius R, normal = 4/3 E, tangential = 8 G of
 !! the
 !! pair (K. L. Johnson, Contact Mechanics, 1985, eq. 4.23 and 7.42); its damping gives a restitution
 !! that does not depend on the speed (Y. Tsuji and others, Powder Technology 71 (1992) 239).
+!!
+!! Equations of doc/theory/grains.md.
 module grains_law
    use base_constants, only: pi
    use base_kinds, only: wp

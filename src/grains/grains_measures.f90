@@ -1,10 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What a cell of grains shows: energies, contacts, fabric, and the row of its history.
+!!
+!! Equations of doc/theory/grains.md.
 module grains_measures
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use grains_cell, only: cell_t, losses
+   use grains_histories, only: is_own_pair
    use grains_pairs, only: dashpot_loss, factor, overlap, pairs_t, push_branch, slips, tangent
    use grains_state, only: grains_t
    implicit none
@@ -16,8 +19,8 @@ module grains_measures
 
    integer, parameter :: column_length = 32          !! Longest heading of a column
 
-   !> Energies of the cell [J]. With the kinetic energy of half steps the sum of all but `work` is
-   !! `work` plus a constant, to rounding.
+   !> Energies of the cell, (G.5) [J]. With the kinetic energy of half steps the sum of all but
+   !! `work` is `work` plus a constant, to rounding.
    type :: energy_t
       real(wp) :: kinetic = 0.0_wp                   !! Relative to the cell, with spins
       real(wp) :: springs = 0.0_wp                   !! Stored along the lines of centres
@@ -60,7 +63,7 @@ contains
                + sum(grains%torque(:, row)**2)/grains%inertia(row)))
          end do
          do pair = 1, pairs%count
-            if (.not. is_own(grains, pairs, pair)) cycle
+            if (.not. is_own_pair(grains, pairs, pair)) cycle
             do loss = 1, losses
                call terms(4 + loss)%add(pairs%history(dashpot_loss + loss - 1, pair))
             end do
@@ -93,15 +96,6 @@ contains
       end do
    end subroutine values_of
 
-   !> True if a pair belongs to this rank.
-   pure logical function is_own(grains, pairs, pair)
-      type(grains_t), intent(in) :: grains
-      type(pairs_t), intent(in) :: pairs
-      integer, intent(in) :: pair
-
-      is_own = pairs%first(pair) >= grains%first .and. pairs%first(pair) <= grains%last
-   end function is_own
-
    !> Contacts of each own grain.
    pure subroutine count_contacts(grains, pairs, contacts)
       type(grains_t), intent(in) :: grains
@@ -132,7 +126,7 @@ contains
       counts = 0
       associate (pairs => cell%pairs)
          do pair = 1, pairs%count
-            if (.not. (pairs%touches(pair) .and. is_own(cell%grains, pairs, pair))) cycle
+            if (.not. (pairs%touches(pair) .and. is_own_pair(cell%grains, pairs, pair))) cycle
             counts(1) = counts(1) + 1
             if (pairs%history(slips, pair) > 0.5_wp) counts(2) = counts(2) + 1
             found%deepest = max(found%deepest, pairs%history(overlap, pair))

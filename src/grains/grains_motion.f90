@@ -1,6 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The loops over grains of a time step: velocity Verlet for velocities relative to the cell,
+!> The loops over grains of a time step, (G.2): velocity Verlet for velocities relative to the cell,
 !! m du/dt = F - m L u with the velocity gradient L of the cell, which is upper triangular.
+!!
+!! Equations of doc/theory/grains.md.
 module grains_motion
    use base_kinds, only: wp
    use grains_box, only: inverse

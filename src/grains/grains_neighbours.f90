@@ -235,12 +235,12 @@ contains
    end subroutine make_pairs
 
    !> True if a pair is made by this row: the other is of another rank or has the higher identity.
-   pure logical function leads(grains, row, other)
+   pure logical function leads(grains, row, other) result(makes)
       type(grains_t), intent(in) :: grains
       integer, intent(in) :: row, other              !! Rows
 
-      leads = other < grains%first .or. other > grains%last
-      if (.not. leads) leads = grains%identity(row) < grains%identity(other)
+      makes = other < grains%first .or. other > grains%last
+      if (.not. makes) makes = grains%identity(row) < grains%identity(other)
    end function leads
 
    !> Write the pairs of a row, and link it to those that others make.

@@ -43,7 +43,7 @@ contains
       class(grains_output_t), intent(inout) :: self
       type(cell_t), intent(in) :: cell
       type(path_t), intent(in) :: path
-      logical, intent(in) :: restarts
+      logical, intent(in) :: restarts                !! Does the run go on from a checkpoint?
       character(len=:), allocatable, intent(out) :: note !! Snapshots that cannot be read, or empty
       type(error_t), allocatable, intent(out) :: error
       character(len=:), allocatable :: stem, more

@@ -18,10 +18,10 @@ contains
 
    !> Radii of grains: uniform in diameter, or two sizes of equal number.
    pure subroutine grain_radii(seed, diameter, spread, two_sizes, radius)
-      integer(int64), intent(in) :: seed
+      integer(int64), intent(in) :: seed             !! Of the random numbers
       real(wp), intent(in) :: diameter               !! Mean [m]
       real(wp), intent(in) :: spread                 !! Half the range over the mean, or of the two
-      logical, intent(in) :: two_sizes
+      logical, intent(in) :: two_sizes               !! Only the ends of the range?
       real(wp), intent(out) :: radius(:)             !! (grain) [m]
       integer(int64) :: key(size(radius))
       integer :: order(size(radius)), n, count
@@ -56,7 +56,7 @@ contains
    !> Put grains on a square or cubic lattice in random order, shifted at random without overlap,
    !! with random velocities and no mean momentum.
    pure subroutine fill_random(seed, fraction, aspect, speed, cell)
-      integer(int64), intent(in) :: seed
+      integer(int64), intent(in) :: seed             !! Of the random numbers
       real(wp), intent(in) :: fraction               !! Solid volume over cell volume [1]
       real(wp), intent(in) :: aspect(3)              !! Edges of the cell relative to each other
       real(wp), intent(in) :: speed                  !! Root of the mean square of a component [m/s]

@@ -65,7 +65,7 @@ contains
    !> True if the grains of a pair touch.
    pure logical function pairs_touches(self, pair) result(touches)
       class(pairs_t), intent(in) :: self
-      integer, intent(in) :: pair
+      integer, intent(in) :: pair                    !! Its number
 
       touches = self%history(overlap, pair) > 0.0_wp
    end function pairs_touches

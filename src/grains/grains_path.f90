@@ -174,7 +174,7 @@ contains
    !> True if a row of the history is due after a step.
    pure logical function path_is_row(self, step, dt) result(due)
       class(path_t), intent(in) :: self
-      integer(int64), intent(in) :: step
+      integer(int64), intent(in) :: step             !! Of the run
       real(wp), intent(in) :: dt                     !! [s]
 
       due = is_due(step - self%start, self%steps(dt), self%stages(self%now)%rows)
@@ -183,7 +183,7 @@ contains
    !> True if a snapshot is due after a step.
    pure logical function path_is_snapshot(self, step, dt) result(due)
       class(path_t), intent(in) :: self
-      integer(int64), intent(in) :: step
+      integer(int64), intent(in) :: step             !! Of the run
       real(wp), intent(in) :: dt                     !! [s]
 
       due = is_due(step - self%start, self%steps(dt), self%stages(self%now)%snapshots)

@@ -99,8 +99,8 @@ contains
       integer, intent(in) :: dimension               !! 2: discs of 1 m thickness
       real(wp), intent(in) :: density                !! [kg/m3]
       real(wp), intent(in) :: radius                 !! [m]
-      real(wp), intent(out) :: mass
-      real(wp), intent(out) :: inertia
+      real(wp), intent(out) :: mass                  !! [kg]
+      real(wp), intent(out) :: inertia               !! [kg m2]
 
       if (dimension == 2) then
          mass = density*pi*radius**2

@@ -2,6 +2,8 @@
 !> One time step of a cell of grains: velocity Verlet with velocities relative to the cell,
 !! m du/dt = F - m L u (D. J. Evans, G. P. Morriss, Statistical Mechanics of Nonequilibrium Liquids,
 !! 2008, section 6.3), which is exact for a cell that follows the gradient L.
+!!
+!! Equations of doc/theory/grains.md.
 module grains_step
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
@@ -74,10 +76,10 @@ contains
    end subroutine advance_cell
 
    !> Power of the stress on the cell, V stress : gradient [W].
-   pure real(wp) function working(cell)
+   pure real(wp) function working(cell) result(power)
       type(cell_t), intent(in) :: cell
 
-      working = -sum(reshape(cell%contact + cell%kinetic, [3, 3])*cell%box%gradient)
+      power = -sum(reshape(cell%contact + cell%kinetic, [3, 3])*cell%box%gradient)
    end function working
 
    !> How far a grain may travel before pairs are found anew: half the skin that the deformation of
@@ -222,16 +224,16 @@ contains
       end do
    end subroutine servo_gradient
 
-   !> Strain rate of a held axis [1/s].
-   pure real(wp) function response(rate, pressure, target)
+   !> Strain rate of a held axis, (G.3) [1/s].
+   pure real(wp) function response(rate, pressure, target) result(strain_rate)
       real(wp), intent(in) :: rate                   !! At an error of 1 [1/s]
       real(wp), intent(in) :: pressure, target       !! [Pa]
       real(wp), parameter :: boost = 20.0_wp, far = 0.1_wp
       real(wp) :: error
 
       error = pressure/target - 1.0_wp
-      response = rate*min(error, boost)
-      if (pressure < far*target) response = response &
+      strain_rate = rate*min(error, boost)
+      if (pressure < far*target) strain_rate = strain_rate &
          *(1.0_wp + (boost - 1.0_wp)*(1.0_wp - pressure/(far*target)))
    end function response
 end module grains_step

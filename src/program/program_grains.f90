@@ -37,7 +37,7 @@ module program_grains
 
 contains
 
-   !> Read the cell, check it, and run it if the command line does not ask for a check only.
+   !> Read the cell, check it, and run it if the command line does not say --check.
    subroutine run_grains(setup, log, code, error)
       class(run_setup_t), intent(inout) :: setup     !! With the deck
       type(log_t), intent(inout) :: log

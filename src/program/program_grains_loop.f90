@@ -27,7 +27,7 @@ module program_grains_loop
 
    public :: follow_path, grains_run_t, restart_cell, start_run
 
-   integer, parameter :: look_steps = 50             !! Steps between looks at clock and signals
+   integer, parameter :: check_steps = 50             !! Steps between checks of clock and signals
    real(wp), parameter :: deepest = 0.1_wp           !! Overlap over diameter that ends a run
 
    !> A run of a cell.
@@ -180,7 +180,7 @@ contains
             if (allocated(error)) return
             if (path%is_snapshot(cell%step, cell%dt)) call output%snapshot(cell, error)
             if (allocated(error)) return
-            if (mod(cell%step, int(look_steps, int64)) == 0) call look(run, log, code, error)
+            if (mod(cell%step, int(check_steps, int64)) == 0) call check_run(run, log, code, error)
             if (allocated(error) .or. code /= exit_success) return
          end do
          if (cell%mean%time > 0.0_wp) call output%row(cell, path%now, error)
@@ -206,15 +206,15 @@ contains
             over = (fraction - stage%fraction)*(run%path%from_fraction - stage%fraction) <= 0.0_wp
          end if
          if (over .or. .not. stage%quiet > 0.0_wp) return
-         if (cell%step == run%path%start .or. mod(cell%step, int(look_steps, int64)) /= 0) return
+         if (cell%step == run%path%start .or. mod(cell%step, int(check_steps, int64)) /= 0) return
          call find_energy(cell, energy)
          over = energy%springs > 0.0_wp .and. energy%kinetic < stage%quiet*energy%springs
       end associate
    end function is_over
 
-   !> Look at the state, the clock and signals: errors of physics, progress, checkpoints, the end.
+   !> Check the state, the clock and signals: errors of physics, progress, checkpoints, the end.
    !! Collective.
-   subroutine look(run, log, code, error)
+   subroutine check_run(run, log, code, error)
       type(grains_run_t), intent(inout) :: run
       type(log_t), intent(inout) :: log
       integer, intent(out) :: code
@@ -244,7 +244,7 @@ contains
       else if (requests(2) > 0.0_wp) then
          call write_checkpoint(run, log, error)
       end if
-   end subroutine look
+   end subroutine check_run
 
    !> Refuse a state that is not finite, and overlaps that no contact law describes. Collective.
    subroutine check_state(run, error)

@@ -31,6 +31,7 @@ ARROWS = {
 ARROWS["step"] = set(ARROWS)
 ARROWS["scene"] = set(ARROWS)
 ARROWS["output"] = set(ARROWS)
+ARROWS["grains"] = {"base", "mesh", "constitutive", "particle", "io"}
 ARROWS["program"] = set(ARROWS)
 # Families of modules whose names begin otherwise than their folder.
 FAMILIES = {"law": "constitutive", "eos": "constitutive", "damage": "constitutive",
