@@ -43,7 +43,7 @@ contains
 
       call schema%group("stage", "one part of the path of a cell of grains, for scree --grains", &
          many=.true.)
-      call schema%text("stage", "name", "for the history", default="stage")
+      call schema%text("stage", "name", "for the log")
       call schema%real("stage", "rate(6)", "du_x/dx du_y/dy du_z/dz du_x/dy du_x/dz du_y/dz", &
          unit="1/s", default="0 0 0 0 0 0")
       call schema%real("stage", "inertial_number", "shear of x along y at this inertial number "// &

@@ -17,7 +17,7 @@ module grains_probe
    !> Times of the shortest collision in which the grains come to rest: before the probes and after
    !! each strain.
    real(wp), parameter :: rest_before = 400.0_wp, rest_after = 200.0_wp
-   real(wp), parameter :: calming = 2.0_wp           !! Decay of velocities in a collision time [1]
+   real(wp), parameter :: calming = 0.2_wp           !! Decay of velocities in a collision time [1]
    !> Rows and columns of the components xx yy zz xy xz yz.
    integer, parameter :: row_of(6) = [1, 2, 3, 1, 1, 2], column_of(6) = [1, 2, 3, 2, 3, 3]
 
