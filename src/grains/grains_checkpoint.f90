@@ -6,7 +6,7 @@
 module grains_checkpoint
    use base_error, only: error_t, exit_file, fail
    use base_exact_sum, only: exact_sum_t, exact_sum_words
-   use base_hash, only: digest_text, hash_integers, hash_reals, mix
+   use base_hash, only: hash_integers, hash_reals, mix
    use base_kinds, only: int64, wp
    use grains_cell, only: cell_t, losses
    use grains_exchange, only: gather_rows, link_halo, own_rows
@@ -18,7 +18,7 @@ module grains_checkpoint
    implicit none
    private
 
-   public :: cell_digest, load_cell, save_cell
+   public :: cell_hash, load_cell, save_cell
 
 contains
 
@@ -260,12 +260,12 @@ contains
       call cell%grains%locate(cell%box, 1, cell%grains%count)
    end subroutine load_pairs
 
-   !> Digest of a state: equal digests mean equal bits.
-   function cell_digest(state) result(digest)
+   !> Hash of a state: equal hashes mean equal bits. Checkpoints store it as `digest`.
+   pure function cell_hash(state) result(sum)
       type(state_t), intent(in) :: state             !! From `save_cell`
-      character(len=16) :: digest
+      integer(int64) :: sum
       integer(int64), allocatable :: owners(:)
-      integer(int64) :: sum, n
+      integer(int64) :: n
       integer :: entry
 
       sum = mix(ieor(mix(state%step), transfer(state%time, sum)))
@@ -280,6 +280,5 @@ contains
             end if
          end associate
       end do
-      digest = digest_text(sum)
-   end function cell_digest
+   end function cell_hash
 end module grains_checkpoint

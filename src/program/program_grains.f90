@@ -4,6 +4,7 @@ module program_grains
    use base_agreement, only: agree
    use base_deck, only: group_t
    use base_error, only: error_t, exit_success
+   use base_hash, only: digest_text
    use base_kinds, only: int64, wp
    use base_log, only: log_t
    use base_text, only: number
@@ -12,7 +13,7 @@ module program_grains
    use base_version, only: compiler_flags, compiler_name, compiler_version_text, git_commit, &
       version_text
    use grains_cell, only: cell_t
-   use grains_checkpoint, only: cell_digest, save_cell
+   use grains_checkpoint, only: cell_hash, save_cell
    use grains_deck, only: check_grains, read_cell
    use grains_measures, only: energy_t, find_energy
    use grains_output, only: grains_output_t
@@ -202,7 +203,7 @@ contains
       if (allocated(error)) code = error%code
       call find_energy(run%cell, energy)
       call save_cell(run%cell, run%path, run%output%energy_at_start, state)
-      digest = cell_digest(state)
+      digest = digest_text(cell_hash(state))
       rate = real(run%cell%step - run%first_step, wp)*real(run%cell%grains%count, wp) &
          /max(run%steps_wall, tiny(1.0_wp))
       write (line, "(a, es10.3, a, es10.3, a, es10.3, a, es9.2)") "energy    work ", energy%work, &

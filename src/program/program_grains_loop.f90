@@ -7,7 +7,7 @@ module program_grains_loop
    use base_text, only: number
    use base_timer, only: wall_seconds
    use grains_cell, only: cell_t
-   use grains_checkpoint, only: load_cell, save_cell
+   use grains_checkpoint, only: cell_hash, load_cell, save_cell
    use grains_measures, only: energy_t, find_energy
    use grains_output, only: grains_output_t
    use grains_pairs, only: overlap
@@ -298,6 +298,7 @@ contains
 
       path = run%place%path()
       call save_cell(run%cell, run%path, run%output%energy_at_start, state)
+      call state%set("digest", [cell_hash(state)])
       call state%set("counters", [int(run%place%number, int64), int(run%output%snapshots, int64)])
       call checkpoint_write(run%cell%communicator, run%place, none, state, error)
       run%last_checkpoint = wall_seconds()
