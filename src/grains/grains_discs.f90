@@ -16,7 +16,7 @@ contains
 
    !> Forces of all pairs, and the change of their histories over the last time step.
    subroutine push_discs(grains, box, law, time, dt, pairs)
-      type(grains_t), intent(in) :: grains           !! Velocities in the middle of the step
+      type(grains_t), intent(in) :: grains !! Velocities in the middle, forces at the start of the step
       type(box_t), intent(in) :: box                 !! With the velocity gradient of the step
       type(contact_law_t), intent(in) :: law
       real(wp), intent(in) :: time                   !! At the end of the step [s]
@@ -54,7 +54,7 @@ contains
       real(wp), intent(in) :: dx, dy                 !! From i to j [m]
       real(wp), intent(inout) :: history(:)          !! (word)
       real(wp), intent(inout) :: push(:)             !! (word)
-      real(wp) :: distance, nx, ny, depth, former, arm_i, arm_j, wx, wy, apart, slide, mass
+      real(wp) :: distance, nx, ny, depth, former, arm_i, arm_j, wx, wy, apart, slide, mass, at_end
       real(wp) :: q, spring, damper, normal, across, trial, former_spring, stiff, former_stiff
       logical :: touches
 
@@ -70,6 +70,11 @@ contains
          wy = v(2, j) - v(2, i) + g(2, 2)*dy
       end associate
       apart = wx*nx + wy*ny
+      ! velocities are those in the middle of the step; the forces of its start lead to its end
+      associate (f => grains%force, m => grains%mass)
+         at_end = apart + 0.5_wp*dt*((f(1, j)*nx + f(2, j)*ny)/m(j) &
+            - (f(1, i)*nx + f(2, i)*ny)/m(i))
+      end associate
       slide = dt*(wy*nx - wx*ny - grains%spin(3, i)*arm_i - grains%spin(3, j)*arm_j)
       former = history(overlap)
       if (.not. former > 0.0_wp) then
@@ -84,7 +89,7 @@ contains
       spring = 0.0_wp
       damper = 0.0_wp
       if (touches) spring = law%normal*q*depth
-      if (touches) damper = -law%damping*sqrt(q*mass)*apart
+      if (touches) damper = -law%damping*sqrt(q*mass)*at_end
       normal = spring + damper
       former_spring = law%normal*history(factor)*max(former, 0.0_wp)
       history(dashpot_loss) = history(dashpot_loss) &

@@ -11,7 +11,7 @@ module grains_exchange
 
    public :: exchange_grains, first_row_of, gather_rows, halo_t, link_halo, own_rows, total_of
 
-   integer, parameter :: grain_words = 9             !! Position, velocity, spin
+   integer, parameter :: grain_words = 12            !! Position, velocity, spin, force
 
    !> Rows that other ranks need, and rows of others that this rank needs, each rank by rank and
    !! ascending. Both ranks of a pair find the same lists.
@@ -111,7 +111,7 @@ contains
       start = [start, size(rows) + 1]
    end subroutine append_rows
 
-   !> Bring positions and velocities of the rows of others up to date. Collective.
+   !> Bring positions, velocities and former forces of the rows of others up to date. Collective.
    subroutine exchange_grains(communicator, halo, grains)
       type(communicator_t), intent(inout) :: communicator
       type(halo_t), intent(in) :: halo
@@ -131,7 +131,7 @@ contains
          do place = halo%give_start(n), halo%give_start(n + 1) - 1
             row = halo%give(place)
             outgoing(next:next + grain_words - 1) = transfer([grains%position(:, row), &
-               grains%velocity(:, row), grains%spin(:, row)], outgoing)
+               grains%velocity(:, row), grains%spin(:, row), grains%force(:, row)], outgoing)
             next = next + grain_words
          end do
       end do
@@ -158,6 +158,7 @@ contains
       grains%position(:, row) = numbers(1:3)
       grains%velocity(:, row) = numbers(4:6)
       grains%spin(:, row) = numbers(7:9)
+      grains%force(:, row) = numbers(10:12)
    end subroutine take_grain
 
    !> Sums over all blocks of all ranks, rounded once: the same bits for any ranks. Collective.

@@ -16,7 +16,7 @@ contains
 
    !> Forces of all pairs, and the change of their histories over the last time step.
    subroutine push_spheres(grains, box, law, time, dt, pairs)
-      type(grains_t), intent(in) :: grains           !! Velocities in the middle of the step
+      type(grains_t), intent(in) :: grains !! Velocities in the middle, forces at the start of the step
       type(box_t), intent(in) :: box                 !! With the velocity gradient of the step
       type(contact_law_t), intent(in) :: law
       real(wp), intent(in) :: time                   !! At the end of the step [s]
@@ -57,7 +57,7 @@ contains
       real(wp), intent(in) :: branch(3)              !! From i to j [m]
       real(wp), intent(inout) :: history(:)          !! (word)
       real(wp), intent(inout) :: push(:)             !! (word)
-      real(wp) :: distance, n(3), depth, former, arm_i, arm_j, w(3), apart, slide(3), mass
+      real(wp) :: distance, n(3), depth, former, arm_i, arm_j, w(3), apart, slide(3), mass, at_end
       real(wp) :: q, spring, damper, normal, across(3), kept, trial, former_spring, stiff
       real(wp) :: former_stiff, turn(3)
       logical :: touches
@@ -77,6 +77,9 @@ contains
       apart = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
       turn = grains%spin(:, i)*arm_i + grains%spin(:, j)*arm_j
       slide = dt*(w - apart*n - cross(turn, n))
+      ! velocities are those in the middle of the step; the forces of its start lead to its end
+      w = w + 0.5_wp*dt*(grains%force(:, j)/grains%mass(j) - grains%force(:, i)/grains%mass(i))
+      at_end = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
       former = history(overlap)
       if (.not. former > 0.0_wp) then
          former = depth + apart*dt
@@ -90,7 +93,7 @@ contains
       spring = 0.0_wp
       damper = 0.0_wp
       if (touches) spring = law%normal*q*depth
-      if (touches) damper = -law%damping*sqrt(q*mass)*apart
+      if (touches) damper = -law%damping*sqrt(q*mass)*at_end
       normal = spring + damper
       former_spring = law%normal*history(factor)*max(former, 0.0_wp)
       history(dashpot_loss) = history(dashpot_loss) &

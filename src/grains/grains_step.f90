@@ -157,6 +157,7 @@ contains
          last = grains%last
          call gather_rows(cell%communicator, first, last, grains%velocity)
          call gather_rows(cell%communicator, first, last, grains%spin)
+         call gather_rows(cell%communicator, first, last, grains%force)
          allocate (key(grains%count))
          do row = 1, grains%count
             bin = int(grains%place(:, row)*real(curve_cells, wp))
@@ -170,6 +171,7 @@ contains
          grains%place = grains%place(:, order)
          grains%velocity = grains%velocity(:, order)
          grains%spin = grains%spin(:, order)
+         grains%force = grains%force(:, order)
          call own_rows(cell%communicator, grains)
       end associate
    end subroutine sort_rows
