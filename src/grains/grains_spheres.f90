@@ -101,10 +101,12 @@ contains
       history(step_loss) = history(step_loss) &
          + 0.5_wp*(former_spring + spring)*(depth - former) &
          - law%stored*(spring*max(depth, 0.0_wp) - former_spring*max(former, 0.0_wp))
-      ! the tangential force turns with the normal and keeps its length
+      ! the tangential force turns with the normal and about it, and keeps its length
       across = history(tangent:tangent + 2)
       kept = across(1)**2 + across(2)**2 + across(3)**2
       across = across - (across(1)*n(1) + across(2)*n(2) + across(3)*n(3))*n
+      turn = grains%spin(:, i) + grains%spin(:, j)
+      across = across + 0.5_wp*dt*(turn(1)*n(1) + turn(2)*n(2) + turn(3)*n(3))*cross(n, across)
       trial = across(1)**2 + across(2)**2 + across(3)**2
       if (trial > 0.0_wp) across = across*sqrt(kept/trial)
       stiff = law%tangential*q
