@@ -144,7 +144,9 @@ contains
       do n = 1, size(run%limits%signals)
          call watch_signal(trim(run%limits%signals(n)))
       end do
-      if (run%cell%step == 0) call run%output%row(run%cell, run%path%now, error)
+      if (run%cell%step == 0) call check_state(run, error)
+      if (run%cell%step == 0 .and. .not. allocated(error)) call run%output%row(run%cell, &
+         run%path%now, error)
       do while (.not. allocated(error) .and. run%path%now <= size(run%path%stages))
          call follow_stage(run, log, code, error)
          if (code /= exit_success .or. allocated(error)) exit
@@ -246,16 +248,24 @@ contains
       end if
    end subroutine check_run
 
-   !> Refuse a state that is not finite, and overlaps that no contact law describes. Collective.
+   !> Refuse a state that is not finite, a cell in which two images of a grain are neighbours of
+   !! another one, and overlaps that no contact law describes. Collective.
    subroutine check_state(run, error)
       type(grains_run_t), intent(inout) :: run
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: overlap_max
+      real(wp) :: overlap_max, reach
 
       associate (cell => run%cell)
          if (.not. all(ieee_is_finite(cell%contact + cell%kinetic))) then
             call fail(error, exit_physics, "the stress of the cell is not finite at step "// &
                number(int(cell%step))//": use more steps_per_contact")
+            return
+         end if
+         reach = 2.0_wp*maxval(cell%grains%radius) + cell%skin
+         if (any(cell%box%heights() < 2.0_wp*reach)) then
+            call fail(error, merge(exit_input, exit_physics, cell%step == 0), "the cell is lower "// &
+               "than two diameters and two skins at step "//number(int(cell%step))//": use more "// &
+               "grains, an aspect closer to 1, or a smaller skin in &cell")
             return
          end if
          overlap_max = 0.0_wp
