@@ -16,7 +16,7 @@ contains
 
    !> Forces of all pairs, and the change of their histories over the last time step.
    subroutine push_discs(grains, box, law, time, dt, pairs)
-      type(grains_t), intent(in) :: grains !! Velocities in the middle, forces at the start of the step
+      type(grains_t), intent(in) :: grains !! Velocities at half step, forces before the step
       type(box_t), intent(in) :: box                 !! With the velocity gradient of the step
       type(contact_law_t), intent(in) :: law
       real(wp), intent(in) :: time                   !! At the end of the step [s]

@@ -263,9 +263,10 @@ contains
          end if
          reach = 2.0_wp*maxval(cell%grains%radius) + cell%skin
          if (any(cell%box%heights() < 2.0_wp*reach)) then
-            call fail(error, merge(exit_input, exit_physics, cell%step == 0), "the cell is lower "// &
-               "than two diameters and two skins at step "//number(int(cell%step))//": use more "// &
-               "grains, an aspect closer to 1, or a smaller skin in &cell")
+            call fail(error, merge(exit_input, exit_physics, cell%step == 0), &
+               "the cell is lower than two diameters and two skins at step "// &
+               number(int(cell%step))//": use more grains, an aspect closer to 1, "// &
+               "or a smaller skin in &cell")
             return
          end if
          overlap_max = 0.0_wp
