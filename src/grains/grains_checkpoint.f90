@@ -63,7 +63,8 @@ contains
          [27]))
       call state%set("sums", [cell%contact, cell%kinetic, cell%mean%contact, cell%mean%kinetic])
       call state%set("numbers", [cell%box%strain, cell%reference%sorted, cell%work, &
-         cell%lost_before, cell%mean%time, energy_at_start, path%from_fraction])
+         cell%lost_before, cell%mean%time, energy_at_start, path%from_fraction, &
+         path%from_height])
       call state%set("path", [int(path%now, int64), path%start, cell%searches])
    end subroutine save_cell
 
@@ -150,6 +151,7 @@ contains
       cell%mean%time = numbers(4 + losses)
       energy_at_start = numbers(5 + losses)
       path%from_fraction = numbers(6 + losses)
+      path%from_height = numbers(7 + losses)
       call load_sums(state, cell, error)
       if (.not. allocated(error)) call load_lost(state, cell, error)
       if (.not. allocated(error)) call state%get("path", words, error)

@@ -29,6 +29,7 @@ module grains_path
       integer :: now = 1                             !! Stage
       integer(int64) :: start = 0                    !! Step at which it began
       real(wp) :: from_fraction = 0.0_wp             !! Volume fraction then
+      real(wp) :: from_height = 0.0_wp               !! Greatest distance of faces then [m]
    contains
       procedure :: steps => path_steps               !! Steps of a stage
       procedure :: is_row => path_is_row             !! Is a row of the history due?

@@ -27,7 +27,8 @@ module program_grains_loop
 
    public :: follow_path, grains_run_t, restart_cell, start_run
 
-   integer, parameter :: check_steps = 50             !! Steps between checks of clock and signals
+   integer, parameter :: check_steps = 50            !! Steps between checks of clock and signals
+   integer(int64), parameter :: not_begun = -1       !! Start of a stage that the deck did not have
    real(wp), parameter :: deepest = 0.1_wp           !! Overlap over diameter that ends a run
 
    !> A run of a cell.
@@ -64,8 +65,11 @@ contains
    !> Set what the present stage says.
    subroutine enter_stage(run)
       type(grains_run_t), intent(inout) :: run
+      real(wp) :: height(3)
 
       associate (cell => run%cell, stage => run%path%stages(run%path%now))
+         height = cell%box%heights()
+         run%path%from_height = maxval(height(:cell%box%dimension))
          call set_stage(run)
          call servo_gradient(cell)
          run%path%start = cell%step
@@ -74,20 +78,21 @@ contains
    end subroutine enter_stage
 
    !> Drive, friction and servo of the present stage. The servo follows a little faster than a wave
-   !! crosses the cell, and a part of the shear.
+   !! crosses the cell as it was at the start of the stage, so that a restart finds the same rate,
+   !! and a part of the shear.
    subroutine set_stage(run)
       type(grains_run_t), intent(inout) :: run
       real(wp), parameter :: waves = 3.0_wp, part = 0.2_wp
-      real(wp) :: edge, speed, modulus
+      real(wp) :: speed, modulus
 
       associate (cell => run%cell, stage => run%path%stages(run%path%now))
          cell%drive = stage%drive
          cell%law%friction = stage%friction
          if (.not. any(stage%drive%servo)) return
-         edge = maxval(cell%box%heights(), mask=cell%box%heights() < huge(1.0_wp))
          modulus = cell%law%modulus(cell%box%dimension, cell%diameter, stage%drive%pressure)
          speed = sqrt(modulus/cell%density)
-         cell%drive%servo_rate = waves*stage%drive%pressure/(cell%density*speed*edge) &
+         cell%drive%servo_rate = waves*stage%drive%pressure/(cell%density*speed &
+            *run%path%from_height) &
             + part*maxval(abs(stage%drive%gradient))
       end associate
    end subroutine set_stage
@@ -128,6 +133,7 @@ contains
       end if
       ! the gradient of the next step is known from the state, not from the deck
       call set_stage(run)
+      if (run%path%start == not_begun) call enter_stage(run)
    end subroutine restart_cell
 
    !> Go through the stages. Collective.
@@ -190,7 +196,11 @@ contains
             call output%probe(cell, path%now, error)
          if (allocated(error)) return
          path%now = path%now + 1
-         if (path%now <= size(path%stages)) call enter_stage(run)
+         if (path%now <= size(path%stages)) then
+            call enter_stage(run)
+         else
+            path%start = not_begun
+         end if
       end associate
    end subroutine follow_stage
 
