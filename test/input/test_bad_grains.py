@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""Wrong decks of cells of grains, and runs of them that end early: message, line and exit code.
+
+Would catch a fault that is not found, is reported at another line, or writes a file; a right deck that is refused; a
+thin cell, soft contacts, or a restart with other grains that go on with wrong results.
+"""
+
+import subprocess
+import unittest
+
+import broken_grains as broken
+import case
+
+OPTIONS = case.arguments(__doc__)
+
+
+class BadGrains(unittest.TestCase):
+    """Each is checked only, but for the last ones."""
+
+    def check(self, text, expect):
+        """Check a deck, which must not write anything; what is printed."""
+        folder = OPTIONS.work / "deck"
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "deck.nml").write_text(text, encoding="ascii")
+        answer = subprocess.run([OPTIONS.scree, "--grains", "--check", "deck.nml"], cwd=folder, text=True, timeout=60,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        self.assertEqual(answer.returncode, expect, answer.stdout)
+        self.assertEqual([path.name for path in folder.rglob("*")], ["deck.nml"])
+        return answer.stdout
+
+    def test_good_decks(self):
+        """Would catch a check that finds faults where there are none: the changes start from these decks."""
+        for name, text in broken.DECKS.items():
+            with self.subTest(name):
+                self.assertIn(" 0 errors, 0 warnings", self.check(text, 0))
+
+    def test_broken_decks(self):
+        """Would catch a fault without its message, or at another line."""
+        self.assertGreater(len(broken.FAULTS), 15)
+        for deck, old, new, line, said in broken.FAULTS:
+            with self.subTest(said):
+                self.assertIn(old, broken.DECKS[deck])
+                output = self.check(broken.DECKS[deck].replace(old, new, 1), 2)
+                self.assertTrue(any(text.startswith(f"deck.nml:{line}: error: ") and said in text
+                                    for text in output.splitlines()), output)
+
+    def test_a_run_of_the_scene_ignores_it(self):
+        """Would catch groups of grains that are checked in a scene, where they mean nothing."""
+        text = broken.DECKS["discs"].replace("'isotropic'", "'xyz'")
+        one = case.Case(OPTIONS, "scene", text).run("--check", "--no-estimate", expect=None)
+        self.assertNotIn("discs have no z", one.output)
+
+    def test_thin_cell(self):
+        """Would catch a cell in which a grain has two images of another one near, of which one is lost."""
+        for name, old, new in (("lattice", "cells = 3 3 3", "cells = 3 1 3"),
+                               ("discs", "volume_fraction = 0.4", "volume_fraction = 0.4  aspect = 60 1 1")):
+            with self.subTest(name):
+                run = case.Case(OPTIONS, "thin", broken.DECKS[name].replace(old, new)).run("--grains", expect=2)
+                self.assertIn("the cell is lower than two diameters and two skins at step 0: use more grains", run.output)
+
+    def test_soft_contacts(self):
+        """Would catch overlaps beyond any contact law that go unnoticed."""
+        text = broken.DECKS["discs"].replace("stiffness = 1e6", "stiffness = 1e2").replace(
+            "duration = 1e-3", "duration = 1").replace("0.4", "0.4  speed = 0.1")
+        run = case.Case(OPTIONS, "soft", text).run("--grains", "--quiet", expect=4)
+        self.assertIn("grains overlap by more than a tenth of a diameter", run.output)
+        self.assertIn("raise stiffness (or young) in &grains", run.output)
+
+    def test_restart(self):
+        """Would catch a restart with other grains, or one that has nothing to do."""
+        deck = broken.DECKS["discs"]
+        run = case.Case(OPTIONS, "again", deck).run("--grains", "--quiet")
+        run.run("--grains", "--quiet", "--restart", expect=2)
+        self.assertIn("all stages of the deck are done; add a &stage to go on", run.output)
+        more = deck + "&stage name = 'more'  servo = 'x'  pressure = 1e3  duration = 1e-4 /\n"
+        run.deck.write_text(more.replace("number = 100", "number = 121"), encoding="ascii")
+        run.run("--grains", "--quiet", "--restart", expect=3)
+        self.assertIn("&grains number = 121, was 100", run.output)
+        # with one more stage alone it goes on, and ends as if it had had it from the start
+        run.deck.write_text(more, encoding="ascii")
+        run.run("--grains", "--quiet", "--restart")
+        whole = case.Case(OPTIONS, "whole", more).run("--grains", "--quiet")
+        self.assertEqual(run.summary["digest"], whole.summary["digest"])
+        self.assertEqual(run.path("_history.csv").read_bytes(), whole.path("_history.csv").read_bytes())
+
+
+if __name__ == "__main__":
+    unittest.main()
