@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The time tau over which shear stress is kept, measured in ways that share no assumption.
+
+survival       age distribution of living contacts. In steady shear contacts are born at a constant rate B per unit of
+               strain; of those born a strain a ago the share S(a) survives, so n(a) = B S(a): the distribution of ages is
+               proportional to the survival function. Of S = exp(-a/gamma) the mean age of the contacts younger than A
+               is gamma - A/(exp(A/gamma) - 1), the estimate of greatest likelihood. S = exp(-(a/s)^beta) tests the form.
+hold           shear stress after a stop, r + (q - r) exp(-(t/tau)^beta)
+normal         W = N1/(2 sigma_xy) of steady shear; the relaxation law has W = tau rate
+correlation    time of correlation of sigma_xy in steady shear, as if fluctuations decay like the mean
+reversal       r + (q - r) exp(-(a/gamma)^beta) in the strain a since the reversal
+"""
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import cell_run, statistics
+from .statistics import least_on_grid, least_on_plane, linear_fit
+
+FOUR = ("survival", "hold", "normal", "correlation")
+LEAST_AGES = 100         # contacts of which a survival law is found
+LEAST_ROWS = 20          # of a decay or a correlation
+DRAWS = 40               # of the bootstrap of decays
+
+
+@dataclass
+class Memory:
+    """One measurement of tau; strain = tau rate."""
+
+    measure: str
+    stage: str
+    inertial: float
+    rate: float                                          # of the shear that it belongs to, absolute [1/s]
+    pressure: float                                      # [Pa]
+    strain: float                                        # tau rate [1]
+    error: float                                         # standard error of it [1]
+    beta: float = float("nan")                           # stretching exponent, where one is fitted
+    residual: float = float("nan")                       # stress that stays, over that of steady shear
+    note: str = ""
+    curve: tuple = ()                                    # data and fit, for the figures
+
+    @property
+    def tau(self):
+        """Relaxation time [s]."""
+        return self.strain / self.rate
+
+    @property
+    def tau_error(self):
+        """Standard error of tau [s]."""
+        return self.error / self.rate
+
+
+def truncated_mean(gamma, window):
+    """Mean age of contacts younger than `window` of a survival law exp(-a/gamma)."""
+    x = window / gamma
+    return gamma - window / np.expm1(x) if x < 500.0 else gamma
+
+
+def exponential_age(mean, window):
+    """gamma of a survival law exp(-a/gamma) from the mean age below `window`."""
+    if not 0.0 < mean < 0.49 * window:
+        return float("nan")                              # no decay within the window
+    low, high = 1.0e-3 * mean, 100.0 * window
+    for _ in range(200):
+        middle = np.sqrt(low * high)
+        low, high = (middle, high) if truncated_mean(middle, window) < mean else (low, middle)
+    return float(np.sqrt(low * high))
+
+
+def stretched_age(ages, window):
+    """s and beta of greatest likelihood of ages with the survival law exp(-(a/s)^beta), younger than `window`."""
+    ages = np.sort(ages)
+    count = min(400, len(ages))
+    binned = np.array([part.mean() for part in np.array_split(ages, count)])
+    share = np.array([len(part) for part in np.array_split(ages, count)]) / len(ages)
+    nodes = window * ((np.arange(2000) + 0.5) / 2000) ** 2
+    width = np.diff(window * (np.arange(2001) / 2000) ** 2)
+
+    def loss(log, beta):
+        scale = np.exp(log)
+        total = np.sum(np.exp(-(nodes / scale) ** beta) * width)
+        return np.sum(share * (binned / scale) ** beta) + np.log(total)
+
+    mean = float(ages.mean())
+    log, beta = least_on_plane(loss, (np.log(0.05 * mean), 0.3), (np.log(20.0 * mean), 3.0), rounds=6)
+    return float(np.exp(log)), float(beta)
+
+
+def survival(run, shear, skip, generator):
+    """tau by the ages of the contacts of the snapshots of a stage, or None."""
+    every = cell_run.ages_of(run, shear.stage, skip)
+    window = shear.stage.skipped(skip)
+    every = [one["age_strain"][one["age_strain"] < window] for one in every]
+    every = [ages for ages in every if len(ages)]
+    if sum(map(len, every)) < LEAST_AGES or not window > 0.0:
+        return None
+    ages = np.concatenate(every)
+    gamma = exponential_age(float(ages.mean()), window)
+    if not np.isfinite(gamma):
+        return None
+    sums, counts = np.array([one.sum() for one in every]), np.array([len(one) for one in every])
+    drawn = generator.integers(0, len(every), (statistics.SAMPLES, len(every)))
+    spread = [exponential_age(mean, window) for mean in sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)]
+    scale, beta = stretched_age(ages, window)
+    error = np.nanstd(spread) * np.sqrt(len(every) / max(len(every) - 1.0, 1.0))
+    ages = np.sort(ages)
+    curve = (ages, 1.0 - np.arange(len(ages)) / len(ages), scale)
+    return memory("survival", shear, gamma, max(error, gamma / np.sqrt(len(ages))), beta=beta,
+                  note=f"{len(ages)} ages of {len(every)} snapshots", curve=curve)
+
+
+def memory(measure, shear, strain, error, **more):
+    """A measurement of a steady shear."""
+    return Memory(measure, shear.stage.name, shear.inertial, shear.rate, shear.pressure, float(strain), float(error),
+                  **more)
+
+
+def decay_fit(x, y):
+    """r, q, scale and beta of r + (q - r) exp(-(x/scale)^beta) by least squares."""
+    def basis(log, beta):
+        kept = np.exp(-(x / np.exp(log)) ** beta)
+        return np.column_stack([1.0 - kept, kept])
+
+    ones = np.ones(len(x))
+    low, high = np.log(0.3 * max(x[0], 1.0e-3 * x[-1])), np.log(2.0 * x[-1])
+    log, beta = least_on_plane(lambda log, beta: linear_fit(basis(log, beta), y, ones)[1], (low, 0.3), (high, 4.0))
+    rest, first = linear_fit(basis(log, beta), y, ones)[0]
+    return np.array([rest, first, np.exp(log), beta])
+
+
+def decay_with_errors(x, y, generator):
+    """A fit of a decay and its errors, by residuals that are drawn in blocks."""
+    values = decay_fit(x, y)
+    rest, first, scale, beta = values
+    smooth = rest + (first - rest) * np.exp(-(x / scale) ** beta)
+    left = y - smooth
+    length = max(1, len(x) // 20)
+    draws = []
+    for _ in range(DRAWS):
+        begins = generator.integers(0, max(len(x) - length, 1), len(x) // length + 1)
+        noise = np.concatenate([left[begin:begin + length] for begin in begins])[:len(x)]
+        draws.append(decay_fit(x, smooth + noise))
+    return values, np.std(draws, axis=0), smooth
+
+
+def hold(run, stage, shears, generator):
+    """tau by the decay of the shear stress after a stop."""
+    shear = next((one for one in shears if one.stage is run.before(stage)), None)
+    if shear is None or len(stage.rows["time"]) < LEAST_ROWS:
+        return None
+    time = stage.middle()
+    stress = np.sign(shear.stage.rate) * stage.rows["stress_xy"] / shear.stress
+    values, errors, smooth = decay_with_errors(time, stress, generator)
+    rest, _, scale, beta = values
+    note = f"stress {100.0 * rest:.0f}({100.0 * errors[0]:.0f}) % of that of steady shear stays"
+    if scale < 2.0 * time[0]:
+        note += "; shorter than rows of the history"
+    return memory("hold", shear, scale * shear.rate, errors[2] * shear.rate, beta=float(beta), residual=float(rest),
+                  note=note, curve=(time, stress, smooth))
+
+
+def reversal(run, stage, shears, skip, generator):
+    """gamma by the return of the shear stress after the shear was reversed."""
+    shear = next((one for one in shears if one.stage is stage), None)
+    before = run.before(stage)
+    if shear is None or before is None or before.kind != "shear" or before.rate * stage.rate > 0.0:
+        return None
+    strain = abs(stage.rate) * stage.middle()
+    chosen = strain < max(stage.skipped(skip), 0.5)
+    if chosen.sum() < LEAST_ROWS:
+        return None
+    strain = strain[chosen]
+    stress = np.sign(stage.rate) * stage.rows["stress_xy"][chosen] / shear.stress
+    values, errors, smooth = decay_with_errors(strain, stress, generator)
+    return memory("reversal", shear, values[2], errors[2], beta=float(values[3]), residual=float(values[0]),
+                  curve=(strain, stress, smooth))
+
+
+def correlation_time(values, width):
+    """Correlation time of a series of means over intervals of a width, and its error.
+
+    The integral of the correlation is cut at five times itself (A. Sokal). Means over intervals have a smaller variance
+    than the quantity, 2 y^2 (1/y - 1 + exp(-1/y)) of it for exp(-t/tau) and y = tau/width, which is taken out."""
+    left = values - values.mean()
+    count = len(left)
+    size = 1 << (2 * count - 1).bit_length()
+    power = np.abs(np.fft.rfft(left, size)) ** 2
+    share = np.fft.irfft(power, size)[:count] / np.arange(count, 0, -1)
+    share = share / share[0]
+    total, last = 0.5, 1
+    for last in range(1, count // 2):
+        total += share[last]
+        if last >= 5.0 * total:
+            break
+    total = max(total, 1.0e-3)
+
+    def seen(y):
+        return y / (2.0 * y * y * (1.0 / y + np.expm1(-1.0 / y))) if y > 1.0e-2 else 0.5
+
+    log = least_on_grid(lambda log: abs(seen(np.exp(log)) - total), np.log(0.02), np.log(10.0 * count))
+    tau = width * np.exp(log)
+    return float(tau), float(tau * np.sqrt(2.0 * (2.0 * last + 1.0) / count)), share
+
+
+def correlation(shear, skip):
+    """tau by the autocorrelation of the shear stress."""
+    rows = shear.stage.steady(skip)
+    if len(rows["time"]) < 2 * LEAST_ROWS:
+        return None
+    width = float(np.median(np.diff(rows["time"]))) * shear.rate
+    tau, error, share = correlation_time(rows["stress_xy"], width)
+    shown = min(len(share), max(20, int(12.0 * tau / width)))
+    note = "shorter than two rows of the history" if tau < 2.0 * width else ""
+    return memory("correlation", shear, tau, error, note=note, curve=(width * np.arange(shown), share[:shown]))
+
+
+def normal(shear):
+    """tau by the first normal stress difference. A value not above twice its error measures nothing."""
+    note = "" if shear.normal > 2.0 * shear.normal_error else "not above twice its error"
+    return memory("normal", shear, shear.normal, shear.normal_error, note=note)
+
+
+def measure_memory(run, shears, skip, generator):
+    """All measurements of a run."""
+    found = []
+    for shear in shears:
+        if shear.run is run:
+            found += [survival(run, shear, skip, generator), normal(shear), correlation(shear, skip),
+                      reversal(run, shear.stage, shears, skip, generator)]
+    found += [hold(run, stage, shears, generator) for stage in run.stages_of("hold")]
+    return [one for one in found if one is not None]
+
+
+def spread_of(memories, stage):
+    """Least and greatest strain of the four measures of a stage that found one, and how many did."""
+    found = [one.strain for one in memories if one.stage == stage and one.measure in FOUR
+             and one.strain > 2.0 * one.error]
+    return (min(found), max(found), len(found)) if found else (float("nan"), float("nan"), 0)
+
+
+def rate_law(memories, measure):
+    """1/tau = 1/tau_0 + rate/gamma_c of a measure over the rates: (gamma_c, error), (1/tau_0, error), or None."""
+    chosen = [one for one in memories if one.measure == measure and one.strain > 2.0 * one.error > 0.0]
+    if len({round(one.rate, 9) for one in chosen}) < 3:
+        return None
+    rate = np.array([one.rate for one in chosen])
+    value = np.array([1.0 / one.tau for one in chosen])
+    error = np.array([one.tau_error / one.tau ** 2 for one in chosen])
+    basis = np.column_stack([rate, np.ones_like(rate)])
+    slope, base = linear_fit(basis, value, error)[0]
+    scaled = basis / error[:, None]
+    covariance = np.linalg.inv(scaled.T @ scaled)
+    excess = linear_fit(basis, value, error)[1] / (len(rate) - 2)
+    errors = np.sqrt(np.diag(covariance) * max(1.0, excess))
+    return (1.0 / slope, errors[0] / slope ** 2), (base, errors[1])

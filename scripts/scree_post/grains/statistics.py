@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Means with error bars from correlated rows, drift, bootstrap, and fits by separated variables."""
+import numpy as np
+
+SAMPLES = 400            # of a bootstrap
+FEWEST_BLOCKS = 8        # of which an error bar is made
+
+
+def blocks(values, count):
+    """Means of `count` blocks of equal length; a rest at the start is left out."""
+    values = np.asarray(values, dtype=float)
+    length = len(values) // count
+    return values[len(values) - length * count:].reshape(count, length, *values.shape[1:]).mean(axis=1)
+
+
+def block_counts(rows):
+    """Numbers of blocks, halved down to the fewest."""
+    counts, count = [], rows
+    while count >= FEWEST_BLOCKS:
+        counts.append(count)
+        count //= 2
+    return counts or [max(rows, 1)]
+
+
+def mean_error(values):
+    """Standard error of the mean of a correlated series: the greatest over lengths of blocks (H. Flyvbjerg,
+    H. G. Petersen, J. Chem. Phys. 91 (1989) 461)."""
+    if len(values) < 2:
+        return float("nan")
+    errors = [np.std(blocks(values, count), ddof=1) / np.sqrt(count) for count in block_counts(len(values))
+              if count > 1]
+    return float(max(errors))
+
+
+def fitting_blocks(values):
+    """The number of blocks at which the error bar is greatest: their means count as independent."""
+    counts = [count for count in block_counts(len(values)) if count > 1]
+    if not counts:
+        return 1
+    return max(counts, key=lambda count: np.std(blocks(values, count), ddof=1) / np.sqrt(count))
+
+
+def drift(values):
+    """Difference of the means of the second and the first half, and its standard error."""
+    half = len(values) // 2
+    if half < 4:
+        return 0.0, float("nan")
+    first, second = values[:half], values[half:]
+    return float(second.mean() - first.mean()), float(np.hypot(mean_error(first), mean_error(second)))
+
+
+def drifts(values, share=0.05):
+    """Whether a mean changes over the rows: by more than three error bars and more than a share of itself."""
+    change, error = drift(values)
+    return bool(np.isfinite(error) and abs(change) > 3.0 * error and abs(change) > share * abs(np.mean(values)))
+
+
+def resampled_means(columns, generator, samples=SAMPLES):
+    """Means (sample, column) of rows drawn block by block, the same blocks for all columns."""
+    columns = np.asarray(columns, dtype=float)
+    count = max(fitting_blocks(column) for column in columns[:1])
+    count = min([count, *(fitting_blocks(column) for column in columns[1:])])
+    means = blocks(columns.T, max(count, 1))
+    drawn = generator.integers(0, len(means), (samples, len(means)))
+    # the spread of resampled means of n blocks is too small by sqrt((n - 1)/n)
+    result = means[drawn].mean(axis=1)
+    stretch = np.sqrt(len(means) / max(len(means) - 1.0, 1.0))
+    return means.mean(axis=0) + stretch * (result - means.mean(axis=0))
+
+
+def weights_of(errors):
+    """Weights of a least-squares fit; without error bars all are equal."""
+    errors = np.asarray(errors, dtype=float)
+    good = np.isfinite(errors) & (errors > 0.0)
+    if not good.all():
+        return np.ones(len(errors))
+    return 1.0 / errors
+
+
+def linear_fit(basis, values, errors):
+    """Coefficients of the columns of `basis`, and the sum of weighted squares."""
+    weights = weights_of(errors)
+    found = np.linalg.lstsq(basis * weights[:, None], values * weights, rcond=None)[0]
+    return found, float(np.sum((weights * (basis @ found - values)) ** 2))
+
+
+def least_on_grid(function, low, high, points=41, rounds=6):
+    """Place of the least value of a function of one number, by grids that close in."""
+    ends = low, high
+    best = low
+    for _ in range(rounds):
+        grid = np.linspace(low, high, points)
+        best = grid[int(np.argmin([function(x) for x in grid]))]
+        width = (high - low) / (points - 1)
+        low, high = max(ends[0], best - 2.0 * width), min(ends[1], best + 2.0 * width)
+    return float(best)
+
+
+def least_on_plane(function, low, high, points=(25, 13), rounds=7):
+    """The same for two numbers."""
+    low, high = np.array(low, dtype=float), np.array(high, dtype=float)
+    ends = low.copy(), high.copy()
+    best = low
+    for _ in range(rounds):
+        axes = [np.linspace(low[k], high[k], points[k]) for k in (0, 1)]
+        values = np.array([[function(x, y) for y in axes[1]] for x in axes[0]])
+        row, column = np.unravel_index(int(np.argmin(values)), values.shape)
+        best = np.array([axes[0][row], axes[1][column]])
+        width = 2.0 * (high - low) / (np.array(points) - 1)
+        low, high = np.maximum(ends[0], best - width), np.minimum(ends[1], best + width)
+    return float(best[0]), float(best[1])
