@@ -21,6 +21,7 @@ module program_examples
       character(len=:), allocatable :: folder        !! Where the copy is
       character(len=:), allocatable :: deck          !! Name of its deck
       type(text_t), allocatable :: files(:)          !! Names of its files
+      logical :: has_grains = .false.                !! Is the deck for scree --grains?
    end type copied_t
 
 contains
@@ -88,7 +89,7 @@ contains
       character(len=*), intent(in) :: target_folder  !! Where to
       type(copied_t), intent(out) :: copied          !! What was copied
       type(error_t), allocatable, intent(out) :: error !! No such example, or not writable
-      character(len=:), allocatable :: near, folder
+      character(len=:), allocatable :: near, folder, text
       character(len=longest_name), allocatable :: entries(:)
       type(text_t), allocatable :: names(:)
       integer :: n
@@ -114,6 +115,11 @@ contains
          call copy_file(join_path(folder, name), trim(entries(n)), name, copied, error)
          if (allocated(error)) return
       end do
+      call read_file(join_path(folder, name//"/"//scene), text, error)
+      if (allocated(error)) return
+      copied%has_grains = index(newline//text, newline//"&grains") > 0
+      ! the scripts draw particles
+      if (copied%has_grains) return
       call copy_file(folder, plot, name, copied, error)
       if (.not. allocated(error)) call copy_file(folder, view, name, copied, error)
    end subroutine copy_example
@@ -221,7 +227,14 @@ contains
       if (started_by_path()) program = program_path()
       text = "made "//copied%folder//": "//join(copied%files, " ")//newline// &
          "next:"//newline// &
-         "  cd "//copied%folder//newline// &
+         "  cd "//copied%folder//newline
+      if (copied%has_grains) then
+         program = "  "//program//" --grains "
+         text = text//program//"--check "//copied%deck//newline//program//copied%deck//newline// &
+            "  scree-post grains out/"//copied%deck(:len(copied%deck) - 4)//newline
+         return
+      end if
+      text = text// &
          "  "//program//" --check "//copied%deck//newline// &
          "  "//program//" "//copied%deck//newline// &
          "  python3 "//plot//"      # needs numpy, h5py and matplotlib"//newline// &

@@ -90,7 +90,7 @@ contains
       if (len(text) > 0) write (output_unit, "(a)") text
    end subroutine print_preview
 
-   !> Copy an example into a new folder, with a job script.
+   !> Copy an example into a new folder, with a job script if it is a scene.
    subroutine create_example_folder(session, error)
       type(session_t), intent(inout) :: session
       type(error_t), allocatable, intent(out) :: error !! No such example, or not writable
@@ -100,6 +100,10 @@ contains
 
       call copy_example(session%command%example%name, session%command%example%folder, copied, error)
       if (allocated(error)) return
+      if (copied%has_grains) then
+         write (output_unit, "(a)", advance="no") next_steps(copied)
+         return
+      end if
       session%command%deck = join_path(copied%folder, copied%deck)
       session%command%job%scheduler = "slurm"
       call read_setup(session, error)

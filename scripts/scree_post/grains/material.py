@@ -74,9 +74,9 @@ def granular(run, shear, memories, moduli, measure):
         if one.stage == shear.stage.name and one.measure != measure:
             comments.append(f"   beside it by {one.measure}: {one.strain:.4g} +- {one.error:.2g} {one.note}".rstrip())
     comments.append(f"shear: makes the steady shear stress {shear.stress:.5g} Pa, G = stress (1 + gamma^2)/gamma")
-    comments += [f"   beside it by probes of stage {one.stage} at {one.pressure:.4g} Pa, "
-                 f"{'relaxed' if one.relaxed else 'unrelaxed'}: G = {one.shear:.4g}, lambda = {one.lame:.4g} Pa"
-                 for one in moduli]
+    comments += [f"   beside it by the {words} probe of stage {one.stage} at {one.pressure:.4g} Pa: G = {one.shear:.4g}, "
+                 f"lambda = {one.lame:.4g} Pa" for words, one in
+                 (("unrelaxed", nearest_probe(moduli, shear, False)), ("relaxed", probe)) if one]
     comments.append("bulk: lambda + 2 G/3 with lambda "
                     + (f"of the relaxed probe of stage {probe.stage}" if probe else "= G; the run has no probe"))
     comments.append("Valid at this pressure alone: G is a constant, while stresses of grains grow with the pressure.")

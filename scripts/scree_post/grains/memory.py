@@ -8,7 +8,7 @@ survival       age distribution of living contacts. In steady shear contacts are
 hold           shear stress after a stop, r + (q - r) exp(-(t/tau)^beta)
 normal         W = N1/(2 sigma_xy) of steady shear; the relaxation law has W = tau rate
 correlation    time of correlation of sigma_xy in steady shear, as if fluctuations decay like the mean
-reversal       r + (q - r) exp(-(a/gamma)^beta) in the strain a since the reversal
+reversal       r + (q - r) exp(-a/gamma) in the strain a since the reversal, with q the stress before it, as in the law
 """
 from dataclasses import dataclass
 
@@ -73,8 +73,8 @@ def stretched_age(ages, window):
     count = min(400, len(ages))
     binned = np.array([part.mean() for part in np.array_split(ages, count)])
     share = np.array([len(part) for part in np.array_split(ages, count)]) / len(ages)
-    nodes = window * ((np.arange(2000) + 0.5) / 2000) ** 2
-    width = np.diff(window * (np.arange(2001) / 2000) ** 2)
+    nodes = window * ((np.arange(800) + 0.5) / 800) ** 2
+    width = np.diff(window * (np.arange(801) / 800) ** 2)
 
     def loss(log, beta):
         scale = np.exp(log)
@@ -115,15 +115,25 @@ def memory(measure, shear, strain, error, **more):
                   **more)
 
 
-def decay_fit(x, y):
-    """r, q, scale and beta of r + (q - r) exp(-(x/scale)^beta) by least squares."""
+def decay_fit(x, y, near=None):
+    """r, q, scale and beta of r + (q - r) exp(-(x/scale)^beta) by least squares with q > r, sought everywhere or near
+    the values of an earlier fit."""
     def basis(log, beta):
         kept = np.exp(-(x / np.exp(log)) ** beta)
         return np.column_stack([1.0 - kept, kept])
 
-    ones = np.ones(len(x))
-    low, high = np.log(0.3 * max(x[0], 1.0e-3 * x[-1])), np.log(2.0 * x[-1])
-    log, beta = least_on_plane(lambda log, beta: linear_fit(basis(log, beta), y, ones)[1], (low, 0.3), (high, 4.0))
+    def loss(log, beta):
+        (rest, first), squares = linear_fit(basis(log, beta), y, ones)
+        return squares if first > rest else constant
+
+    ones, constant = np.ones(len(x)), float(np.sum((y - y.mean()) ** 2))
+    low, high = np.array([np.log(0.3 * max(x[0], 1.0e-3 * x[-1])), 0.3]), np.array([np.log(2.0 * x[-1]), 4.0])
+    if near is None:
+        log, beta = least_on_plane(loss, low, high)
+    else:
+        middle = np.array([np.log(near[2]), near[3]])
+        log, beta = least_on_plane(loss, np.maximum(low, middle - (0.7, 0.7)), np.minimum(high, middle + (0.7, 0.7)),
+                                   points=(9, 9), rounds=4)
     rest, first = linear_fit(basis(log, beta), y, ones)[0]
     return np.array([rest, first, np.exp(log), beta])
 
@@ -134,13 +144,31 @@ def decay_with_errors(x, y, generator):
     rest, first, scale, beta = values
     smooth = rest + (first - rest) * np.exp(-(x / scale) ** beta)
     left = y - smooth
-    length = max(1, len(x) // 20)
-    draws = []
+    draws = [decay_fit(x, smooth + noise, values) for noise in drawn_noise(left, generator)]
+    errors = np.std(draws, axis=0)
+    errors[2] = max(errors[2], x[0])                     # rows do not resolve less
+    return values, errors, smooth
+
+
+def drawn_noise(left, generator):
+    """Series of residuals put together from blocks."""
+    length = max(1, len(left) // 20)
     for _ in range(DRAWS):
-        begins = generator.integers(0, max(len(x) - length, 1), len(x) // length + 1)
-        noise = np.concatenate([left[begin:begin + length] for begin in begins])[:len(x)]
-        draws.append(decay_fit(x, smooth + noise))
-    return values, np.std(draws, axis=0), smooth
+        begins = generator.integers(0, max(len(left) - length, 1), len(left) // length + 1)
+        yield np.concatenate([left[begin:begin + length] for begin in begins])[:len(left)]
+
+
+def return_fit(x, y, first):
+    """r and scale of r + (first - r) exp(-x/scale) by least squares."""
+    def basis(log):
+        return (1.0 - np.exp(-x / np.exp(log)))[:, None]
+
+    def fit(log):
+        return linear_fit(basis(log), y - first * (1.0 - basis(log)[:, 0]), ones)
+
+    ones = np.ones(len(x))
+    log = least_on_grid(lambda log: fit(log)[1], np.log(0.3 * x[0]), np.log(2.0 * x[-1]))
+    return float(fit(log)[0][0]), float(np.exp(log))
 
 
 def hold(run, stage, shears, generator):
@@ -153,8 +181,8 @@ def hold(run, stage, shears, generator):
     values, errors, smooth = decay_with_errors(time, stress, generator)
     rest, _, scale, beta = values
     note = f"stress {100.0 * rest:.0f}({100.0 * errors[0]:.0f}) % of that of steady shear stays"
-    if scale < 2.0 * time[0]:
-        note += "; shorter than rows of the history"
+    if scale < 2.0 * time[1]:
+        note += "; it is gone within two rows of the history"
     return memory("hold", shear, scale * shear.rate, errors[2] * shear.rate, beta=float(beta), residual=float(rest),
                   note=note, curve=(time, stress, smooth))
 
@@ -171,8 +199,13 @@ def reversal(run, stage, shears, skip, generator):
         return None
     strain = strain[chosen]
     stress = np.sign(stage.rate) * stage.rows["stress_xy"][chosen] / shear.stress
-    values, errors, smooth = decay_with_errors(strain, stress, generator)
-    return memory("reversal", shear, values[2], errors[2], beta=float(values[3]), residual=float(values[0]),
+    few = max(1, len(before.rows["time"]) // 100)
+    first = float(np.sign(stage.rate) * before.rows["stress_xy"][-few:].mean() / shear.stress)
+    rest, scale = return_fit(strain, stress, first)
+    smooth = rest + (first - rest) * np.exp(-strain / scale)
+    spread = np.std([return_fit(strain, smooth + noise, first)[1]
+                     for noise in drawn_noise(stress - smooth, generator)])
+    return memory("reversal", shear, scale, max(spread, strain[0]), beta=1.0, residual=rest,
                   curve=(strain, stress, smooth))
 
 

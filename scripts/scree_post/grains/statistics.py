@@ -80,8 +80,14 @@ def weights_of(errors):
 def linear_fit(basis, values, errors):
     """Coefficients of the columns of `basis`, and the sum of weighted squares."""
     weights = weights_of(errors)
-    found = np.linalg.lstsq(basis * weights[:, None], values * weights, rcond=None)[0]
-    return found, float(np.sum((weights * (basis @ found - values)) ** 2))
+    scaled, target = basis * weights[:, None], values * weights
+    square = scaled.T @ scaled
+    # the normal equations are fast; where they lose digits the slow way is taken
+    if np.linalg.det(square) > 1.0e-8 * np.prod(np.diag(square)):
+        found = np.linalg.solve(square, scaled.T @ target)
+    else:
+        found = np.linalg.lstsq(scaled, target, rcond=None)[0]
+    return found, float(np.sum((scaled @ found - target) ** 2))
 
 
 def least_on_grid(function, low, high, points=41, rounds=6):

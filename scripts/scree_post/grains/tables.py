@@ -64,6 +64,8 @@ def with_error(value, error):
     """A number and its error as 0.0812(21)."""
     if not (math.isfinite(value) and math.isfinite(error) and error > 0.0):
         return f"{value:.4g}"
+    if error < 1.0e-4 * abs(value):
+        return f"{value:.5g}"
     places = max(0, 1 - math.floor(math.log10(error)))
     return f"{value:.{places}f}({error * 10 ** places:.0f})"
 
