@@ -3,7 +3,7 @@
 """Every command that README, guide and scenes show is typed, in a folder that looks like a clone.
 
 Would catch a command of a document that nobody tried, a deck or a script that was renamed, an option that is gone.
-Runs of the program are cut after a few steps, checks make no estimate of the time, scree-bench measures its smallest
+Runs of the program are cut after a few steps or take few grains, checks make no estimate of the time, scree-bench measures its smallest
 case, and studies that take minutes are asked for their options; commands
 of scree-post are run by test_post_documents, two pages as a whole by tests of their own, those of single messages by
 test_message_pages.
@@ -19,6 +19,7 @@ from pathlib import Path
 
 import case
 import report
+from post_command import RUNS
 
 #: Pages that a test types from top to bottom.
 TYPED = {"doc/guide/first_hour.md": "test_first_hour.py", "doc/guide/geometry.md": "test_geometry_page.py"}
@@ -75,11 +76,12 @@ class Clone:
         if words[0] == "mpirun":
             words[2] = "2"
         if not any(word in NO_RUN for word in words):
-            words += FEW
+            words += FEW if "--grains" not in words else [
+                word for setting in RUNS["grain_cell"][1] for word in ("--set", setting)]
             # the commands of all pages run in one folder
             if "--restart" not in words:
                 words.append("--overwrite")
-        if "--check" in words:
+        if "--check" in words and "--grains" not in words:
             words.append("--no-estimate")
         # a page shows where its own run would have left a checkpoint
         words = [self.newest() if word.endswith(".h5") else word for word in words]

@@ -26,7 +26,7 @@ from scree_post.commands import COMMANDS                 # noqa: E402
 from scree_post.errors import PostError                  # noqa: E402
 
 DOCUMENTS = ("README.md", "doc/guide/first_steps.md", "doc/guide/post_processing.md", "doc/guide/accuracy.md",
-             "doc/guide/matter_outputs.md", "input/debris_cloud/README.md")
+             "doc/guide/matter_outputs.md", "doc/guide/grain_cell.md", "input/debris_cloud/README.md")
 LEAST = 20               # commands that the documents are known to show
 
 
@@ -95,7 +95,7 @@ def test_script(options):
 
 if __name__ == "__main__":
     chosen = case.arguments(__doc__)
-    run_cases(chosen, "two_discs", "coarse", "debris_cloud", "debris_cloud_3d")
+    run_cases(chosen, "two_discs", "coarse", "debris_cloud", "debris_cloud_3d", "grain_cell")
     shutil.rmtree(chosen.work / "out" / "again", ignore_errors=True)
     shutil.copytree(chosen.work / "out" / "two_discs", chosen.work / "out" / "again")
     if not (chosen.work / "input").exists():

@@ -32,6 +32,10 @@ RUNS = {
     "debris_cloud_3d": ("debris_cloud/quarter_3d.nml", (
         "grid.dx=1.55", "time.t_end=4", "body[sphere].velocity=0,0,3",
         "region[plate].hi=12.4,12.4,3.1")),
+    "grain_cell": ("grain_cell/scene.nml", ("grains.number=64", *(
+        f"stage[{name}].{key}" for name in ("middle_1", "middle_2", "slow_1", "reverse", "slow_2")
+        for key in (f"inertial_number={-0.1 if name == 'reverse' else 0.1}", "strain=3")),
+        "stage[fast_1].strain=3", "stage[fast_2].strain=3")),
 }
 
 
@@ -71,6 +75,8 @@ def run_cases(options, *names):
         words = [options.scree, "--quiet", "--case", name, "--outdir", folder]
         for setting in settings:
             words += ["--set", setting]
+        if "\n&grains" in (INPUT / deck).read_text(encoding="utf-8"):
+            words.append("--grains")
         answer = subprocess.run([str(word) for word in [*words, INPUT / deck]],
                                 capture_output=True, text=True,
                                 env={**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"})

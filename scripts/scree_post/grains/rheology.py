@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..errors import PostError
 from . import statistics
 from .statistics import linear_fit
 
@@ -39,10 +40,13 @@ def steady_shear(run, stage, skip, generator):
     shear, normal, difference = sign * rows["stress_xy"], -rows["stress_yy"], \
         sign * (rows["stress_xx"] - rows["stress_yy"])
     fraction = rows["volume_fraction"]
+    stress, pressure = float(shear.mean()), float(normal.mean())
+    if not (pressure > 0.0 and stress > 0.0):
+        raise PostError(f"{run.path('_history.csv')}: stage '{stage.name}' carries no stress: pressure {pressure:.3g} "
+                        f"Pa, shear stress {stress:.3g} Pa; compress the cell first")
     means = statistics.resampled_means([shear, normal, sign * difference, fraction], generator)
     samples = {"mu": means[:, 0] / means[:, 1], "phi": means[:, 3], "normal": means[:, 2] / (2.0 * means[:, 0]),
                "inertial": abs(stage.rate) * stage.scale / np.sqrt(np.abs(means[:, 1]))}
-    stress, pressure = float(shear.mean()), float(normal.mean())
     mu = stress / pressure
     drifting = [name for name, values in (("mu", shear / pressure), ("phi", fraction)) if statistics.drifts(values)]
     return SteadyShear(
