@@ -3,8 +3,8 @@
 """Every command that README, guide and scenes show is typed, in a folder that looks like a clone.
 
 Would catch a command of a document that nobody tried, a deck or a script that was renamed, an option that is gone.
-Runs of the program are cut after a few steps or take few grains, checks make no estimate of the time, scree-bench measures its smallest
-case, and studies that take minutes are asked for their options; commands
+Runs of the program are cut after a few steps or take few grains, checks make no estimate of the time, scree-bench
+measures its smallest case, and studies that take minutes are asked for their options; commands
 of scree-post are run by test_post_documents, two pages as a whole by tests of their own, those of single messages by
 test_message_pages.
 """

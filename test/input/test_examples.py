@@ -54,14 +54,19 @@ class Examples(unittest.TestCase):
                 self.assertEqual(code, 0, wrong)
                 self.assertIn(f"{name}.nml", told)
                 copy = self.folder / "mine" / name
-                code, _, wrong = run(OPTIONS.scree, "--check", "--no-estimate", f"{name}.nml", folder=copy)
+                of_grains = "\n&grains" in (copy / f"{name}.nml").read_text(encoding="utf-8")
+                words = ["--grains", "--check"] if of_grains else ["--check", "--no-estimate"]
+                code, _, wrong = run(OPTIONS.scree, *words, f"{name}.nml", folder=copy)
                 self.assertEqual(code, 0, wrong)
                 readme = (copy / "README.md").read_text(encoding="utf-8")
                 self.assertNotIn("scene.nml", readme)
                 self.assertNotIn("build/bin", readme)
                 for target in LINK.findall(readme):
                     self.assertTrue((copy / target).exists(), target)
-                self.assertEqual(subprocess.run(["bash", "-n", copy / "job.slurm"]).returncode, 0)
+                self.assertEqual((copy / "view.py").exists(), not of_grains)
+                self.assertEqual("scree-post grains out/grain_cell" in told, of_grains, told)
+                if not of_grains:                        # there are no job scripts for cells of grains
+                    self.assertEqual(subprocess.run(["bash", "-n", copy / "job.slurm"]).returncode, 0)
 
     def test_run_and_plot(self):
         """Would catch a plot script that does not fit the files of the program."""

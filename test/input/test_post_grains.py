@@ -125,10 +125,12 @@ def test_block(options):
     rate = cell.rate_of(0.01)
     deck = folder / "deck.nml"
     deck.write_text(
-        "&run title = 'block' dimension = 'plane_strain' /\n&grid lo = 0,0,0 hi = 1,0.1,1 dx = 0.1 /\n&time t_end = 0.01 /\n"
-        f"&include file = '{cell.CASE}_material.nml' /\n&region name = 'r' shape = 'box' lo = 0,0,0 hi = 0.5,0.1,0.5 /\n"
+        "&run title = 'block' dimension = 'plane_strain' /\n&grid lo = 0,0,0 hi = 1,0.1,1 dx = 0.1 /\n"
+        f"&time t_end = 0.01 /\n&include file = '{cell.CASE}_material.nml' /\n"
+        "&region name = 'r' shape = 'box' lo = 0,0,0 hi = 0.5,0.1,0.5 /\n"
         f"&body name = 'b' region = 'r' material = '{material.name_of(cell.CASE)}' /\n"
-        f"&output name = 'h' kind = 'history' every = 10 /\n&point path = 'shear' rate = {rate} strain = 2 steps = 40 /\n",
+        "&output name = 'h' kind = 'history' every = 10 /\n"
+        f"&point path = 'shear' rate = {rate} strain = 2 steps = 40 /\n",
         encoding="utf-8")
     for words in (["--check"], ["--point", "--outdir", folder / "point"]):
         answer = subprocess.run([str(word) for word in (options.scree, *words, deck)], capture_output=True, text=True,
@@ -141,7 +143,8 @@ def test_block(options):
     law = relaxation.follow(0.0, rate, times, keys["shear"], keys["gr_gamma_c"])
     shear = np.array([float(row["xy"]) for row in rows])
     assert np.abs(shear - law.imag).max() < 1.0e-4 * shear[-1], "the closed solution is not that of the program"
-    steady = float(next(row for row in table(folder / f"{cell.CASE}_shear.csv") if row["stage"] == "slow")["stress_xy [Pa]"])
+    (slow,) = (row for row in table(folder / f"{cell.CASE}_shear.csv") if row["stage"] == "slow")
+    steady = float(slow["stress_xy [Pa]"])
     assert abs(shear[-1] / steady - 1.0) < 1.0e-4, f"{shear[-1]} Pa, cell {steady} Pa"
     answer = call("grains", folder, "--law", "mu_i", "--out", folder / "mu_i.nml")
     text = (folder / "mu_i.nml").read_text(encoding="utf-8")
@@ -154,7 +157,7 @@ def test_block(options):
 
 def test_several_runs(options):
     """Two runs of one stage each that are not fitted together, or stages of the same name mixed up."""
-    one, two = (cell.write(options.work / f"alone_{n}", seed=n, stages=(cell.STAGES[0], ("shear", inertial, 12.0, 1200)))
+    one, two = (cell.write(options.work / f"alone_{n}", n, (cell.STAGES[0], ("shear", inertial, 12.0, 1200)))
                 for n, inertial in ((1, 0.02), (2, 0.1)))
     answer = call("grains", one, two)
     assert answer.returncode == 0 and "one inertial number" not in answer.stdout, answer.stderr

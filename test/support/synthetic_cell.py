@@ -20,8 +20,8 @@ HOLD_TAU, HOLD_BETA, HOLD_REST = 2.0e-3, 1.5, 0.4
 SHEAR, LAME = 8.0e4, 2.0e5
 NOISE = 0.1                                                   # of the shear stress over its mean
 #: name, inertial number (0: hold; None: compression), strain or time [s], rows
-STAGES = (("compress", None, 0.1, 20), ("fast", 0.1, 12.0, 1200), ("middle", 0.05, 12.0, 1200), ("slow", 0.01, 12.0, 2400),
-          ("reverse", -0.01, 8.0, 1600), ("stop", 0.0, 0.04, 400))
+STAGES = (("compress", None, 0.1, 20), ("fast", 0.1, 12.0, 1200), ("middle", 0.05, 12.0, 1200),
+          ("slow", 0.01, 12.0, 2400), ("reverse", -0.01, 8.0, 1600), ("stop", 0.0, 0.04, 400))
 COLUMNS = ("step", "stage", "time [s]", "strain [1]", "rate_xx [1/s]", "rate_yy [1/s]", "rate_xy [1/s]",
            "volume_fraction [1]", "stress_xx [Pa]", "stress_yy [Pa]", "stress_xy [Pa]", "coordination_held [1]")
 

@@ -179,10 +179,13 @@ def hold(run, stage, shears, generator):
     time = stage.middle()
     stress = np.sign(shear.stage.rate) * stage.rows["stress_xy"] / shear.stress
     values, errors, smooth = decay_with_errors(time, stress, generator)
-    rest, _, scale, beta = values
-    note = f"stress {100.0 * rest:.0f}({100.0 * errors[0]:.0f}) % of that of steady shear stays"
-    if scale < 2.0 * time[1]:
-        note += "; it is gone within two rows of the history"
+    rest, first, scale, beta = values
+    if first <= rest or scale < time[0]:
+        rest = float(stress[-len(stress) // 10:].mean())
+        return memory("hold", shear, time[0] * shear.rate, time[0] * shear.rate, residual=rest,
+                      note=f"not resolved: the stress is gone within a row of the history; {100.0 * rest:.0f} % of "
+                      "that of steady shear is there at the end", curve=(time, stress, np.full(len(time), np.nan)))
+    note = f"{100.0 * rest:.1f}({100.0 * errors[0]:.1f}) % of the stress of steady shear stays, exponent {beta:.2f}"
     return memory("hold", shear, scale * shear.rate, errors[2] * shear.rate, beta=float(beta), residual=float(rest),
                   note=note, curve=(time, stress, smooth))
 

@@ -49,8 +49,8 @@ def curves(axes, chosen, scale=1.0):
         tint = look.COLOURS[number % len(look.COLOURS)]
         x, y, smooth = one.curve
         axes.plot(scale * x, y, ".", color=tint, markersize=2.5, alpha=0.5)
-        axes.plot(scale * x, smooth, color=tint, linewidth=1.4,
-                  label=f"{one.stage}, I = {one.inertial:.2g}: exponent {one.beta:.2f}")
+        form = f"exponent {one.beta:.2f}" if np.isfinite(one.beta) else "not resolved"
+        axes.plot(scale * x, smooth, color=tint, linewidth=1.4, label=f"{one.stage}, I = {one.inertial:.2g}: {form}")
     axes.axhline(0.0, color="#888888", linewidth=0.8)
 
 
