@@ -83,9 +83,9 @@ def say_memory(runs, shears, memories, probes):
                 print(f"  {one.measure} of {one.stage}: {one.note}")
     for run, found in probes:
         for one in found:
-            print(f"probe of {run.case}, {run.stages[one.stage - 1].name if one.stage <= len(run.stages) else one.stage}"
-                  f", {'relaxed' if one.relaxed else 'unrelaxed'}: G {one.shear:.4g} Pa, lambda {one.lame:.4g} Pa at "
-                  f"pressure {one.pressure:.4g} Pa")
+            name = next((stage.name for stage in run.stages if stage.number == one.stage), one.stage)
+            print(f"probe of {run.case}, {name}, {'relaxed' if one.relaxed else 'unrelaxed'}: G {one.shear:.4g} Pa, "
+                  f"lambda {one.lame:.4g} Pa at pressure {one.pressure:.4g} Pa")
     if not any(found for _, found in probes):
         print(f"no moduli in {', '.join(run.case for run in runs)}: set probe = .true. in a &stage")
 

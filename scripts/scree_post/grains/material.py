@@ -58,8 +58,9 @@ def provenance(run, shear, fits):
              f"{shear.pressure:.5g} Pa, strain {shear.stage.strain[-1]:.3g}",
              f"mu = {shear.mu:.4f} +- {shear.mu_error:.4f}, volume fraction {shear.phi:.4f} +- {shear.phi_error:.4f}"]
     if "a" in fits:
-        lines.append("mu = {:.4f}({:.4f}) + {:.3f}({:.3f}) I, volume fraction = {:.4f}({:.4f}) - {:.3f}({:.3f}) I".format(
-            *fits["mu_s"], *fits["a"], *fits["phi_c"], *fits["b"]))
+        said = {name: f"{fits[name][0]:.4g} +- {fits[name][1]:.2g}" for name in ("mu_s", "a", "phi_c", "b")}
+        lines.append(f"All stages: mu = mu_s + a I with mu_s = {said['mu_s']}, a = {said['a']}; volume fraction = "
+                     f"phi_c - b I with phi_c = {said['phi_c']}, b = {said['b']}")
     return lines
 
 
@@ -74,8 +75,8 @@ def granular(run, shear, memories, moduli, measure):
         if one.stage == shear.stage.name and one.measure != measure:
             comments.append(f"   beside it by {one.measure}: {one.strain:.4g} +- {one.error:.2g} {one.note}".rstrip())
     comments.append(f"shear: makes the steady shear stress {shear.stress:.5g} Pa, G = stress (1 + gamma^2)/gamma")
-    comments += [f"   beside it by the {words} probe of stage {one.stage} at {one.pressure:.4g} Pa: G = {one.shear:.4g}, "
-                 f"lambda = {one.lame:.4g} Pa" for words, one in
+    comments += [f"   beside it by the {words} probe of stage {one.stage} at {one.pressure:.4g} Pa: "
+                 f"G = {one.shear:.4g}, lambda = {one.lame:.4g} Pa" for words, one in
                  (("unrelaxed", nearest_probe(moduli, shear, False)), ("relaxed", probe)) if one]
     comments.append("bulk: lambda + 2 G/3 with lambda "
                     + (f"of the relaxed probe of stage {probe.stage}" if probe else "= G; the run has no probe"))

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The time tau over which shear stress is kept, measured in ways that share no assumption.
 
-survival       age distribution of living contacts. In steady shear contacts are born at a constant rate B per unit of
-               strain; of those born a strain a ago the share S(a) survives, so n(a) = B S(a): the distribution of ages is
-               proportional to the survival function. Of S = exp(-a/gamma) the mean age of the contacts younger than A
-               is gamma - A/(exp(A/gamma) - 1), the estimate of greatest likelihood. S = exp(-(a/s)^beta) tests the form.
+survival       age distribution of living contacts. In steady shear contacts are born at a constant rate B per unit
+               of strain; of those born a strain a ago the share S(a) survives, so n(a) = B S(a): the distribution of
+               ages is proportional to the survival function. Of S = exp(-a/gamma) the mean age of the contacts younger
+               than A is gamma - A/(exp(A/gamma) - 1), which gives gamma with the greatest likelihood.
+               S = exp(-(a/s)^beta) tests the form.
 hold           shear stress after a stop, r + (q - r) exp(-(t/tau)^beta)
 normal         W = N1/(2 sigma_xy) of steady shear; the relaxation law has W = tau rate
 correlation    time of correlation of sigma_xy in steady shear, as if fluctuations decay like the mean
