@@ -78,7 +78,8 @@ def four_ways(shears, memories):
         found = {one.measure: one for one in memories if one.stage == shear.stage.name}
         cells = [with_error(found[name].strain, found[name].error) if name in found else "-" for name in names]
         low, high, count = memory.spread_of(memories, shear.stage.name)
-        spread = f"{high / low:.2g} of {count}" if count > 1 else "-"
+        ratio = high / low
+        spread = f"{ratio:.{0 if ratio >= 10.0 else 1}f} of {count}" if count > 1 else "-"
         lines.append(f"{shear.stage.name:<20} {shear.inertial:7.4f} " + " ".join(f"{text:>13}" for text in cells)
                      + f"  {spread}")
     return lines
