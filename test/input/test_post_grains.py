@@ -165,6 +165,13 @@ def test_several_runs(options):
     within("mu_s", *numbers["fits"]["mu_s"], cell.MU_S, 0.1)
     assert len(numbers["tau"]) == 6, len(numbers["tau"])
     assert "one inertial number" in call("grains", one).stdout
+    summary = one / f"{cell.CASE}.summary.json"
+    for text, reason in (('{"exit_code": 75, "reason": "signal USR1"}', "signal USR1"), (None, "no summary yet")):
+        summary.unlink()
+        if text:
+            summary.write_text(text, encoding="utf-8")
+        said = call("grains", one).stdout
+        assert f"is not finished ({reason}" in said or f"is not finished (it has {reason}" in said, said
 
 
 def refused(code, folder, *parts, words=()):

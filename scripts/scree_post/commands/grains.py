@@ -46,6 +46,9 @@ def measured(arguments):
     """Runs, their steady shear, and pairs of runs with measurements of tau and probes."""
     generator = np.random.default_rng(12345)             # the same errors in each call
     runs = [read_run(os.path.normpath(folder)) for folder in arguments.folders]
+    for run in runs:
+        if run.unfinished:
+            print(f"note: {run.folder} is not finished ({run.unfinished}); its last stage is used as far as it goes")
     if not any(run.stages_of("shear") for run in runs):
         raise PostError(f"{', '.join(arguments.folders)}: no stage has a shear rate; give a &stage rate or "
                         "inertial_number")

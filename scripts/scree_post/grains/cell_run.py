@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Files of a finished run of scree --grains: deck, history, moduli, contacts."""
+import json
 import math
 import os
 import re
@@ -66,6 +67,7 @@ class CellRun:
     contacts: list = field(default_factory=list)         # (time [s], file)
     grains: list = field(default_factory=list)           # (time [s], file)
     provenance: dict = field(default_factory=dict)       # of the last snapshot
+    unfinished: str = ""                                 # why, empty if the run reached its end
 
     def path(self, ending):
         """A file of the case."""
@@ -98,6 +100,7 @@ def read_run(folder):
     missing = [name for name in ("diameter", "density", "shape") if name not in run.keys]
     if missing:
         raise PostError(f"{echo}: &grains has no {', '.join(missing)}; this is not a run of scree --grains")
+    run.unfinished = why_unfinished(run.path(".summary.json"))
     names = [str(values.get("name", "")) for values in groups_of(text, "stage")]
     run.stages = read_stages(run, names)
     if os.path.exists(run.path("_moduli.csv")):
@@ -110,6 +113,18 @@ def read_run(folder):
             if "provenance" in handle:
                 run.provenance = {key: units_of.plain(value) for key, value in handle["provenance"].attrs.items()}
     return run
+
+
+def why_unfinished(path):
+    """What the summary says of a run that did not reach its end, or empty."""
+    try:
+        with open(path, encoding="utf-8") as handle:
+            summary = json.load(handle)
+    except FileNotFoundError:
+        return "it has no summary yet"
+    except (OSError, ValueError) as error:
+        raise PostError(f"cannot read {path}: {error}") from error
+    return "" if summary.get("exit_code") == 0 else str(summary.get("reason", "unknown reason"))
 
 
 def history_or_none(path):
