@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Evaluates runs of scree --grains: constants of a sheared cell of grains for the continuum.
 
-From the stages of one or several finished runs: friction mu and volume fraction phi against the inertial number, with
-fits; the time tau over which shear stress is kept, by survival of contacts, decay after a stop, normal stress and
-correlation; G and lambda of probes. The start of a shear stage, --skip, is left out. Tables, figures and a &material
-block for a deck are written beside the first run.
+From the stages of one or several finished runs: friction mu and volume fraction phi against the
+inertial number, with fits; the time tau over which shear stress is kept, by survival of contacts,
+decay after a stop, normal stress and correlation; G and lambda of probes. The start of a shear
+stage, --skip, is left out. Tables, figures and a &material block for a deck are written beside
+the first run.
 """
 import os
 

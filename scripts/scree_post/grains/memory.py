@@ -188,8 +188,8 @@ def hold(run, stage, shears, generator):
         return memory("hold", shear, time[0] * shear.rate, time[0] * shear.rate, residual=rest,
                       note=f"not resolved: the stress is gone within a row of the history; {100.0 * rest:.0f} % of "
                       "that of steady shear is there at the end", curve=(time, stress, np.full(len(time), np.nan)))
-    note = (f"{100.0 * rest:.1f}({100.0 * errors[0]:.1f}) % of the stress of steady shear stays, {100 * rest / first:.0f} "
-            f"% of that at the stop, exponent {beta:.2f}({errors[3]:.2f})")
+    note = (f"{100.0 * rest:.1f}({100.0 * errors[0]:.1f}) % of the stress of steady shear stays, "
+            f"{100.0 * rest / first:.0f} % of that at the stop, exponent {beta:.2f}({errors[3]:.2f})")
     return memory("hold", shear, scale * shear.rate, errors[2] * shear.rate, beta=float(beta), residual=float(rest),
                   note=note, curve=(time, stress, smooth))
 
