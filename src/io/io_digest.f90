@@ -77,6 +77,7 @@ contains
       integer(int64) :: step, sum
       real(wp) :: time
       integer :: index
+      logical :: stored
 
       digest = ""
       sum = 0
@@ -89,7 +90,9 @@ contains
       if (.not. allocated(error)) call source%attribute("/", "time", time, error)
       if (.not. allocated(error)) call source%members("/particles", groups, error)
       if (.not. allocated(error)) then
-         if (size(groups) == 0 .and. source%has("/state/digest")) then
+         stored = .false.
+         if (size(groups) == 0) stored = source%has("/state/digest")
+         if (stored) then
             call read_digest(source, digest, error)
             call source%close()
             call agree(communicator, error)
