@@ -174,6 +174,14 @@ def test_several_runs(options):
         assert f"is not finished ({reason}" in said or f"is not finished (it has {reason}" in said, said
 
 
+def test_unnamed_stages(options):
+    """Stages without names of their own that are taken for one."""
+    folder, _ = fitted(options, "unnamed", stages=(cell.STAGES[0], ("stage", 0.1, 6.0, 600), ("stage", 0.05, 6.0, 600)))
+    rows = table(folder / f"{cell.CASE}_shear.csv")
+    assert [row["stage"] for row in rows] == ["stage 2", "stage 3"], rows
+    assert "! Stage stage 3: I = 0.05" in (folder / f"{cell.CASE}_material.nml").read_text(encoding="utf-8")
+
+
 def refused(code, folder, *parts, words=()):
     """One line on standard error, with an exit code and some words."""
     answer = call("grains", folder, *words)

@@ -175,8 +175,10 @@ def read_stages(run, names):
         wrong = next((name for name in COLUMNS if not np.isfinite(rows[name]).all()), None)
         if wrong:
             raise PostError(f"{path}: column {wrong} of stage {number} is not finite")
-        name = names[number - 1] if number <= len(names) else ""
-        stages.append(Stage(int(number), name or f"stage {number}", kind_of(rows, stages), rows, start_time,
+        name = names[number - 1] if number <= len(names) and names[number - 1] else "stage"
+        if names.count(name) != 1:                       # stages need no name of their own
+            name = f"{name} {number}"
+        stages.append(Stage(int(number), name, kind_of(rows, stages), rows, start_time,
                             start_strain, run.keys["diameter"] * math.sqrt(run.keys["density"])))
         start_time, start_strain = float(rows["time"][-1]), float(rows["strain"][-1])
     return stages
