@@ -11,7 +11,7 @@ from . import units as units_of
 from .errors import EXIT_FILE, PostError, modules, readable, unknown
 
 UNTITLED = "untitled"    # title of a deck that gives none
-DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d")
+DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d", "2d")
 
 
 def series_file(path):
