@@ -157,7 +157,26 @@ RUN = "scree -q scene.nml"
 AGAIN = "scree -q --restart scene.nml"
 OTHER_DECK = "running.md#a-restart-with-another-deck"
 
+GRAIN_CELL = """&grains shape = 'discs'  number = 100  diameter = 1e-3  density = 2500  stiffness = 1e6 /
+&cell pressure = 1e3 /
+&stage servo = 'isotropic'  duration = 1e-4 /
+"""
+SOFT_GRAINS = GRAIN_CELL.replace("1e6", "1e2").replace("1e3 /", "1e3  speed = 0.1 /").replace("1e-4", "1")
+
 SITUATIONS = {
+    # cells of grains
+    "discs-have-no-z": {
+        "files": {"cell.nml": GRAIN_CELL.replace("'isotropic'", "'xyz'")},
+        "text": "Discs are compressed along three axes:",
+        "shows": "&stage servo = 'xyz'  duration = 1e-4 /", "commands": ["scree --grains --check cell.nml"],
+        "right": "&stage servo = 'isotropic'  duration = 1e-4 /", "right_files": {"cell.nml": GRAIN_CELL}},
+    "grains-overlap-by-more-than-a-tenth": {
+        "files": {"cell.nml": SOFT_GRAINS}, "text": "Grains collide at 0.1 m/s with springs of 100 N/m:",
+        "shows": SOFT_GRAINS.splitlines()[0], "commands": ["scree --grains -q --overwrite cell.nml"],
+        "right": GRAIN_CELL.splitlines()[0], "right_files": {"cell.nml": GRAIN_CELL}},
+    "all-stages-of-the-deck-are-done": {
+        "files": {"cell.nml": GRAIN_CELL}, "before": ["scree --grains -q cell.nml"],
+        "commands": ["scree --grains -q --restart cell.nml"]},
     # the command line
     "the-deck-is-empty": {
         "files": {"scene.nml": "! density 2700, young 70e9\n"}, "text": "A deck that holds a comment alone:",

@@ -57,7 +57,7 @@ class BadGrains(unittest.TestCase):
                                ("discs", "volume_fraction = 0.4", "volume_fraction = 0.4  aspect = 60 1 1")):
             with self.subTest(name):
                 run = case.Case(OPTIONS, "thin", broken.DECKS[name].replace(old, new)).run("--grains", expect=2)
-                self.assertIn("the cell is lower than two diameters and two skins at step 0: use more grains", run.output)
+                self.assertIn("the cell is lower than two diameters and two skins at step 0: use more", run.output)
 
     def test_soft_contacts(self):
         """Would catch overlaps beyond any contact law that go unnoticed."""
