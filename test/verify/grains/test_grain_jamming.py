@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""scree --grains: packings without friction at a small pressure are isostatic and have the density of jamming.
+
+Would catch friction that is not off, a pressure that is wrong by a factor, sizes that are not two, contacts and
+rattlers that are counted otherwise, and a servo that ends beside its pressure.
+"""
+# tiers: full
+# timeout: 200
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import case    # noqa: E402
+import report  # noqa: E402
+
+PRESS = """&grains  shape = '{shape}'  number = {number}  diameter = 1e-3  sizes = 'two'  spread = {spread}  density = 2500
+  stiffness = {stiffness}  restitution = 0.2  friction = 0 /
+&cell  seed = 1 /
+&stage  name = 'press'  servo = 'isotropic'  pressure = 1e3  duration = {time}  rows = 2  snapshots = 0 /
+&stage  name = 'rest'   servo = 'isotropic'  pressure = 200  duration = 0.15  quiet = 1e-6  rows = 4  snapshots = 0 /
+"""
+
+
+def main():
+    """Overlaps are 2e-4 of a diameter, so the density is above that of jamming by about as much, and contacts by
+    the root of it: a few percent. 0.01 is the spread of protocols and of cells of this size."""
+    options = case.arguments(__doc__)
+    sheet = report.Report()
+    for shape, number, spread, stiffness, density, contacts in (("discs", 400, "{1/6}", 1e6, 0.842, 4.0),
+                                                                ("spheres", 400, "0", 1e3, 0.64, 6.0)):
+        history = case.Case(options, shape, PRESS.format(shape=shape, number=number, spread=spread, time=0.02,
+                                                         stiffness=stiffness)).run("--grains", "--quiet").history
+        last = {name: history[name][-1] for name in ("volume_fraction", "coordination_held", "pressure", "rattlers")}
+        sheet.near(f"{shape}: pressure", last["pressure"], 200.0, 0.01)
+        sheet.below(f"{shape}: volume fraction {last['volume_fraction']:.4f} from that of jamming",
+                    last["volume_fraction"] - density, 0.01)
+        sheet.near(f"{shape}: contacts of grains that are held", last["coordination_held"], contacts, 0.05)
+        sheet.below(f"{shape}: rattlers", last["rattlers"], 0.1)
+    sheet.end()
+
+
+main()
