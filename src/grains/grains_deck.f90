@@ -110,9 +110,9 @@ contains
       if (law == "hertz" .and. d == 2) call deck%complain(grains, &
          "the law of Hertz is for spheres; discs take law = 'linear'", "law")
       if (packing == "random" .and. grains%valid(["spread", "number"]) .and. &
-         grains%given("number") .and. cell%given("volume_fraction")) then
+         grains%given("number")) then
          reach = loosest(d, spread)
-         if (fraction > reach) call deck%complain(cell, &
+         if (cell%given("volume_fraction") .and. fraction > reach) call deck%complain(cell, &
             "grains placed at random without overlap reach "//deck%shown(reach, "1")// &
             "; begin there and compress in a first &stage with servo = 'isotropic'", &
             "volume_fraction")
