@@ -44,7 +44,6 @@ contains
          newline//"  existing results, 4 physics error, 5 internal error, 75 "// &
          "stopped: run again"//newline//newline//"examples:"//newline// &
          "  mpirun -n 4 scree scene.nml --set grid.dx=0.1 --case fine"//newline// &
-         "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"//newline// &
-         "See the README and doc/guide for more."
+         "  scree scene.nml --restart --set 'material[sheet].poisson=0.3'"
    end function help_text
 end module program_help

@@ -12,10 +12,11 @@ program fuzz_decks
    use base_schema, only: schema_t
    use base_text, only: append, buffer_t, lower, number, text_t
    use fuzz_mutation, only: choice_t, mutate, respell
+   use grains_deck, only: check_grains
    use io_file, only: read_file
    use, intrinsic :: iso_fortran_env, only: output_unit
    use program_command_line, only: parse_command_line
-   use program_run_setup, only: declare_deck_keys, build_setup, run_setup_t, read_setup
+   use program_run_setup, only: build_setup, declare_deck_keys, read_setup, run_setup_t
    implicit none
 
    call fuzz()
@@ -103,6 +104,7 @@ contains
       type(text_t), allocatable :: words(:)
 
       call append(words, "--check")
+      if (index(text, "&grains") > 0) call append(words, "--grains")
       call append(words, folder//"/deck.nml")
       fault = ""
       call write_deck(folder, text)
@@ -110,7 +112,14 @@ contains
       setup%most_points = 1.0e6
       call parse_command_line(words, setup%command, error)
       if (.not. allocated(error)) call read_setup(setup, error)
-      if (.not. allocated(error)) call build_setup(setup, error)
+      if (.not. allocated(error)) then
+         if (setup%command%grains) then
+            call check_grains(setup%deck)
+            call setup%deck%verdict(error)
+         else
+            call build_setup(setup, error)
+         end if
+      end if
       if (allocated(error)) then
          refused = refused + 1
          if (error%code /= exit_input .and. error%code /= exit_file) then
