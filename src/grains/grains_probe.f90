@@ -4,6 +4,7 @@
 module grains_probe
    use base_kinds, only: wp
    use grains_cell, only: cell_t, drive_t
+   use grains_measures, only: energy_t, find_energy
    use grains_pairs, only: dashpot
    use grains_step, only: advance_cell
    implicit none
@@ -17,6 +18,8 @@ module grains_probe
    !> Times of the shortest collision in which the grains come to rest: before the probes and after
    !! each strain.
    real(wp), parameter :: rest_before = 400.0_wp, rest_after = 200.0_wp
+   integer, parameter :: most_rests = 20             !! Such times at most
+   real(wp), parameter :: quiet = 1.0e-20_wp         !! Kinetic over spring energy at rest
    real(wp), parameter :: calming = 0.2_wp           !! Decay of velocities in a collision time [1]
    !> Rows and columns of the components xx yy zz xy xz yz.
    integer, parameter :: row_of(6) = [1, 2, 3, 1, 1, 2], column_of(6) = [1, 2, 3, 2, 3, 3]
@@ -98,18 +101,25 @@ contains
       call take_stress(copy, stress)
    end subroutine strain_affine
 
-   !> Let the grains of a cell come to rest. Their velocities decay besides what dashpots take.
+   !> Let the grains of a cell come to rest. Their velocities decay besides what dashpots take. It
+   !! goes on, up to `most_rests` times as long, until what is left of the motion is no force beside
+   !! that of a probe: a grain that has not found its place would move between two probes. Collective.
    subroutine settle(cell, collisions)
       type(cell_t), intent(inout) :: cell
       real(wp), intent(in) :: collisions             !! Time in durations of a collision
+      type(energy_t) :: energy
       real(wp) :: keep
-      integer :: step
+      integer :: step, rest
 
       keep = 1.0_wp - min(0.5_wp, calming*cell%dt/cell%collision)
-      do step = 1, nint(collisions*cell%collision/cell%dt)
-         call advance_cell(cell)
-         cell%grains%velocity = keep*cell%grains%velocity
-         cell%grains%spin = keep*cell%grains%spin
+      do rest = 1, most_rests
+         do step = 1, nint(collisions*cell%collision/cell%dt)
+            call advance_cell(cell)
+            cell%grains%velocity = keep*cell%grains%velocity
+            cell%grains%spin = keep*cell%grains%spin
+         end do
+         call find_energy(cell, energy)
+         if (energy%kinetic <= quiet*energy%springs) exit
       end do
    end subroutine settle
 

@@ -89,7 +89,8 @@ def say_memory(runs, shears, memories, probes):
         for one in found:
             name = next((stage.name for stage in run.stages if stage.number == one.stage), one.stage)
             print(f"probe of {run.case}, {name}, {'relaxed' if one.relaxed else 'unrelaxed'}: G {one.shear:.4g} Pa, "
-                  f"lambda {one.lame:.4g} Pa at pressure {one.pressure:.4g} Pa")
+                  f"lambda {one.lame:.4g} Pa at pressure {one.pressure:.4g} Pa"
+                  + ("" if one.elastic else "; not elastic, so not used: grains changed places"))
     if not any(found for _, found in probes):
         print(f"no moduli in {', '.join(run.case for run in runs)}: set probe = .true. in a &stage")
 

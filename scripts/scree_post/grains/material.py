@@ -35,8 +35,8 @@ def contact_strain(shear, memories, measure):
 
 
 def nearest_probe(moduli, shear, relaxed):
-    """The probe nearest in pressure to a steady shear, or None."""
-    found = [one for one in moduli if one.relaxed == relaxed]
+    """The elastic probe nearest in pressure to a steady shear, or None."""
+    found = [one for one in moduli if one.relaxed == relaxed and one.elastic]
     same = [one for one in found if one.stage == shear.stage.number]
     return (same or sorted(found, key=lambda one: abs(one.pressure - shear.pressure)) or [None])[0]
 
@@ -92,7 +92,8 @@ def friction(run, shear, fits, moduli):
         raise PostError("--law mu_i needs shear stages at two inertial numbers or more", EXIT_USAGE)
     probe = nearest_probe(moduli, shear, True)
     if probe is None:
-        raise PostError("--law mu_i needs moduli: set probe = .true. in a &stage", EXIT_USAGE)
+        raise PostError("--law mu_i needs moduli of a relaxed state: set probe = .true. in a &stage that ends "
+                        "at rest or in slow shear", EXIT_USAGE)
     if "curve_mu_s" in fits:
         values = [fits[name] for name in ("curve_mu_s", "curve_mu_2", "curve_I_0")]
         comments = ["mu_s, mu_2, mu_i0: fitted to all stages"]

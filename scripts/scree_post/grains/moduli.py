@@ -4,7 +4,8 @@
 Discs: K = (C11 + C22 + C12 + C21)/4 in the plane, G = (C11 + C22 - C12 - C21 + 4 C44)/8, lambda = K - G.
 Spheres (the average over directions after W. Voigt): K = sum of C11 ... C33 over 9,
 G = (C11 + C22 + C33 - C12 - C23 - C13 + 3 (C44 + C55 + C66))/15, lambda = K - 2 G/3.
-C44 and its kin are stresses per shear du_x/dy.
+C44 and its kin are stresses per shear du_x/dy. An elastic stiffness is symmetric, C12 = C21, and resists shear;
+a relaxed probe in which grains changed places is not one, and no block is made of it.
 """
 from dataclasses import dataclass
 
@@ -12,6 +13,8 @@ import numpy as np
 
 from ..errors import PostError
 
+#: Difference of C12 and C21 over C11 up to which a probe counts as elastic.
+ASYMMETRY = 0.1
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
@@ -26,6 +29,12 @@ class Moduli:
     lame: float                                          # lambda [Pa]
     shear_xy: float                                      # C44 alone [Pa]
     anisotropy: float                                    # C44 over (C11 + C22 - C12 - C21)/4 [1]
+    asymmetry: float                                     # |C12 - C21| over the mean of C11 and C22 [1]
+
+    @property
+    def elastic(self):
+        """True if the probe is that of an elastic state."""
+        return self.shear > 0.0 and self.asymmetry < ASYMMETRY
 
 
 def moduli_of(run):
@@ -64,4 +73,5 @@ def isotropic(table, chosen, stage, relaxed):
         shear = (push - cross + 4.0 * c(4, 4)) / 8.0
         lame = (push + cross) / 4.0 - shear
     plane = (c(1, 1) + c(2, 2) - c(1, 2) - c(2, 1)) / 4.0
-    return Moduli(stage, relaxed, pressure, shear, lame, c(4, 4), c(4, 4) / plane if plane else float("nan"))
+    return Moduli(stage, relaxed, pressure, shear, lame, c(4, 4), c(4, 4) / plane if plane else float("nan"),
+                  2.0 * abs(c(1, 2) - c(2, 1)) / abs(c(1, 1) + c(2, 2)))

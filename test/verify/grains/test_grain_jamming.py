@@ -14,8 +14,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
 
-PRESS = """&grains  shape = '{shape}'  number = {number}  diameter = 1e-3  sizes = 'two'  spread = {spread}  density = 2500
-  stiffness = {stiffness}  restitution = 0.2  friction = 0 /
+PRESS = """&grains  shape = '{shape}'  number = {number}  diameter = 1e-3  sizes = 'two'  spread = {spread}
+  density = 2500  stiffness = {stiffness}  restitution = 0.2  friction = 0 /
 &cell  seed = 1 /
 &stage  name = 'press'  servo = 'isotropic'  pressure = 1e3  duration = {time}  rows = 2  snapshots = 0 /
 &stage  name = 'rest'   servo = 'isotropic'  pressure = 200  duration = 0.15  quiet = 1e-6  rows = 4  snapshots = 0 /
