@@ -103,7 +103,8 @@ contains
 
    !> Let the grains of a cell come to rest. Their velocities decay besides what dashpots take. It
    !! goes on, up to `most_rests` times as long, until what is left of the motion is no force beside
-   !! that of a probe: a grain that has not found its place would move between two probes. Collective.
+   !! that of a probe: a grain that has not found its place would move between two probes.
+   !! Collective.
    subroutine settle(cell, collisions)
       type(cell_t), intent(inout) :: cell
       real(wp), intent(in) :: collisions             !! Time in durations of a collision
