@@ -17,6 +17,8 @@ module io_means
    integer, parameter, public :: by_volume = 2           !! Weight of a particle: its volume
    integer, parameter, public :: highest = 3             !! Greatest height instead of a mean
    integer, parameter, public :: along_axis = 4 !! Weighted by mass, component along the axis
+   !> Where fields are averaged.
+   integer, parameter, public :: in_cells = 1, in_bins = 2, at_gauges = 3
    !> Fields of profiles only: upper end of the material, mean velocity along the axis.
    character(len=field_name_length), parameter :: profile_names(2) = &
       [character(len=field_name_length) :: "surface_height", "depth_mean_velocity"]
@@ -35,10 +37,10 @@ module io_means
 contains
 
    !> Choose the fields to average. An unknown field, or one without a mean, is an error.
-   subroutine choose_means(stores, fields, of_grid, means, error)
+   subroutine choose_means(stores, fields, where_used, means, error)
       type(store_t), intent(inout) :: stores(:)          !! Not changed
       character(len=*), intent(in) :: fields(:)          !! Names, or "default"
-      logical, intent(in) :: of_grid                     !! In cells; else in bins of a profile
+      integer, intent(in) :: where_used                  !! `in_cells`, `in_bins` or `at_gauges`
       type(mean_t), allocatable, intent(out) :: means(:) !! In the order of the request
       type(error_t), allocatable, intent(out) :: error   !! A field has no mean
       integer :: n, m
@@ -49,16 +51,16 @@ contains
             do m = 1, size(usual)
                call add_mean(stores, usual(m), .true., means, error)
             end do
-            if (of_grid) call add_fraction(means)
-         else if (fields(n) == volume_fraction .and. of_grid) then
+            if (where_used == in_cells) call add_fraction(means)
+         else if (fields(n) == volume_fraction .and. where_used == in_cells) then
             call add_fraction(means)
-         else if (any(profile_names == fields(n)) .and. .not. of_grid) then
+         else if (any(profile_names == fields(n)) .and. where_used == in_bins) then
             call add_of_profile(fields(n), means)
          else
             call add_mean(stores, fields(n), .false., means, error)
          end if
          if (.not. allocated(error)) cycle
-         if (.not. of_grid) call add_names(error%message)
+         if (where_used == in_bins) call add_names(error%message)
          return
       end do
    end subroutine choose_means

@@ -22,7 +22,7 @@ module io_pick
       logical :: intact = .false.                        !! Only particles that have not failed
    contains
       procedure :: pick => rule_pick                     !! Indices of the selected particles
-      procedure, private :: takes => rule_takes          !! Is a particle selected?
+      procedure :: takes => rule_takes                   !! Is a particle selected?
       procedure, private :: takes_all => rule_takes_all  !! Are all particles selected?
    end type pick_rule_t
 

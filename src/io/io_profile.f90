@@ -5,8 +5,9 @@
 module io_profile
    use base_communicator, only: communicator_t
    use base_constants, only: pi
-   use base_exact_sum, only: exact_sum_t, exact_sum_words
+   use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
+   use io_exact_totals, only: totals_over_ranks
    use io_fields, only: picks_t
    use io_means, only: added, along_axis, by_volume, fill_mean, highest, mean_t
    use io_pick, only: pick_rule_t
@@ -15,7 +16,7 @@ module io_profile
    implicit none
    private
 
-   public :: half_height, profile_columns, profile_rows, profile_t
+   public :: field_columns, half_size, profile_columns, profile_rows, profile_t
 
    integer, parameter :: column_length = 40              !! Longest heading of a column
    integer, parameter :: before = 5                      !! Columns before the means, and time, step
@@ -41,13 +42,22 @@ contains
    function profile_columns(profile) result(columns)
       type(profile_t), intent(in) :: profile             !! What it shows
       character(len=column_length), allocatable :: columns(:)
-      character(len=column_length) :: heading
-      integer :: n, part
 
       columns = [character(len=column_length) :: "time [s]", "step", "bin", "position [m]", &
          "particles", "mass [kg]", "volume [m3]"]
-      do n = 1, size(profile%means)
-         associate (column => profile%means(n)%column)
+      columns = [columns, field_columns(profile%means)]
+   end function profile_columns
+
+   !> Headings of the components of fields.
+   function field_columns(means) result(columns)
+      type(mean_t), intent(in) :: means(:)               !! The fields
+      character(len=column_length), allocatable :: columns(:)
+      character(len=column_length) :: heading
+      integer :: n, part
+
+      allocate (columns(0))
+      do n = 1, size(means)
+         associate (column => means(n)%column)
             do part = 1, column%components
                heading = trim(column%name)//part_name(column%components, part)//" ["// &
                   trim(column%unit)//"]"
@@ -55,7 +65,7 @@ contains
             end do
          end associate
       end do
-   end function profile_columns
+   end function field_columns
 
    !> Ending of the name of a component, empty for a number.
    pure function part_name(components, part) result(name)
@@ -193,7 +203,7 @@ contains
       do store = 1, size(stores)
          do row = 1, size(picks(store)%order)
             associate (p => picks(store)%order(row), top => greatest(bin(seen + row)))
-               top = max(top, stores(store)%position(p, 3) + half_height(grid, stores(store), p))
+               top = max(top, stores(store)%position(p, 3) + half_size(grid, stores(store), p, 3))
             end associate
          end do
          seen = seen + size(picks(store)%order)
@@ -202,26 +212,26 @@ contains
       heights = greatest
    end subroutine find_heights
 
-   !> Half the height of a particle: that of its own domain if it has one, else of a cube, in two
-   !! dimensions a square, of its present volume [m].
-   pure real(wp) function half_height(grid, store, p) result(half)
+   !> Half the size of a particle along an axis: that of its own domain if it has one, else of a
+   !! cube, in two dimensions a square, along a line an interval, of its present volume [m].
+   pure real(wp) function half_size(grid, store, p, axis) result(half)
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: store
       integer, intent(in) :: p                           !! Its index
+      integer, intent(in) :: axis                        !! 1 to 3
       real(wp) :: width
 
       if (allocated(store%extent)) then
-         half = store%extent(p, 3)
+         half = store%extent(p, axis)
       else if (allocated(store%domain)) then
-         half = abs(store%domain(p, 3)) + abs(store%domain(p, 6)) + abs(store%domain(p, 9))
-      else if (grid%dimensions == 3) then
-         half = 0.5_wp*store%state%volume(p)**(1.0_wp/3.0_wp)
+         half = abs(store%domain(p, axis)) + abs(store%domain(p, 3 + axis)) &
+            + abs(store%domain(p, 6 + axis))
       else
-         width = grid%upper(2) - grid%lower(2)
-         if (grid%axisymmetric) width = 2.0_wp*pi*max(store%position(p, 1), tiny(width))
-         half = 0.5_wp*sqrt(store%state%volume(p)/width)
+         width = grid%depth
+         if (grid%axisymmetric) width = width*max(store%position(p, 1), tiny(width))
+         half = 0.5_wp*(store%state%volume(p)/width)**(1.0_wp/real(count(grid%active), wp))
       end if
-   end function half_height
+   end function half_size
 
    !> Bin, mass and volume of each particle, store after store.
    pure subroutine sort_into_bins(stores, picks, profile, bin, mass, volume)
@@ -263,27 +273,12 @@ contains
       real(wp), intent(in) :: values(:)                  !! (row)
       real(wp), intent(out) :: sums(:)                   !! (bin)
       type(exact_sum_t), allocatable :: total(:)
-      integer(int64), allocatable :: words(:)
-      integer :: n, first
+      integer :: n
 
       allocate (total(size(sums)))
       do n = 1, size(bin)
          call total(bin(n))%add(weight(n)*values(n))
       end do
-      if (communicator%size > 1) then
-         allocate (words(exact_sum_words*size(sums)))
-         do n = 1, size(sums)
-            first = exact_sum_words*(n - 1)
-            call total(n)%save(words(first + 1:first + exact_sum_words))
-         end do
-         call communicator%total(words)
-         do n = 1, size(sums)
-            first = exact_sum_words*(n - 1)
-            call total(n)%load(words(first + 1:first + exact_sum_words))
-         end do
-      end if
-      do n = 1, size(sums)
-         sums(n) = total(n)%value()
-      end do
+      call totals_over_ranks(communicator, total, sums)
    end subroutine add_up
 end module io_profile

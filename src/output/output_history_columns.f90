@@ -6,7 +6,7 @@ module output_history_columns
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: wp
    use base_text, only: append, closest, text_t
-   use io_profile, only: half_height, profile_rows, profile_t
+   use io_profile, only: half_size, profile_rows, profile_t
    use mesh_grid, only: grid_t
    use output_table_stream, only: heading_length
    use particle_store, only: store_t
@@ -298,7 +298,7 @@ contains
       integer :: p
 
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-         ends(1) = max(ends(1), store%position(p, 3) + half_height(grid, store, p))
+         ends(1) = max(ends(1), store%position(p, 3) + half_size(grid, store, p, 3))
          ends(2:4) = max(ends(2:4), store%position(p, :))
          ends(5:7) = max(ends(5:7), -store%position(p, :))
       end do

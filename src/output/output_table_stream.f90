@@ -25,6 +25,7 @@ module output_table_stream
       procedure(list_columns_i), deferred :: list_columns !! Names of the columns with units
       procedure(write_rows_i), deferred :: write_rows !! Write the rows of the present time
       procedure :: rows_of_time => table_rows_of_time !! Expected rows of one time
+      procedure :: prepare => table_prepare          !! Before the rows of a time
       procedure :: open => table_open                !! Open the file
       procedure :: write => table_write              !! Write rows
       procedure :: close => table_close              !! Close the file
@@ -60,6 +61,13 @@ contains
       rows = 1.0_wp
    end function table_rows_of_time
 
+   !> Prepare to write the rows of a time. Most tables have nothing to prepare. Collective.
+   subroutine table_prepare(self, simulation, note)
+      class(table_stream_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
+      character(len=:), allocatable, intent(inout) :: note !! Lines for the log
+   end subroutine table_prepare
+
    !> Open the file; after a restart without the rows that are later than the checkpoint.
    subroutine table_open(self, simulation, folder, header, restarted, note, error)
       class(table_stream_t), intent(inout) :: self
@@ -83,10 +91,11 @@ contains
       class(table_stream_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation
       type(snapshot_header_t), intent(in) :: header  !! Not used
-      character(len=:), allocatable, intent(inout) :: note !! Not changed
+      character(len=:), allocatable, intent(inout) :: note !! Lines for the log
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
 
       call simulation%machine%timer%start(simulation%machine%phase%ledger)
+      call self%prepare(simulation, note)
       call self%write_rows(simulation, error)
       call simulation%machine%timer%stop(simulation%machine%phase%ledger)
    end subroutine table_write

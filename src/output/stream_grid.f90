@@ -7,7 +7,7 @@ module stream_grid
    use base_schema, only: schema_t
    use base_text, only: brief
    use io_grid, only: grid_write
-   use io_means, only: choose_means, mean_t
+   use io_means, only: choose_means, in_cells, mean_t
    use io_pick, only: pick_rule_t
    use io_snapshot, only: snapshot_header_t
    use mesh_grid, only: grid_t
@@ -80,7 +80,7 @@ contains
 
       call read_fields(group, deck, simulation, self, self%fields)
       ! read_fields has left out each name that would be an error here
-      call choose_means(simulation%stores, self%fields, .true., self%means, error)
+      call choose_means(simulation%stores, self%fields, in_cells, self%means, error)
       call self%read_format(group)
       call read_selection(group, deck, shapes, self%format%pick_rule_t)
       self%cells = cells_in(simulation%space%grid, self%format%pick_rule_t)
@@ -96,7 +96,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
       type(mean_t), allocatable :: means(:)
 
-      call choose_means(stores, [field], .true., means, error)
+      call choose_means(stores, [field], in_cells, means, error)
    end subroutine grid_try_field
 
    !> Cells of the grid, in the region if there is one: no file has more.

@@ -5,7 +5,7 @@ module stream_profile
    use base_error, only: error_t
    use base_kinds, only: wp
    use base_schema, only: schema_t
-   use io_means, only: choose_means, highest, mean_t
+   use io_means, only: choose_means, highest, in_bins, mean_t
    use io_profile, only: profile_columns, profile_rows, profile_t
    use output_field_names, only: declare_fields, read_fields
    use output_selection, only: declare_axis, declare_selection, read_axis, read_selection
@@ -77,7 +77,7 @@ contains
       associate (profile => self%profile, grid => simulation%space%grid)
          call read_fields(group, deck, simulation, self, fields)
          ! read_fields has left out each name that would be an error here
-         call choose_means(simulation%stores, fields, .false., profile%means, error)
+         call choose_means(simulation%stores, fields, in_bins, profile%means, error)
          call read_selection(group, deck, shapes, profile%rule)
          call read_axis(group, deck, grid, profile%axis)
          profile%lower = grid%lower(profile%axis)
@@ -98,7 +98,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
       type(mean_t), allocatable :: means(:)
 
-      call choose_means(stores, [field], .false., means, error)
+      call choose_means(stores, [field], in_bins, means, error)
    end subroutine profile_try_field
 
    !> A row for each bin.

@@ -1,0 +1,38 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Many exact sums over all ranks in one message.
+module io_exact_totals
+   use base_communicator, only: communicator_t
+   use base_exact_sum, only: exact_sum_t, exact_sum_words
+   use base_kinds, only: int64, wp
+   implicit none
+   private
+
+   public :: totals_over_ranks
+
+contains
+
+   !> Values of sums over all ranks, each rounded once. Collective.
+   subroutine totals_over_ranks(communicator, total, values)
+      type(communicator_t), intent(in) :: communicator
+      type(exact_sum_t), intent(inout) :: total(:)       !! Parts of this rank in, whole out
+      real(wp), intent(out) :: values(:)                 !! The sums
+      integer(int64), allocatable :: words(:)
+      integer :: first, n
+
+      if (communicator%size > 1) then
+         allocate (words(exact_sum_words*size(total)))
+         do n = 1, size(total)
+            first = exact_sum_words*(n - 1)
+            call total(n)%save(words(first + 1:first + exact_sum_words))
+         end do
+         call communicator%total(words)
+         do n = 1, size(total)
+            first = exact_sum_words*(n - 1)
+            call total(n)%load(words(first + 1:first + exact_sum_words))
+         end do
+      end if
+      do n = 1, size(total)
+         values(n) = total(n)%value()
+      end do
+   end subroutine totals_over_ranks
+end module io_exact_totals
