@@ -49,17 +49,21 @@ contains
    end function boundary_touches
 
    !> Forces of boundaries on the nodes of a tile, as accelerations.
-   pure subroutine boundary_add_forces(self, grid, coordinate, dt, velocity, acceleration)
+   pure subroutine boundary_add_forces(self, grid, coordinate, dt, velocity, acceleration, only)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)        !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      integer, intent(in), optional :: only          !! Wall that acts; default: all
       integer :: nodes(grid%tile_nodes), number, n
 
       if (.not. allocated(self%wall)) return
       do n = 1, size(self%wall)
+         if (present(only)) then
+            if (n /= only) cycle
+         end if
          if (.not. self%wall(n)%condition%absorbs_waves()) cycle
          call wall_nodes(self, grid, coordinate, n, nodes, number)
          if (number > 0) call self%wall(n)%condition%add_forces(grid, coordinate, &
@@ -69,13 +73,14 @@ contains
 
    !> Set the velocity of the nodes on boundaries and remove their acceleration, except those of the
    !! boundaries themselves.
-   pure subroutine boundary_constrain(self, grid, coordinate, velocity, acceleration, at_end)
+   pure subroutine boundary_constrain(self, grid, coordinate, velocity, acceleration, at_end, only)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       logical, intent(in), optional :: at_end        !! Velocities are those after the step
+      integer, intent(in), optional :: only          !! Wall that acts; default: all
       real(wp) :: lead
       integer :: nodes(grid%tile_nodes), number, n
 
@@ -83,6 +88,9 @@ contains
       lead = 0.0_wp
       if (present(at_end)) lead = merge(self%kick, 0.0_wp, at_end)
       do n = 1, size(self%wall)
+         if (present(only)) then
+            if (n /= only) cycle
+         end if
          if (.not. self%wall(n)%condition%acts_on_nodes()) cycle
          call wall_nodes(self, grid, coordinate, n, nodes, number)
          if (number > 0) call self%wall(n)%condition%constrain(self%wall(n)%face, &
@@ -92,7 +100,7 @@ contains
 
    !> Friction of boundaries on the nodes of a tile.
    pure subroutine boundary_apply_friction(self, grid, coordinate, dt, pic, free, velocity, &
-      acceleration)
+      acceleration, only)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
@@ -101,10 +109,14 @@ contains
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With the others [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      integer, intent(in), optional :: only          !! Wall that acts; default: all
       integer :: nodes(grid%tile_nodes), number, n
 
       if (.not. allocated(self%wall)) return
       do n = 1, size(self%wall)
+         if (present(only)) then
+            if (n /= only) cycle
+         end if
          if (.not. self%wall(n)%condition%has_friction()) cycle
          call wall_nodes(self, grid, coordinate, n, nodes, number)
          if (number > 0) call self%wall(n)%condition%apply_friction(self%wall(n)%face, &

@@ -10,6 +10,7 @@ module step_ledger
    use io_state, only: state_t
    use material_type, only: material_t
    use mesh_grid, only: grid_t
+   use mesh_wall_sums, only: wall_sums_t
    use particle_store, only: moved_out, store_t
    implicit none
    private
@@ -142,12 +143,14 @@ module step_ledger
       !> Only entries that accumulate are used
       type(exact_sum_t) :: sums(size(ledger_entries))
       type(balance_t) :: start                       !! At the start of the run
+      type(wall_sums_t) :: walls                     !! What each wall does, if an output shows it
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
    contains
       procedure :: record_lost => ledger_record_lost     !! Record the particles that left the box
       procedure :: record_particle => ledger_record_particle     !! Record a particle that goes
       procedure :: merge => ledger_merge             !! Add the sums of another ledger
+      procedure :: clear => ledger_clear             !! Set the sums to zero
       procedure :: balance => ledger_balance         !! Present entries and errors
       procedure :: save => ledger_save               !! Into a checkpoint
       procedure :: load => ledger_load               !! From a checkpoint
@@ -209,7 +212,19 @@ contains
       do n = 1, size(ledger_entries)
          if (ledger_entries(n)%accumulates) call self%sums(n)%merge(other%sums(n))
       end do
+      call self%walls%merge(other%walls)
    end subroutine ledger_merge
+
+   !> Set the sums to zero.
+   pure subroutine ledger_clear(self)
+      class(ledger_t), intent(inout) :: self
+      integer :: n
+
+      do n = 1, size(self%sums)
+         call self%sums(n)%clear()
+      end do
+      call self%walls%clear()
+   end subroutine ledger_clear
 
    !> Present entries, summed over all particles and ranks, and the errors against the start.
    !!
@@ -379,6 +394,7 @@ contains
       type(state_t), intent(inout) :: state          !! Of the checkpoint
       type(exact_sum_t) :: sum
       integer(int64) :: limbs(exact_sum_words, running)
+      integer(int64), allocatable :: words(:)
       integer :: filled, n
 
       filled = 0
@@ -390,6 +406,11 @@ contains
          call sum%save(limbs(:, filled))
       end do
       call state%set("ledger_sums", reshape(limbs, [size(limbs)]))
+      if (allocated(self%walls%total)) then
+         words = self%walls%words()
+         call communicator%total(words)
+         call state%set("ledger_walls", words)
+      end if
       call state%set("ledger_start", [self%start%entry, self%start%total])
       call state%set("ledger_scales", [self%momentum_scale, self%angular_scale])
    end subroutine ledger_save
@@ -400,6 +421,7 @@ contains
       type(communicator_t), intent(in) :: communicator
       type(state_t), intent(in) :: state             !! Of the checkpoint
       type(error_t), allocatable, intent(out) :: error !! If something is missing
+      type(error_t), allocatable :: missing
       integer(int64), allocatable :: limbs(:)
       real(wp), allocatable :: start(:), scales(:)
       integer :: first, n
@@ -426,5 +448,10 @@ contains
             call self%sums(n)%load(limbs(first:first + exact_sum_words - 1))
          first = first + exact_sum_words
       end do
+      if (.not. allocated(self%walls%total)) return
+      ! an output that was added since begins with 0
+      call self%walls%clear()
+      call state%get("ledger_walls", limbs, missing)
+      if (.not. allocated(missing) .and. communicator%rank == 0) call self%walls%set_words(limbs)
    end subroutine ledger_load
 end module step_ledger

@@ -5,6 +5,7 @@ module step_move_nodes
    use base_kinds, only: wp
    use mesh_packed_patch, only: move_packed_patches
    use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
+   use mesh_wall_sums, only: wall_push_t
    use omp_lib, only: omp_get_thread_num
    use step_dissipation, only: damps
    use step_dual_gradient, only: calm_tile, find_volumes, store_gradient
@@ -15,8 +16,8 @@ module step_move_nodes
    use step_simulation, only: clock_t, machine_t, reach_t, scheme_t, scratch_t, &
       simulation_effects_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use step_walls, only: apply_walls, hold_at_walls, record_push, record_stopped, start_walls, &
-      stop_at_walls, walls_touch
+   use step_walls, only: apply_walls, hold_at_walls, record_push, record_stopped, record_walls, &
+      start_walls, stop_at_walls, walls_touch
    use transfer_scatter, only: motion_columns
    implicit none
    private
@@ -305,6 +306,7 @@ contains
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: push(3, size(mass)), work(size(mass))
       real(wp), allocatable :: brought(:, :)
+      type(wall_push_t) :: each
       logical :: keeps, ruled
 
       ruled = walls_touch(simulation, tile)
@@ -316,7 +318,13 @@ contains
       if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
          damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
             brought = velocity
-      if (ruled) call apply_walls(simulation, tile, dt, velocity, acceleration, push, work)
+      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
+         allocated(scratch%ledger%walls%total)) then
+         call apply_walls(simulation, tile, dt, velocity, acceleration, push, work, each)
+         call record_walls(simulation%space, field, scratch%ledger, tile, each)
+      else if (ruled) then
+         call apply_walls(simulation, tile, dt, velocity, acceleration, push, work)
+      end if
       if (allocated(brought)) call record_stopped(simulation%space, simulation%scheme, field, &
          scratch%ledger, tile, &
          velocity - brought, velocity + dt*acceleration)

@@ -75,6 +75,7 @@ contains
             end do
             call sums(external_work)%clear()
          end associate
+         call simulation%scratch(thread)%ledger%walls%clear()
       end do
       if (.not. simulation%scheme%method%dual) return
       do n = 1, size(simulation%fields)

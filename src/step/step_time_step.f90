@@ -22,7 +22,7 @@ contains
       real(wp) :: fastest, diffusivity, rate
       character(len=:), allocatable :: text
       logical :: sound, retired
-      integer :: thread, n
+      integer :: thread
 
       fastest = 0.0_wp
       sound = .true.
@@ -34,9 +34,7 @@ contains
             sound = sound .and. scratch%sound
             retired = retired .or. scratch%retired
             call simulation%balance%ledger%merge(scratch%ledger)
-            do n = 1, size(scratch%ledger%sums)
-               call scratch%ledger%sums(n)%clear()
-            end do
+            call scratch%ledger%clear()
             scratch%fastest = 0.0_wp
             scratch%sound = .true.
             scratch%retired = .false.

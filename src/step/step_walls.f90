@@ -4,6 +4,8 @@
 module step_walls
    use base_kinds, only: wp
    use mesh_rigid, only: held_t
+   use mesh_wall, only: wall_t
+   use mesh_wall_sums, only: wall_push_t
    use step_dissipation, only: record_damped
    use step_ledger, only: cross, external_work, impulse, ledger_t, torque
    use step_simulation, only: scheme_t, simulation_t, space_t, velocity_field_t
@@ -11,8 +13,11 @@ module step_walls
    implicit none
    private
 
-   public :: apply_walls, hold_at_walls, record_push, record_stopped, start_walls, stop_at_walls
-   public :: take_held, walls_touch
+   public :: apply_walls, hold_at_walls, number_of_walls, record_push, record_stopped, &
+      record_walls, start_walls, stop_at_walls, take_held, walls_touch
+
+   !> What walls do to nodes, in this order: forces, velocities that they hold, friction.
+   integer, parameter :: forcing = 1, holding = 2, rubbing = 3, stages = 3
 
 contains
 
@@ -24,6 +29,7 @@ contains
       real(wp) :: lag
       logical :: switched
 
+      call start_sums(simulation)
       switched = .false.
       lag = simulation%scheme%method%lag(simulation%clock%dt)
       if (allocated(simulation%space%boundary%wall)) &
@@ -35,6 +41,18 @@ contains
       simulation%space%rigid%looked = simulation%clock%step
       call find_held(simulation)
    end subroutine start_walls
+
+   !> Allocate the sums of the threads, if an output shows what walls do.
+   pure subroutine start_sums(simulation)
+      type(simulation_t), intent(inout) :: simulation
+      integer :: thread
+
+      if (.not. allocated(simulation%balance%ledger%walls%total)) return
+      if (allocated(simulation%scratch(0)%ledger%walls%total)) return
+      do thread = 0, ubound(simulation%scratch, 1)
+         call simulation%scratch(thread)%ledger%walls%start(number_of_walls(simulation%space))
+      end do
+   end subroutine start_sums
 
    !> Find the nodes in rigid regions.
    subroutine find_held(simulation)
@@ -77,7 +95,7 @@ contains
    !! from each node because of them. Equation (R.5) of doc/theory/rigid.md. Equation (L.3) of
    !! doc/theory/ledger.md.
    pure subroutine apply_walls(simulation, tile, dt, velocity, acceleration, push, &
-      work)
+      work, each)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
@@ -85,38 +103,151 @@ contains
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), intent(out) :: push(:, :)            !! (3, node) [m/s]
       real(wp), intent(out) :: work(:)               !! (node) Besides that of the push [J/kg]
-      real(wp) :: free_velocity(3, size(push, 2)), free_acceleration(3, size(push, 2)), share, &
-         period
+      type(wall_push_t), intent(inout), optional :: each !! The push of each wall, if wanted
+      real(wp) :: free_velocity(3, size(push, 2)), free_acceleration(3, size(push, 2)), share
+      integer :: stage, wall
 
       share = 1.0_wp - simulation%scheme%method%transfer%flip_fraction()
       free_velocity = velocity
       free_acceleration = acceleration
-      associate (coordinate => simulation%space%tiles%coordinate(:, tile))
-         if (dt > 0.0_wp .and. simulation%space%boundary%absorbs_waves()) &
-            call simulation%space%boundary%add_forces(simulation%space%grid, coordinate, dt, &
-               velocity, &
-            acceleration)
-         call simulation%space%boundary%constrain(simulation%space%grid, coordinate, velocity, &
-            acceleration)
-         if (allocated(simulation%space%rigid)) &
-            call simulation%space%rigid%constrain(tile, velocity, acceleration, at_end=.false.)
-         ! before the forces act, nodes that they press on a wall must not strain away from it
-         period = merge(dt, simulation%clock%dt, dt > 0.0_wp)
-         if (period > 0.0_wp) then
-            if (simulation%space%boundary%has_friction()) call &
-               simulation%space%boundary%apply_friction( &
-               simulation%space%grid, coordinate, period, share, free_velocity, velocity, &
-                  acceleration)
-            if (allocated(simulation%space%rigid)) call simulation%space%rigid%rub(tile, period, &
-               share, &
-               free_velocity, velocity, acceleration)
+      if (present(each)) call each%begin(number_of_walls(simulation%space), dt, share, velocity, &
+         acceleration)
+      do stage = 1, stages
+         if (.not. stage_acts(simulation, stage, dt)) cycle
+         if (present(each)) then
+            if (allocated(simulation%space%boundary%wall)) then
+               do wall = 1, size(simulation%space%boundary%wall)
+                  call apply_boundary(simulation, tile, stage, dt, free_velocity, velocity, &
+                     acceleration, wall)
+                  call each%note(wall, velocity, acceleration)
+               end do
+            end if
+         else
+            call apply_boundary(simulation, tile, stage, dt, free_velocity, velocity, acceleration)
          end if
-      end associate
+         if (.not. allocated(simulation%space%rigid)) cycle
+         call apply_rigid(simulation, tile, stage, dt, free_velocity, velocity, acceleration)
+         if (.not. present(each)) cycle
+         if (simulation%space%rigid%holds(tile)) call each%note_nodes( &
+            number_of_walls(simulation%space) - size(simulation%space%rigid%wall), &
+            simulation%space%rigid%held(tile)%node, simulation%space%rigid%held(tile)%wall, &
+            velocity, acceleration)
+      end do
       push = dt*(acceleration - free_acceleration) + share*(velocity - free_velocity)
       ! particles get the gain of a node relative to the velocity that they brought to it, not to
       ! that of the wall
       work = (1.0_wp - 0.5_wp*share)*dt*sum(acceleration*(free_velocity - velocity), dim=1)
    end subroutine apply_walls
+
+   !> Number of walls: boundaries and their parts, and rigid regions.
+   pure integer function number_of_walls(space) result(number)
+      type(space_t), intent(in) :: space
+
+      number = 0
+      if (allocated(space%boundary%wall)) number = size(space%boundary%wall)
+      if (allocated(space%rigid)) number = number + size(space%rigid%wall)
+   end function number_of_walls
+
+   !> Does any wall act in a stage? Before the forces act, nodes that they press on a wall must not
+   !! strain away from it.
+   pure logical function stage_acts(simulation, stage, dt) result(acts)
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: stage
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+
+      select case (stage)
+      case (forcing)
+         acts = dt > 0.0_wp .and. simulation%space%boundary%absorbs_waves()
+      case (rubbing)
+         acts = dt > 0.0_wp .or. simulation%clock%dt > 0.0_wp
+      case default
+         acts = .true.
+      end select
+   end function stage_acts
+
+   !> What boundaries do in a stage, all of them or one.
+   pure subroutine apply_boundary(simulation, tile, stage, dt, free, velocity, acceleration, only)
+      type(simulation_t), intent(in) :: simulation
+      integer, intent(in) :: tile
+      integer, intent(in) :: stage                   !! forcing, holding or rubbing
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      integer, intent(in), optional :: only          !! Wall that acts; default: all
+
+      associate (coordinate => simulation%space%tiles%coordinate(:, tile), &
+         grid => simulation%space%grid, boundary => simulation%space%boundary)
+         select case (stage)
+         case (forcing)
+            call boundary%add_forces(grid, coordinate, dt, velocity, acceleration, only)
+         case (rubbing)
+            if (boundary%has_friction()) call boundary%apply_friction(grid, coordinate, &
+               merge(dt, simulation%clock%dt, dt > 0.0_wp), &
+               1.0_wp - simulation%scheme%method%transfer%flip_fraction(), free, velocity, &
+               acceleration, only)
+         case default
+            call boundary%constrain(grid, coordinate, velocity, acceleration, only=only)
+         end select
+      end associate
+   end subroutine apply_boundary
+
+   !> What rigid regions do in a stage.
+   pure subroutine apply_rigid(simulation, tile, stage, dt, free, velocity, acceleration)
+      type(simulation_t), intent(in) :: simulation   !! Has rigid regions
+      integer, intent(in) :: tile
+      integer, intent(in) :: stage                   !! forcing, holding or rubbing
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+
+      if (stage == holding) call simulation%space%rigid%constrain(tile, velocity, acceleration, &
+         at_end=.false.)
+      if (stage == rubbing) call simulation%space%rigid%rub(tile, merge(dt, simulation%clock%dt, &
+         dt > 0.0_wp), 1.0_wp - simulation%scheme%method%transfer%flip_fraction(), free, velocity, &
+         acceleration)
+   end subroutine apply_rigid
+
+   !> Record what each wall does to the nodes of a tile. Equation (O.2) of
+   !! doc/theory/instruments.md.
+   subroutine record_walls(space, field, ledger, tile, each)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: field
+      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      integer, intent(in) :: tile
+      type(wall_push_t), intent(in) :: each          !! The push of each wall
+      real(wp) :: own(field%nodes%motion%packed(1)%rows, size(each%velocity, 2))
+      real(wp) :: total(3)
+      integer :: before, node, wall
+
+      call field%nodes%motion%packed(1)%get(space%grid, field%nodes%motion%touched, tile, own)
+      before = 0
+      if (allocated(space%boundary%wall)) before = size(space%boundary%wall)
+      do wall = 1, size(each%gain, 3)
+         total = 0.0_wp
+         do node = 1, size(own, 2)
+            if (.not. own(1, node) > 0.0_wp) cycle
+            total = total + own(1, node)*each%gain(:, node, wall)
+         end do
+         if (.not. maxval(abs(total)) > 0.0_wp) cycle
+         if (wall <= before) then
+            call ledger%walls%add(wall, total, middle_velocity(space%boundary%wall(wall), each%dt))
+         else
+            call ledger%walls%add(wall, total, &
+               middle_velocity(space%rigid%wall(wall - before), each%dt))
+         end if
+      end do
+   end subroutine record_walls
+
+   !> Velocity of a wall in the middle of the step [m/s].
+   pure function middle_velocity(wall, dt) result(velocity)
+      type(wall_t), intent(in) :: wall
+      real(wp), intent(in) :: dt                     !! Time that forces act [s]
+      real(wp) :: velocity(3)
+
+      velocity = wall%condition%velocity + 0.5_wp*dt*wall%condition%acceleration
+   end function middle_velocity
 
    !> Where a wall with friction, or a rigid region, held a node in the step, it also holds the
    !! straining velocity after the step. A one-sided condition would let the noise of particles lift
