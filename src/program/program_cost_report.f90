@@ -185,7 +185,7 @@ contains
          needs%lean = may_be_lean(scheme, effects) .and. &
             survey%tiles*space%grid%tile_nodes > survey%particles
          needs%dual = method%dual
-         needs%energy = scheme%carries_energy
+         needs%energy = scheme%works
          needs%averages = method%averages()
          needs%repacks = scheme%repacks
          needs%contact = allocated(effects%contact)

@@ -9,6 +9,7 @@ module scene_deck_schema
    use scene_effects, only: declare_effects
    use scene_exact, only: declare_exact
    use scene_grid, only: declare_grid
+   use scene_load, only: declare_load
    use scene_method, only: declare_method
    use scene_parallel, only: declare_parallel
    use scene_regions, only: declare_region
@@ -40,6 +41,7 @@ contains
       call declare_body(schema)
       call declare_boundary(schema)
       call declare_contact(schema)
+      call declare_load(schema)
       call declare_exact(schema)
       call declare_parallel(schema)
    end subroutine declare_deck

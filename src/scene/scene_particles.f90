@@ -120,6 +120,8 @@ contains
                allocated(store%state%energy)
          end associate
       end do
+      simulation%scheme%works = simulation%scheme%carries_energy .or. &
+         allocated(simulation%effects%loads)
       if (allocated(simulation%effects%contact)) call bond_stores(simulation)
    end subroutine make_stores
 

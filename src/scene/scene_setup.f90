@@ -15,6 +15,7 @@ module scene_setup
    use scene_effects, only: read_effects
    use scene_exact, only: read_exact
    use scene_grid, only: check_periodic, coarsen, read_grid, tile_edge
+   use scene_load, only: read_loads
    use scene_method, only: read_method
    use scene_particles, only: make_stores, prepare_simulation
    use scene_points_clock, only: check_clocks
@@ -76,6 +77,8 @@ contains
       if (.not. is_sound(deck)) return
       call read_contact(deck, simulation, bodies)
       if (.not. is_sound(deck)) return
+      call read_loads(deck, simulation, bodies, shapes)
+      if (.not. is_sound(deck)) return
       call read_exact(deck, simulation, bodies)
       if (.not. is_sound(deck)) return
       call check_clocks(deck, simulation, bodies, shapes)
@@ -92,7 +95,7 @@ contains
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
       type(deck_t), intent(in) :: deck
-      character(len=8), parameter :: groups(10) = [character(len=8) :: "run", "grid", "method", &
+      character(len=8), parameter :: groups(11) = [character(len=8) :: "load", "run", "grid", "method", &
          "effects", "boundary", "material", "region", "body", "contact", "exact"]
       integer :: n
 

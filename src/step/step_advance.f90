@@ -3,6 +3,7 @@
 module step_advance
    use base_error, only: error_t
    use base_kinds, only: wp
+   use mesh_surface_load, only: set_loads
    use step_body_force, only: average_gravity, record_body_force, update_gravity
    use step_conduction, only: conduct_heat
    use step_contact, only: apply_contact, break_bonds
@@ -42,6 +43,9 @@ contains
       dt = dt_preferred
       if (allocated(simulation%effects%exact)) simulation%effects%exact%force_time = &
          simulation%clock%time
+      if (allocated(simulation%effects%loads)) call set_loads(simulation%effects%loads, &
+         simulation%clock%time - simulation%scheme%method%lag(simulation%clock%dt), &
+         simulation%scheme%method%kick(simulation%clock%dt, dt))
       if (simulation%scheme%method%smooth_turn) call smooth_tile_rotation(simulation)
       if (simulation%scheme%method%strains_first()) call strain_before(simulation, dt)
       do n = 1, size(simulation%fields)
@@ -53,7 +57,7 @@ contains
       if (simulation%scheme%method%heat_flux > 0.0_wp) call add_artificial_heat_flux(simulation, dt)
       do n = 1, size(simulation%fields)
          call nodes_to_particles(simulation, simulation%fields(n), gather_parts_t( &
-            work=simulation%scheme%carries_energy, motion=.true., &
+            work=simulation%scheme%works, motion=.true., &
             strain=simulation%scheme%method%stress /= stress_before), dt)
       end do
       call advance_clock(simulation, dt)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Body forces: gravity, constant or with a table of time (`gravity_table` of &effects), and the
-!! force that makes a manufactured solution true.
+!> Body forces: gravity, constant or with a table of time (`gravity_table` of &effects), the force
+!! that makes a manufactured solution true, and impulse and work of loads on surfaces.
 !!
 !! In a step gravity is the mean of the table over the time in which the forces of this step act:
 !! the integral of its straight lines, equation (R.4) of doc/theory/rigid.md. So the impulse of a
@@ -11,15 +11,16 @@ module step_body_force
    use base_kinds, only: wp
    use exact_solution, only: exact_t
    use omp_lib, only: omp_get_thread_num
+   use particle_store, only: store_t
    use step_ledger, only: cross, external_work, impulse, torque
-   use step_particles_to_nodes, only: locate_particles
+   use step_particles_to_nodes, only: find_loads, locate_particles
    use step_simulation, only: clock_t, scheme_t, scratch_t, simulation_effects_t, simulation_t, &
       velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
-   public :: average_gravity, record_body_force, update_gravity
+   public :: average_gravity, record_body_force, record_loads, update_gravity
 
 contains
 
@@ -110,4 +111,46 @@ contains
       end do
       call scratch%ledger%sums(external_work)%add(work)
    end subroutine record_tile
+
+   !> Record impulse, its moment and work of the loads on surfaces, particle by particle, with the
+   !! gradient that is adjoint to the force. Equation (O.4) of doc/theory/instruments.md.
+   subroutine record_loads(simulation, scratch, store, tile, centre)
+      type(simulation_t), intent(in) :: simulation   !! With loads
+      !> Of this thread: particles located, and the gradient of the velocity times the kick
+      type(scratch_t), intent(inout) :: scratch
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
+      real(wp), contiguous, intent(in) :: centre(:, :) !! (3, node) Velocity, mid-step [m/s]
+      real(wp) :: total(3), turn(3), work, force(3), place(3)
+      integer :: p, q, k
+
+      call find_loads(simulation, scratch, store, tile)
+      call simulation%scheme%method%basis%gather_values(simulation%space%grid, scratch%shape, &
+         centre, scratch%shape%vector)
+      total = 0.0_wp
+      turn = 0.0_wp
+      work = 0.0_wp
+      associate (load => scratch%pushed%load, gradient => scratch%deformation%gradient)
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            do k = 1, 3
+               force(k) = simulation%clock%kick*store%state%volume(q)*scratch%pushed%density(p, k)
+               place(k) = store%position(q, k)
+               work = work + force(k)*scratch%shape%vector(p, k)
+            end do
+            total = total + force
+            turn = turn + cross(place, force)
+            work = work + store%state%volume(q)*(load(p, 1)*gradient(p, 1) &
+               + load(p, 2)*gradient(p, 5) + load(p, 3)*gradient(p, 9) &
+               + load(p, 4)*(gradient(p, 2) + gradient(p, 4)) &
+               + load(p, 5)*(gradient(p, 6) + gradient(p, 8)) &
+               + load(p, 6)*(gradient(p, 3) + gradient(p, 7)))
+         end do
+      end associate
+      do k = 1, 3
+         call scratch%ledger%sums(impulse + k - 1)%add(total(k))
+         call scratch%ledger%sums(torque + k - 1)%add(turn(k))
+      end do
+      call scratch%ledger%sums(external_work)%add(work)
+   end subroutine record_loads
 end module step_body_force

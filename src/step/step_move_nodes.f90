@@ -218,7 +218,7 @@ contains
          if (.not. simulation%scheme%method%dual) return
          call move_packed_patches(nodes%motion%packed(2), nodes%dual%gradient)
          call nodes%dual%gradient%ensure(nodes%dual%weighted%nodes())
-         if (simulation%scheme%carries_energy) call &
+         if (simulation%scheme%works) call &
             nodes%dual%middle%ensure(nodes%dual%weighted%nodes())
          if (simulation%scheme%method%averages()) call &
             nodes%dual%earlier%ensure(nodes%dual%weighted%nodes())
@@ -285,7 +285,7 @@ contains
                nodes%motion%strain(:, &
                :, slot), nodes%dual%gradient)
          end if
-         if (.not. simulation%scheme%carries_energy) return
+         if (.not. simulation%scheme%works) return
          call combine(1.0_wp, nodes%motion%velocity(:, :, slot), 0.5_wp*dt, &
             nodes%motion%acceleration(:, :, slot), centre)
          call store_gradient(simulation%space, simulation%scheme, field, tile, centre, &

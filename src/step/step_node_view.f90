@@ -85,7 +85,7 @@ contains
          field%nodes%dual%filled(:, :, tile), field%nodes%dual%volume(:, :, tile), view%excess)
       if (parts%strain .or. (parts%motion .and. simulation%scheme%method%transfer%affine())) &
          call node_gradient(simulation%space, field, tile, field%nodes%dual%gradient, view%gradient)
-      if (parts%work .and. simulation%scheme%carries_energy) &
+      if (parts%work .and. simulation%scheme%works) &
          call node_gradient(simulation%space, field, tile, field%nodes%dual%middle, view%middle)
       if (parts%strain .and. simulation%scheme%method%averages()) &
          call node_gradient(simulation%space, field, tile, field%nodes%dual%earlier, view%earlier)

@@ -9,6 +9,7 @@ module step_nodes_to_particles
    use particle_split, only: find_opening
    use particle_store, only: moved_off, store_t
    use particle_stretch, only: stretch_tile
+   use step_body_force, only: record_loads
    use step_bounds, only: count_bad, find_steepest
    use step_contact, only: add_contact_heat
    use step_dissipation, only: damps, record_damping, record_losses
@@ -111,8 +112,11 @@ contains
          associate (store => simulation%stores(index))
             call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile) + spare)
-            if (parts%work .and. allocated(store%state%energy)) &
-               call add_work(simulation, scratch, store, tile, view)
+            if (parts%work) call find_gradient(simulation, scratch, store, tile, view%centre, &
+               view%middle, simulation%clock%kick)
+            if (parts%work .and. allocated(store%state%energy)) call add_work(scratch, store, tile)
+            if (parts%work .and. allocated(simulation%effects%loads)) call record_loads( &
+               simulation, scratch, store, tile, view%centre)
             if (parts%motion .and. view%at_once) call view%increments%gather( &
                simulation%space%grid, simulation%scheme%method%basis, scratch%shape)
             ! before the strain, which may renew the linear velocity fields
@@ -271,16 +275,12 @@ contains
 
    !> Work of the stress that made the force on the mean of the velocities of the nodes, so that
    !! particles gain the kinetic energy that nodes lose: (T.8) of doc/theory/transfers.md.
-   subroutine add_work(simulation, scratch, store, tile, view)
-      type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+   pure subroutine add_work(scratch, store, tile)
+      type(scratch_t), intent(in) :: scratch         !! Of this thread, with the gradient
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
-      type(view_t), intent(in) :: view               !! Node fields
       integer :: p, q, first
 
-      call find_gradient(simulation, scratch, store, tile, view%centre, view%middle, &
-         simulation%clock%kick)
       first = store%first(tile)
       associate (stress => store%state%stress, gradient => scratch%deformation%gradient)
          do p = 1, store%count(tile)

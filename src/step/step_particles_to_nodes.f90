@@ -5,6 +5,7 @@ module step_particles_to_nodes
    use mesh_grid, only: grid_t
    use mesh_packed_patch, only: move_packed_patches
    use mesh_patch, only: clear_patch, empty_box, widen_box
+   use mesh_surface_load, only: add_loads
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_motion
@@ -17,7 +18,7 @@ module step_particles_to_nodes
    implicit none
    private
 
-   public :: locate_particles, locate_particles_plainly, may_be_lean, nodes_seen, &
+   public :: find_loads, locate_particles, locate_particles_plainly, may_be_lean, nodes_seen, &
       particles_to_nodes, &
       tensor_rows, &
       vector_rows
@@ -206,14 +207,19 @@ contains
          else
             call method%basis%scatter_motion(grid, shape, first, state%mass, store%velocity, patch)
          end if
-         if (method%even .or. method%controlled()) then
+         if (allocated(simulation%effects%loads)) call find_loads(simulation, scratch, store, tile)
+         if (method%even .or. method%controlled() .or. allocated(simulation%effects%loads)) then
             call change_stress(simulation%space, simulation%scheme, field, scratch, store, tile)
+            if (allocated(simulation%effects%loads)) call scratch%pushed%subtract( &
+               store%count(tile), scratch%pushed%load)
             call push_nodes(simulation, shape, 1, scratch%pushed%position, scratch%pushed%volume, &
                scratch%pushed%stress, patch)
          else
             call push_nodes(simulation, shape, first, store%position, state%volume, state%stress, &
                patch)
          end if
+         if (allocated(simulation%effects%loads)) call add_load_force(simulation, scratch, store, &
+            tile, patch)
          if (allocated(simulation%effects%exact)) call add_body_force(simulation, scratch, index, &
             tile, &
             patch)
@@ -262,6 +268,40 @@ contains
             volume, stress, patch)
       end associate
    end subroutine push_nodes
+
+   !> What the loads on surfaces do to the particles of a tile: a stress and a force density.
+   pure subroutine find_loads(simulation, scratch, store, tile)
+      type(simulation_t), intent(in) :: simulation   !! With loads
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread; gets them
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
+
+      call scratch%pushed%reserve_load(store%count(tile))
+      call add_loads(simulation%effects%loads, simulation%space%grid, &
+         simulation%space%tiles%coordinate(:, tile), store%first(tile), store%count(tile), &
+         store%position, store%body, scratch%pushed%load, scratch%pushed%density)
+   end subroutine find_loads
+
+   !> Force density of the loads on surfaces, to columns 5 to 7. Equation (O.3) of
+   !! doc/theory/instruments.md.
+   subroutine add_load_force(simulation, scratch, store, tile, patch)
+      type(simulation_t), intent(in) :: simulation   !! With loads
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
+      integer :: p, q, k
+
+      do k = 1, 3
+         do p = 1, store%count(tile)
+            q = store%first(tile) + p - 1
+            scratch%shape%vector(p, k) = store%state%volume(q)/store%state%mass(q) &
+               *scratch%pushed%density(p, k)
+         end do
+      end do
+      call simulation%scheme%method%basis%scatter_product(simulation%space%grid, scratch%shape, &
+         store%first(tile), store%state%mass, scratch%shape%vector, force_before, patch)
+   end subroutine add_load_force
 
    !> Body force of an exact solution, to columns 5 to 7.
    subroutine add_body_force(simulation, scratch, index, tile, patch)

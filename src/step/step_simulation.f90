@@ -16,6 +16,7 @@ module step_simulation
    use mesh_halo, only: halo_t
    use mesh_motion, only: motion_t
    use mesh_rigid, only: rigid_t
+   use mesh_surface_load, only: surface_load_t
    use mesh_tiles, only: tiles_t
    use particle_store, only: store_t
    use step_bounds, only: guard_t
@@ -161,6 +162,7 @@ module step_simulation
       logical :: keeps_nodes = .false.               !! Are the fields of all nodes requested?
       logical :: erosion = .false.                   !! Are failed particles removed?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
+      logical :: works = .false.                     !! Is work found, of that energy or of loads?
    end type scheme_t
 
    !> Physical effects besides stress. Those that a scene does not have are not allocated.
@@ -171,6 +173,7 @@ module step_simulation
       real(wp), allocatable :: gravity(:)            !! (3) [m/s2]
       type(motion_t), allocatable :: shaking         !! Gravity by a table of time [m/s2]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
+      type(surface_load_t), allocatable :: loads(:)          !! Pressures and tractions on surfaces
       !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
       real(wp), allocatable :: turn(:, :, :)
    contains

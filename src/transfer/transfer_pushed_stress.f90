@@ -13,7 +13,11 @@ module transfer_pushed_stress
       real(wp), allocatable :: position(:, :)        !! (particle of the tile, 3) [m]
       real(wp), allocatable :: volume(:)             !! (particle of the tile) [m3]
       real(wp), allocatable :: stress(:, :)          !! (particle of the tile, 6) [Pa]
+      !> Of loads on surfaces, if there are any: (particle of the tile, 6) [Pa]
+      real(wp), allocatable :: load(:, :)
+      real(wp), allocatable :: density(:, :) !! (particle of the tile, 3) Their force [N/m3]
    contains
+      procedure :: reserve_load => pushed_reserve_load !! Make room for loads
       procedure :: copy => pushed_copy               !! From the particles of a store
       procedure :: make_unit => pushed_make_unit     !! Give all unit stress
       procedure :: subtract => pushed_subtract       !! Take a stress away
@@ -50,6 +54,18 @@ contains
          end do
       end do
    end subroutine pushed_copy
+
+   !> Make room for what loads do to the particles of a tile.
+   pure subroutine pushed_reserve_load(self, count)
+      class(pushed_stress_t), intent(inout) :: self
+      integer, intent(in) :: count                           !! Particles of the tile
+
+      if (allocated(self%density)) then
+         if (size(self%density, 1) >= count) return
+         deallocate (self%load, self%density)
+      end if
+      allocate (self%load(count, 6), self%density(count, 3))
+   end subroutine pushed_reserve_load
 
    !> Give each particle unit stress.
    pure subroutine pushed_make_unit(self, count)

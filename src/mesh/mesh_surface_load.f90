@@ -1,0 +1,146 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Loads on surfaces: pressures and tractions that act wherever the surface of a body lies in a
+!! region.
+!!
+!! No surface is built. A stress T with T n = t on the surface, times a function f that is 1 in the
+!! region and falls to 0 within a cell around it, gives the nodes the force of equation (O.3) of
+!! doc/theory/instruments.md: Gauss's theorem turns the integral of t over the surface into one over
+!! the body, so the load follows the surface as the body moves. Virtual stress after J. Liang and
+!! others, Comput. Methods Appl. Mech. Eng. 410 (2023) 116048.
+module mesh_surface_load
+   use base_constants, only: xx, xy, xz, yy, yz, zz
+   use base_kinds, only: int64, wp
+   use mesh_grid, only: grid_t, lanes
+   use mesh_motion, only: motion_t
+   use mesh_point_set, only: point_set_t
+   use mesh_wall, only: node_place
+   implicit none
+   private
+
+   public :: add_loads, surface_load_t, set_loads
+
+   !> A load.
+   type :: surface_load_t
+      real(wp) :: stress(6) = 0.0_wp                 !! T at the factor 1 [Pa]
+      real(wp) :: factor = 1.0_wp                    !! Of this step [1]
+      type(motion_t), allocatable :: course          !! Factor over time in its first component
+      class(point_set_t), allocatable :: region      !! Where it acts, if not everywhere
+      integer(int64), allocatable :: bodies(:)       !! On which bodies, if not on all
+   end type surface_load_t
+
+contains
+
+   !> Set the factors of all loads: means over the time in which the forces of a step act.
+   pure subroutine set_loads(loads, from, length)
+      type(surface_load_t), intent(inout) :: loads(:)
+      real(wp), intent(in) :: from                   !! Begin of that time [s]
+      real(wp), intent(in) :: length                 !! Its length, 0 = an instant [s]
+      real(wp) :: value(3)
+      integer :: n
+
+      do n = 1, size(loads)
+         if (.not. allocated(loads(n)%course)) cycle
+         if (length > 0.0_wp) then
+            value = loads(n)%course%mean(from, length)
+         else
+            value = loads(n)%course%velocity(from)
+         end if
+         loads(n)%factor = value(1)
+      end do
+   end subroutine set_loads
+
+   !> Stress f T and force density T grad f of all loads at the particles of a tile.
+   pure subroutine add_loads(loads, grid, coordinate, first, count, position, body, stress, force)
+      type(surface_load_t), intent(in) :: loads(:)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      integer, intent(in) :: first                   !! First particle of the tile in the arrays
+      integer, intent(in) :: count                   !! Particles of the tile
+      real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
+      !> (particle) Its body; not allocated if there is one body
+      integer(int64), allocatable, intent(in) :: body(:)
+      real(wp), intent(out) :: stress(:, :)          !! (particle of the tile, 6) [Pa]
+      real(wp), intent(out) :: force(:, :)           !! (particle of the tile, 3) [N/m3]
+      real(wp) :: inside(grid%tile_nodes), share, slope(3), tensor(6)
+      integer :: n, p, q, k
+
+      stress(:count, :) = 0.0_wp
+      force(:count, :) = 0.0_wp
+      do n = 1, size(loads)
+         if (.not. abs(loads(n)%factor) > 0.0_wp) cycle
+         tensor = loads(n)%factor*loads(n)%stress
+         if (allocated(loads(n)%region)) then
+            call mark_nodes(loads(n)%region, grid, coordinate, inside)
+            if (.not. any(inside > 0.0_wp)) cycle
+         end if
+         share = 1.0_wp
+         slope = 0.0_wp
+         do p = 1, count
+            q = first + p - 1
+            if (allocated(loads(n)%bodies) .and. allocated(body)) then
+               if (all(loads(n)%bodies /= body(q))) cycle
+            end if
+            if (allocated(loads(n)%region)) call interpolate(grid, coordinate, inside, &
+               position(q, :), share, slope)
+            do k = 1, 6
+               stress(p, k) = stress(p, k) + share*tensor(k)
+            end do
+            force(p, 1) = force(p, 1) + tensor(xx)*slope(1) + tensor(xy)*slope(2) &
+               + tensor(xz)*slope(3)
+            force(p, 2) = force(p, 2) + tensor(xy)*slope(1) + tensor(yy)*slope(2) &
+               + tensor(yz)*slope(3)
+            force(p, 3) = force(p, 3) + tensor(xz)*slope(1) + tensor(yz)*slope(2) &
+               + tensor(zz)*slope(3)
+         end do
+      end do
+   end subroutine add_loads
+
+   !> The function f at the nodes of a tile: 1 in the region, else 0.
+   pure subroutine mark_nodes(region, grid, coordinate, inside)
+      class(point_set_t), intent(in) :: region
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), intent(out) :: inside(:)             !! (node)
+      real(wp) :: low(3), high(3), corner(3), edge(3)
+      integer :: node
+
+      inside = 0.0_wp
+      call region%bounds(low, high)
+      corner = grid%tile_corner(coordinate)
+      edge = real(grid%width, wp)*grid%spacing
+      if (any(grid%active .and. (corner > high .or. corner + edge < low))) return
+      do node = 1, grid%tile_nodes
+         if (region%contains(node_place(grid, coordinate, node))) inside(node) = 1.0_wp
+      end do
+   end subroutine mark_nodes
+
+   !> The linear function between the nodes and its gradient at a point of a tile.
+   pure subroutine interpolate(grid, coordinate, inside, point, share, slope)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
+      real(wp), intent(in) :: inside(:)              !! (node) Its values
+      real(wp), intent(in) :: point(3)               !! [m]
+      real(wp), intent(out) :: share                 !! The function [1]
+      real(wp), intent(out) :: slope(3)              !! Its gradient [1/m]
+      real(wp) :: place(3), weight(3), corner(3)
+      integer :: cell(3), k, lane, node
+
+      corner = grid%tile_corner(coordinate)
+      place = merge((point - corner)/grid%spacing, 0.0_wp, grid%active)
+      cell = min(max(floor(place), 0), grid%width - 1)
+      place = place - real(cell, wp)
+      share = 0.0_wp
+      slope = 0.0_wp
+      do lane = 1, lanes
+         weight = grid%lane_constant(lane, :) + grid%lane_slope(lane, :)*place
+         node = 1 + dot_product(cell + merge(grid%margin, 0, grid%active), grid%stride) &
+            + grid%lane_offset(lane)
+         if (.not. inside(node) > 0.0_wp) cycle
+         share = share + inside(node)*product(weight)
+         do k = 1, 3
+            slope(k) = slope(k) + inside(node)*grid%lane_slope(lane, k)/grid%spacing &
+               *product(weight, mask=[1, 2, 3] /= k)
+         end do
+      end do
+   end subroutine interpolate
+end module mesh_surface_load

@@ -1,0 +1,153 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> The group &load: pressures and tractions on the surfaces of bodies.
+module scene_load
+   use base_constants, only: symmetric
+   use base_deck, only: deck_t, group_t
+   use base_kinds, only: int64, wp
+   use base_schema, only: schema_t
+   use base_text, only: text_t
+   use mesh_motion, only: motion_t
+   use mesh_surface_load, only: surface_load_t
+   use particle_fill, only: body_t
+   use scene_regions, only: named_shape_t
+   use step_simulation, only: simulation_t
+   implicit none
+   private
+
+   public :: declare_load, read_loads
+
+contains
+
+   !> Declare &load.
+   subroutine declare_load(schema)
+      type(schema_t), intent(inout) :: schema        !! Gets the keys
+
+      call schema%group("load", "a pressure or traction on the surface of bodies", many=.true.)
+      call schema%text("load", "name", "name of the load, for messages")
+      call schema%text("load", "bodies(:20)", "bodies on whose surface it acts; default: all")
+      call schema%text("load", "region", "it acts on surfaces in this region, whose edge should "// &
+         "lie inside the material or in the void, not along a surface; default: everywhere")
+      call schema%real("load", "pressure", "on the surface, positive: pushes inwards", unit="Pa")
+      call schema%real("load", "traction(3)", "force on an area of a flat surface with the "// &
+         "direction normal", unit="Pa")
+      call schema%real("load", "normal(3)", "direction of that surface, out of the body")
+      call schema%real("load", "times(:50)", "times of factors, ascending", unit="s")
+      call schema%real("load", "factors(:50)", "factors of pressure and traction at these times, "// &
+         "straight between, constant before and after; default: 1 at all times")
+      call schema%refer("load", "bodies", "body")
+      call schema%refer("load", "region", "region")
+   end subroutine declare_load
+
+   !> Read all loads.
+   subroutine read_loads(deck, simulation, bodies, shapes)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(simulation_t), intent(inout) :: simulation !! Gets the loads
+      type(body_t), intent(in) :: bodies(:)
+      type(named_shape_t), intent(in) :: shapes(:)
+      type(surface_load_t), allocatable :: loads(:)
+      integer :: n
+
+      if (deck%count("load") == 0) return
+      allocate (loads(deck%count("load")))
+      do n = 1, size(loads)
+         call read_one(deck, deck%group("load", n), bodies, shapes, loads(n))
+      end do
+      call move_alloc(loads, simulation%effects%loads)
+   end subroutine read_loads
+
+   !> Read one load.
+   subroutine read_one(deck, group, bodies, shapes, load)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(group_t), intent(in) :: group             !! The &load
+      type(body_t), intent(in) :: bodies(:)
+      type(named_shape_t), intent(in) :: shapes(:)
+      type(surface_load_t), intent(out) :: load
+      type(text_t), allocatable :: names(:)
+      character(len=:), allocatable :: region
+      integer :: n, place
+
+      call read_stress(deck, group, load%stress)
+      call read_course(deck, group, load)
+      call group%get("region", region)
+      do n = 1, size(shapes)
+         if (region == "" .or. shapes(n)%name /= region) cycle
+         if (allocated(shapes(n)%points)) then
+            call deck%complain(group, "'"//region//"' is a list of points, which has no inside; "// &
+               "name another region", "region")
+         else if (allocated(shapes(n)%shape%shape)) then
+            allocate (load%region, source=shapes(n)%shape%shape)
+         end if
+      end do
+      call group%list("bodies", names)
+      if (size(names) == 0 .or. size(bodies) == 1) return
+      allocate (load%bodies(0))
+      do n = 1, size(names)
+         place = deck%named("body", names(n)%text)
+         if (place > 0) load%bodies = [load%bodies, int(place, int64)]
+      end do
+   end subroutine read_one
+
+   !> The stress T of pressure and traction: T n = t, and no other traction on surfaces across n.
+   subroutine read_stress(deck, group, stress)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(group_t), intent(in) :: group             !! The &load
+      real(wp), intent(out) :: stress(6)             !! [Pa]
+      real(wp) :: normal(3), pressure, traction(3)
+      integer :: i, j
+
+      stress = 0.0_wp
+      if (.not. (group%given("pressure") .or. group%given("traction"))) then
+         call deck%complain(group, "give a pressure, or a traction and the normal of the surface", &
+            "pressure")
+         return
+      end if
+      if (group%given("pressure")) then
+         call group%get("pressure", pressure)
+         stress(:3) = -pressure
+      end if
+      if (.not. group%given("traction")) return
+      if (.not. group%valid([character(len=8) :: "traction", "normal"])) return
+      normal = 0.0_wp
+      if (group%given("normal")) call group%get("normal", normal)
+      if (.not. norm2(normal) > 0.0_wp) then
+         call deck%complain(group, "a traction needs the direction of the surface, such as "// &
+            "normal = 0, 0, 1", "normal")
+         return
+      end if
+      normal = normal/norm2(normal)
+      call group%get("traction", traction)
+      do j = 1, 3
+         do i = 1, j
+            stress(symmetric(i, j)) = stress(symmetric(i, j)) + traction(i)*normal(j) &
+               + normal(i)*traction(j) - dot_product(traction, normal)*normal(i)*normal(j)
+         end do
+      end do
+   end subroutine read_stress
+
+   !> The table of time.
+   subroutine read_course(deck, group, load)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(group_t), intent(in) :: group             !! The &load
+      type(surface_load_t), intent(inout) :: load            !! Gets it
+      type(motion_t) :: course
+      real(wp), allocatable :: factors(:)
+      integer :: n
+
+      if (.not. (group%given("times") .or. group%given("factors"))) return
+      if (.not. group%valid([character(len=7) :: "times", "factors"])) return
+      call group%list("times", course%time)
+      call group%list("factors", factors)
+      if (size(factors) /= size(course%time)) then
+         call deck%complain(group, "times and factors must be as many", "factors")
+         return
+      end if
+      do n = 2, size(factors)
+         if (course%time(n) > course%time(n - 1)) cycle
+         call deck%complain(group, "times must ascend", "times")
+         return
+      end do
+      allocate (course%speed(3, size(factors)), source=0.0_wp)
+      course%speed(1, :) = factors
+      allocate (load%course, source=course)
+   end subroutine read_course
+end module scene_load
