@@ -15,7 +15,7 @@ contains
    subroutine totals_over_ranks(communicator, total, values)
       type(communicator_t), intent(in) :: communicator
       type(exact_sum_t), intent(inout) :: total(:)       !! Parts of this rank in, whole out
-      real(wp), intent(out) :: values(:)                 !! The sums
+      real(wp), intent(out) :: values(:)                 !! Rounded to one number each
       integer(int64), allocatable :: words(:)
       integer :: first, n
 

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Gauges: what an instrument at one place of an experiment shows. The fields of a particle, of the
+!> What an instrument at one place of an experiment shows, a gauge. The fields of a particle, of the
 !! material around a fixed point, of a surface as a laser interferometer sees it, or the means over
 !! bodies or a region.
 !!
 !! At a point and on a surface the value is that of a linear function that is fitted to the
-!! particles around, equation (O.1) of doc/theory/gauges.md. All sums are exact, so they do not
+!! particles around, equation (O.1) of doc/theory/instruments.md. All sums are exact, so they do not
 !! depend on the order of the particles.
 module io_gauge
    use base_communicator, only: communicator_t
@@ -51,7 +51,7 @@ contains
    subroutine gauge_row(communicator, grid, coordinate, stores, gauge, row)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
-      integer, intent(in) :: coordinate(:, :)            !! (3, tile) Places of the own tiles
+      integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
       type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
       type(gauge_t), intent(in) :: gauge                 !! What it shows
       real(wp), allocatable, intent(out) :: row(:)       !! (column)
@@ -140,7 +140,7 @@ contains
    subroutine find_surface(communicator, grid, coordinate, stores, gauge, centre)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
-      integer, intent(in) :: coordinate(:, :)            !! (3, tile) Places of the own tiles
+      integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
       type(store_t), intent(in) :: stores(:)
       type(gauge_t), intent(in) :: gauge
       real(wp), intent(inout) :: centre(3)               !! Gets the place along the axis [m]
@@ -185,7 +185,7 @@ contains
    !! units of the radius, and their offsets in these units.
    subroutine pick_around(grid, coordinate, stores, gauge, centre, picks, weight, offset)
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
-      integer, intent(in) :: coordinate(:, :)            !! (3, tile) Places of the own tiles
+      integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
       type(store_t), intent(in) :: stores(:)
       type(gauge_t), intent(in) :: gauge
       real(wp), intent(in) :: centre(3)                  !! The point [m]

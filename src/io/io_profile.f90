@@ -50,7 +50,7 @@ contains
 
    !> Headings of the components of fields.
    function field_columns(means) result(columns)
-      type(mean_t), intent(in) :: means(:)               !! The fields
+      type(mean_t), intent(in) :: means(:)               !! In the order of the columns
       character(len=column_length), allocatable :: columns(:)
       character(len=column_length) :: heading
       integer :: n, part

@@ -61,7 +61,7 @@ contains
       integer(int64), allocatable, intent(in) :: body(:)
       real(wp), intent(out) :: stress(:, :)          !! (particle of the tile, 6) [Pa]
       real(wp), intent(out) :: force(:, :)           !! (particle of the tile, 3) [N/m3]
-      real(wp) :: inside(grid%tile_nodes), share, slope(3), tensor(6)
+      real(wp) :: inside(grid%tile_nodes), point(3), share, slope(3), tensor(6)
       integer :: n, p, q, k
 
       stress(:count, :) = 0.0_wp
@@ -80,8 +80,10 @@ contains
             if (allocated(loads(n)%bodies) .and. allocated(body)) then
                if (all(loads(n)%bodies /= body(q))) cycle
             end if
-            if (allocated(loads(n)%region)) call interpolate(grid, coordinate, inside, &
-               position(q, :), share, slope)
+            if (allocated(loads(n)%region)) then
+               point = [position(q, 1), position(q, 2), position(q, 3)]
+               call interpolate(grid, coordinate, inside, point, share, slope)
+            end if
             do k = 1, 6
                stress(p, k) = stress(p, k) + share*tensor(k)
             end do

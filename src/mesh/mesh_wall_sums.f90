@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What each wall has done to the material since the start: its impulse, and the work at the velocity
-!! of the wall. Equation (O.2) of doc/theory/instruments.md.
+!> What each wall has done to the material since the start: its impulse, and the work at the
+!! velocity of the wall. Equation (O.2) of doc/theory/instruments.md.
 module mesh_wall_sums
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
@@ -111,6 +111,7 @@ contains
    pure subroutine sums_set_words(self, words)
       class(wall_sums_t), intent(inout) :: self
       integer(int64), intent(in) :: words(:)         !! From sums_words
+      integer(int64) :: one(exact_sum_words)
       integer :: first, n, wall
 
       if (size(words) /= exact_sum_words*size(self%total)) return
@@ -118,7 +119,8 @@ contains
       do wall = 1, size(self%total, 2)
          do n = 1, wall_entries
             call self%total(n, wall)%clear()
-            call self%total(n, wall)%load(words(first:first + exact_sum_words - 1))
+            one = words(first:first + exact_sum_words - 1)
+            call self%total(n, wall)%load(one)
             first = first + exact_sum_words
          end do
       end do

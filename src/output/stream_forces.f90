@@ -65,8 +65,8 @@ contains
       type(schema_t), intent(inout) :: schema        !! Gets the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
-      call schema%text("output", "walls(:20)", "boundaries (zlo), parts of boundaries and rigid "// &
-         "regions (names of their regions) whose forces are shown; default: all", &
+      call schema%text("output", "walls(:20)", "boundaries (zlo), parts of boundaries and "// &
+         "rigid regions (names of their regions) whose forces are shown; default: all", &
          owner="kind = "//kind)
    end subroutine forces_declare
 

@@ -69,12 +69,12 @@ contains
 
       call declare_fields(schema, kind)
       call declare_selection(schema, kind)
-      call schema%text("output", "gauge", "what is seen: the material around a fixed point; the "// &
-         "particle that is nearest to the point when the run starts; the surface of the "// &
+      call schema%text("output", "gauge", "what is seen: the material around a fixed point; "// &
+         "the particle that is nearest to the point when the run starts; the surface of the "// &
          "material where a beam along an axis through the point meets it; means over bodies "// &
          "and region", default="point", words=words, owner="kind = "//kind)
-      call schema%real("output", "point(3)", "where the gauge is", unit="m", owner="kind = "//kind// &
-         " & gauge = point particle surface")
+      call schema%real("output", "point(3)", "where the gauge is", unit="m", &
+         owner="kind = "//kind//" & gauge = point particle surface")
       call schema%real("output", "radius", "of the material, or of the beam on a surface, that "// &
          "is seen; default: one and a half cells", unit="m", range="> 0", owner="kind = "//kind// &
          " & gauge = point surface")

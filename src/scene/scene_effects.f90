@@ -39,6 +39,9 @@ contains
       call schema%text("effects", "gravity_table", "file of lines t, gx, gy, gz in the units "// &
          "of the deck, added to gravity_vector, straight between; path relative to the deck", &
          owner="gravity")
+      call schema%real("effects", "damping", "rate at which motion is damped, for states at "// &
+         "rest: a force of mass times velocity times this; twice the lowest angular frequency "// &
+         "brings a body to rest fastest", unit="1/s", default="0.0", range=">= 0")
       call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
          default=".false.")
       call schema%logical("effects", "erosion", "failed particles are removed and recorded", &
@@ -60,6 +63,7 @@ contains
 
       group = deck%group("effects", 1)
       call group%get("erosion", simulation%scheme%erosion)
+      call group%get("damping", simulation%effects%damping)
       call read_gravity(deck, simulation)
    end subroutine read_effects
 

@@ -95,8 +95,8 @@ contains
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
       type(deck_t), intent(in) :: deck
-      character(len=8), parameter :: groups(11) = [character(len=8) :: "load", "run", "grid", "method", &
-         "effects", "boundary", "material", "region", "body", "contact", "exact"]
+      character(len=8), parameter :: groups(11) = [character(len=8) :: "load", "run", "grid", &
+         "method", "effects", "boundary", "material", "region", "body", "contact", "exact"]
       integer :: n
 
       sound = .true.

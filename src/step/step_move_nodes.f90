@@ -74,6 +74,7 @@ contains
 
       later = scheme%method%remaps() .and. .not. scheme%carries_energy
       if (later) later = allocated(effects%gravity) .or. allocated(space%rigid) &
+         .or. effects%damping > 0.0_wp &
          .or. any([(space%boundary%acts_on(face), face=1, 6)])
    end function records_later
 
@@ -257,6 +258,8 @@ contains
                   acceleration(component, :) + simulation%effects%gravity(component)
             end do
          end if
+         if (simulation%effects%damping > 0.0_wp) &
+            acceleration = acceleration - simulation%effects%damping*velocity
          call constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
          call combine(1.0_wp, velocity, dt, acceleration, nodes%motion%strain(:, :, slot))
       end associate
@@ -305,7 +308,7 @@ contains
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: push(3, size(mass)), work(size(mass))
-      real(wp), allocatable :: brought(:, :)
+      real(wp), allocatable :: brought(:, :), drag(:, :)
       type(wall_push_t) :: each
       logical :: keeps, ruled
 
@@ -315,6 +318,7 @@ contains
       keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own &
          .and. allocated(field%nodes%work%taken)
       if (keeps) field%nodes%work%taken(:, :, tile) = velocity
+      if (simulation%effects%damping > 0.0_wp) drag = -dt*simulation%effects%damping*velocity
       if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
          damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
             brought = velocity
@@ -330,11 +334,12 @@ contains
          velocity - brought, velocity + dt*acceleration)
       if (keeps) field%nodes%work%taken(:, :, tile) = field%nodes%work%taken(:, :, tile) - velocity
       if (tile > simulation%space%tiles%own .or. .not. dt > 0.0_wp) return
+      if (allocated(drag)) push = push + drag
       if (allocated(simulation%effects%gravity)) then
          push(1, :) = push(1, :) + dt*simulation%effects%gravity(1)
          push(2, :) = push(2, :) + dt*simulation%effects%gravity(2)
          push(3, :) = push(3, :) + dt*simulation%effects%gravity(3)
-      else if (.not. ruled) then
+      else if (.not. (ruled .or. allocated(drag))) then
          return
       end if
       if (allocated(field%nodes%work%push)) then
@@ -361,7 +366,8 @@ contains
       logical :: ruled
 
       ruled = walls_touch(simulation, tile)
-      if (.not. (ruled .or. allocated(simulation%effects%gravity))) return
+      if (.not. (ruled .or. allocated(simulation%effects%gravity) .or. &
+         simulation%effects%damping > 0.0_wp)) return
       associate (nodes => field%nodes, share => 1.0_wp &
          - simulation%scheme%method%transfer%flip_fraction())
          centre = 0.5_wp*(nodes%motion%velocity(:, :, tile) + nodes%motion%strain(:, :, tile))

@@ -172,6 +172,7 @@ module step_simulation
       type(heat_flux_t) :: heat_flux                 !! Artificial heat flux
       real(wp), allocatable :: gravity(:)            !! (3) [m/s2]
       type(motion_t), allocatable :: shaking         !! Gravity by a table of time [m/s2]
+      real(wp) :: damping = 0.0_wp                   !! Rate at which motion is damped [1/s]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(surface_load_t), allocatable :: loads(:)          !! Pressures and tractions on surfaces
       !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]

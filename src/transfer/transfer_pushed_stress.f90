@@ -17,7 +17,7 @@ module transfer_pushed_stress
       real(wp), allocatable :: load(:, :)
       real(wp), allocatable :: density(:, :) !! (particle of the tile, 3) Their force [N/m3]
    contains
-      procedure :: reserve_load => pushed_reserve_load !! Make room for loads
+      procedure :: reserve_load => pushed_reserve_load !! Ensure capacity for loads
       procedure :: copy => pushed_copy               !! From the particles of a store
       procedure :: make_unit => pushed_make_unit     !! Give all unit stress
       procedure :: subtract => pushed_subtract       !! Take a stress away
@@ -55,7 +55,7 @@ contains
       end do
    end subroutine pushed_copy
 
-   !> Make room for what loads do to the particles of a tile.
+   !> Ensure capacity for what loads do to the particles of a tile.
    pure subroutine pushed_reserve_load(self, count)
       class(pushed_stress_t), intent(inout) :: self
       integer, intent(in) :: count                           !! Particles of the tile

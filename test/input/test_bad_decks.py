@@ -13,6 +13,7 @@ import unittest
 
 import case
 import report
+import broken_instruments as instruments
 import broken_many as many
 import broken_scenes as scenes
 import broken_values as values
@@ -20,7 +21,7 @@ import broken_values as values
 OPTIONS = case.arguments(__doc__)
 TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS,
           scenes.ORPHANS, scenes.NAMES, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
-          scenes.INCLUDES, scenes.RARE]
+          scenes.INCLUDES, scenes.RARE, instruments.INSTRUMENTS]
 GOOD = values.DECKS["plain"]
 MEMORY = 2 << 30             # address space of a check [byte]; the libraries alone have 0.5 GB
 SECONDS = 10                 # processor time of a check, far more than the 0.02 s that one takes

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Faults of gauges, forces and loads that one change of a deck of broken_values makes; rows as there."""
+
+GAUGE = "&output name = 'g' kind = 'gauge' every = 1 "
+LOAD = "&load name = 'l' "
+
+INSTRUMENTS = [
+    ("plain", "&time", f"{GAUGE} /\n&time", 3,
+     "&output 'g': a gauge needs a point = x, y, z; or take gauge = 'mean' for means over bodies and region"),
+    ("plain", "&time", f"{GAUGE} point = 2 0 0 /\n&time", 3,
+     "&output 'g': the point lies outside of the grid, whose corners are"),
+    ("plain", "&time", f"{GAUGE} gauge = 'surface' point = 0.5 0 0.5 /\n&time", 3,
+     "&output 'g': a gauge of a surface needs the side from which the beam comes, such as side = '+x'"),
+    ("plain", "&time", f"{GAUGE} gauge = 'surface' point = 0.5 0 0.5 side = '+y' /\n&time", 3,
+     "&output 'g': side = '+y' is along a direction that the scene lacks; take one that it has"),
+    ("plain", "&time", f"{GAUGE} point = 0.5 0 0.5 side = '+x' /\n&time", 3,
+     "&output 'g': side given but gauge = 'point' does not use it"),
+    ("plain", "&time", f"{GAUGE} point = 0.5 0 0.5 fields = 'identity' /\n&time", 3,
+     "&output 'g': output field 'identity' is a number that stands for something and has no mean; remove it"),
+    ("plain", "&time", "&output name = 'f' kind = 'forces' every = 1 /\n&time", 3,
+     "&output 'f': there is no wall whose force could be shown; add a &boundary or remove this output"),
+    ("sand", "&output", "&output name = 'f' kind = 'forces' every = 1 walls = 'zl' /\n&output", 10,
+     "&output 'f': 'zl' is no wall; there are: xlo zlo; did you mean 'zlo'?"),
+    ("plain", "&time", f"{LOAD} /\n&time", 3,
+     "&load 'l': give a pressure, or a traction and the normal of the surface"),
+    ("plain", "&time", f"{LOAD} traction = 1 0 0 /\n&time", 3,
+     "&load 'l': a traction needs the direction of the surface, such as normal = 0, 0, 1"),
+    ("plain", "&time", f"{LOAD} pressure = 1 times = 0 1 factors = 1 /\n&time", 3,
+     "&load 'l': times and factors must be as many"),
+    ("plain", "&time", f"{LOAD} pressure = 1 times = 1 0 factors = 1 0 /\n&time", 3,
+     "&load 'l': times must ascend"),
+    ("plain", "&time", f"{LOAD} pressure = 1 region = 'bal' /\n&time", 3,
+     "&load 'l': no region 'bal'; defined: ball; did you mean 'ball'?"),
+    ("plain", "&time", f"{LOAD} pressure = 1 bodies = 'on' /\n&time", 3,
+     "&load 'l': no body 'on'; defined: one; did you mean 'one'?"),
+    ("plain", "&time", "&effects damping = -1 /\n&time", 3, "&effects: damping = -1  <- must be >= 0"),
+]
