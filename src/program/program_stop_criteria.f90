@@ -6,6 +6,7 @@ module program_stop_criteria
    use base_kinds, only: int64, wp
    use program_run_limits, only: limits_t
    use program_signals, only: signal_name
+   use step_diagnostics, only: find_unbalanced, watch_unbalanced
    use step_ledger, only: balance_t, kinetic
    use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles
@@ -21,6 +22,7 @@ module program_stop_criteria
    !> State of the criteria between steps.
    type :: stop_criteria_t
       real(wp) :: greatest_kinetic = 0.0_wp          !! Maximum of the kinetic energy so far [J]
+      integer(int64) :: began = huge(1_int64)        !! Step since which forces are watched
    contains
       procedure :: test => stop_criteria_test        !! Test all criteria
    end type stop_criteria_t
@@ -36,6 +38,7 @@ contains
       integer, intent(out) :: code                   !! Exit code
       character(len=:), allocatable, intent(out) :: reason !! Why it ends
       type(balance_t) :: balance
+      real(wp) :: ratio
       integer :: request
 
       finished = .true.
@@ -65,6 +68,16 @@ contains
          self%greatest_kinetic = max(self%greatest_kinetic, balance%entry(kinetic))
          if (balance%entry(kinetic) < limits%kinetic_below) return
          if (balance%entry(kinetic) < limits%rest_below*self%greatest_kinetic) return
+      end if
+      reason = "unbalanced force below stop_value"
+      if (limits%unbalanced_below > 0.0_wp) then
+         call watch_unbalanced(simulation)
+         if (mod(simulation%clock%step, kinetic_interval) == 0 .and. &
+            simulation%clock%step > self%began) then
+            call find_unbalanced(simulation, ratio)
+            if (ratio < limits%unbalanced_below) return
+         end if
+         self%began = min(self%began, simulation%clock%step)
       end if
       finished = .false.
    end subroutine stop_criteria_test

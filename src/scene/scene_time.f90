@@ -24,6 +24,7 @@ module scene_time
       logical :: query_scheduler = .false.           !! Is the wall time that of the Slurm job?
       real(wp) :: kinetic_below = -1.0_wp            !! It ends at a kinetic energy below this [J]
       real(wp) :: rest_below = -1.0_wp               !! ... below this fraction of the greatest [1]
+      real(wp) :: unbalanced_below = -1.0_wp         !! ... below this ratio of forces [1]
    end type time_limits_t
 
 contains
@@ -63,10 +64,11 @@ contains
       call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of "// &
          "the job, then checkpoint and exit code 75", default="none")
       call schema%text("time", "stop_when", "early end", default="never", &
-         words="never kinetic_below at_rest")
+         words="never kinetic_below at_rest balanced")
       call schema%real("time", "stop_value", &
          "kinetic_below: energy in J; at_rest: fraction of the "// &
-         "greatest kinetic energy", range="> 0", owner="stop_when = kinetic_below at_rest")
+         "greatest kinetic energy; balanced: unbalanced force over the force of stress", &
+         range="> 0", owner="stop_when = kinetic_below at_rest balanced")
       call schema%require("time", "t_end stop_value")
    end subroutine declare_time
 
@@ -150,5 +152,6 @@ contains
       call group%get("stop_when", word)
       if (word == "kinetic_below") call group%get("stop_value", limits%kinetic_below)
       if (word == "at_rest") call group%get("stop_value", limits%rest_below)
+      if (word == "balanced") call group%get("stop_value", limits%unbalanced_below)
    end subroutine read_time_limits
 end module scene_time

@@ -16,7 +16,7 @@ module step_diagnostics
    implicit none
    private
 
-   public :: bounds_look_t, examine_bounds, examine_shapes, find_greatest, shapes_look_t
+   public :: find_unbalanced, watch_unbalanced, bounds_look_t, examine_bounds, examine_shapes, find_greatest, shapes_look_t
 
    integer, parameter, public :: measure_speed = 1   !! Square of the speed [m2/s2]
    integer, parameter, public :: measure_heat = 2    !! Carried energy per mass [J/kg]
@@ -49,6 +49,47 @@ module step_diagnostics
       sums = 8, longest = 9, differs = 10, columns = 10
 
 contains
+
+   !> Let the steps record unbalanced forces.
+   pure subroutine watch_unbalanced(simulation)
+      type(simulation_t), intent(inout) :: simulation
+      integer :: thread
+
+      do thread = 0, ubound(simulation%scratch, 1)
+         if (.not. allocated(simulation%scratch(thread)%unbalanced)) &
+            allocate (simulation%scratch(thread)%unbalanced)
+      end do
+   end subroutine watch_unbalanced
+
+   !> Unbalanced force of the last step over the force of the stress, 1 if there is no stress.
+   !! Equation (O.5) of doc/theory/instruments.md. Collective.
+   subroutine find_unbalanced(simulation, ratio)
+      type(simulation_t), intent(in) :: simulation   !! Unbalanced forces are watched
+      real(wp), intent(out) :: ratio                 !! [1]
+      type(exact_sum_t) :: force, strength
+      real(wp) :: s(6)
+      integer :: index, p, thread, tile
+
+      do thread = 0, ubound(simulation%scratch, 1)
+         call force%merge(simulation%scratch(thread)%unbalanced)
+      end do
+      do index = 1, size(simulation%stores)
+         associate (store => simulation%stores(index))
+            do tile = 1, size(store%count)
+               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+                  s = store%state%stress(p, :)
+                  call strength%add(store%state%volume(p) &
+                     *sqrt(sum(s(:3)**2) + 2.0_wp*sum(s(4:)**2)))
+               end do
+            end do
+         end associate
+      end do
+      call force%over_ranks(simulation%machine%communicator)
+      call strength%over_ranks(simulation%machine%communicator)
+      ratio = 1.0_wp
+      if (strength%value() > 0.0_wp) &
+         ratio = force%value()*simulation%space%grid%spacing/strength%value()
+   end subroutine find_unbalanced
 
    !> Greatest speed, energies of particles. Collective.
    subroutine examine_bounds(space, stores, machine, least_energy, look)

@@ -16,8 +16,8 @@ module step_move_nodes
    use step_simulation, only: clock_t, machine_t, reach_t, scheme_t, scratch_t, &
       simulation_effects_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use step_walls, only: apply_walls, hold_at_walls, record_push, record_stopped, record_walls, &
-      start_walls, stop_at_walls, walls_touch
+   use step_walls, only: apply_walls, hold_at_walls, record_push, record_stopped, &
+      record_unbalanced, record_walls, start_walls, stop_at_walls, walls_touch
    use transfer_scatter, only: motion_columns
    implicit none
    private
@@ -262,6 +262,8 @@ contains
             acceleration = acceleration - simulation%effects%damping*velocity
          call constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
          call combine(1.0_wp, velocity, dt, acceleration, nodes%motion%strain(:, :, slot))
+         if (allocated(scratch%unbalanced) .and. tile <= simulation%space%tiles%own) &
+            call record_unbalanced(simulation%space, field, scratch, tile, acceleration)
       end associate
    end subroutine start_tile
 

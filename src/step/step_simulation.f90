@@ -2,6 +2,7 @@
 !> The state of a simulation, in parts.
 module step_simulation
    use base_communicator, only: communicator_t
+   use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_text, only: text_t
    use base_timer, only: timer_t
@@ -107,6 +108,8 @@ module step_simulation
       type(ledger_t) :: ledger                       !! Sums of this thread
       type(stage_clock_t) :: laps                           !! Times of effects
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
+      !> Mass times acceleration of nodes in the last step, if a criterion asks for it [N]
+      type(exact_sum_t), allocatable :: unbalanced
       logical :: sound = .true.                      !! Are all particles in their bounds?
       logical :: retired = .false.                   !! Has one been taken out for leaving them?
       type(reach_t) :: reach                         !! Node that goes too far, if looked for

@@ -8,13 +8,13 @@ module step_walls
    use mesh_wall_sums, only: wall_push_t
    use step_dissipation, only: record_damped
    use step_ledger, only: cross, external_work, impulse, ledger_t, torque
-   use step_simulation, only: scheme_t, simulation_t, space_t, velocity_field_t
+   use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
    public :: apply_walls, hold_at_walls, number_of_walls, record_push, record_stopped, &
-      record_walls, start_walls, stop_at_walls, take_held, walls_touch
+      record_unbalanced, record_walls, start_walls, stop_at_walls, take_held, walls_touch
 
    !> What walls do to nodes, in this order: forces, velocities that they hold, friction.
    integer, parameter :: forcing = 1, holding = 2, rubbing = 3, stages = 3
@@ -42,11 +42,16 @@ contains
       call find_held(simulation)
    end subroutine start_walls
 
-   !> Allocate the sums of the threads, if an output shows what walls do.
+   !> Clear the sum of unbalanced forces, and allocate the sums of the threads, if an output shows
+   !! what walls do.
    pure subroutine start_sums(simulation)
       type(simulation_t), intent(inout) :: simulation
       integer :: thread
 
+      do thread = 0, ubound(simulation%scratch, 1)
+         if (allocated(simulation%scratch(thread)%unbalanced)) &
+            call simulation%scratch(thread)%unbalanced%clear()
+      end do
       if (.not. allocated(simulation%balance%ledger%walls%total)) return
       if (allocated(simulation%scratch(0)%ledger%walls%total)) return
       do thread = 0, ubound(simulation%scratch, 1)
@@ -239,6 +244,25 @@ contains
          end if
       end do
    end subroutine record_walls
+
+   !> Record the unbalanced force of the nodes of a tile: the part of its own particles in their mass
+   !! times acceleration. Equation (O.5) of doc/theory/instruments.md.
+   subroutine record_unbalanced(space, field, scratch, tile, acceleration)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: field
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: acceleration(:, :)     !! (3, node) [m/s2]
+      real(wp) :: own(field%nodes%motion%packed(1)%rows, size(acceleration, 2)), total
+      integer :: node
+
+      call field%nodes%motion%packed(1)%get(space%grid, field%nodes%motion%touched, tile, own)
+      total = 0.0_wp
+      do node = 1, size(own, 2)
+         if (own(1, node) > 0.0_wp) total = total + own(1, node)*norm2(acceleration(:, node))
+      end do
+      call scratch%unbalanced%add(total)
+   end subroutine record_unbalanced
 
    !> Velocity of a wall in the middle of the step [m/s].
    pure function middle_velocity(wall, dt) result(velocity)
