@@ -8,7 +8,7 @@ module program_cost_report
    use mesh_tiles, only: neighbors
    use particle_fill, only: body_t
    use program_bulk_modulus_advice, only: bulk_modulus_advice
-   use program_expected_steps, only: expected_steps, find_first_step
+   use program_expected_steps, only: expected_steps, find_first_step, meetings_text
    use program_run_limits, only: limits_t
    use program_solid_volumes, only: solid_volumes_text
    use scene_contact, only: contact_text
@@ -44,6 +44,7 @@ contains
          //solid_volumes_text(simulation%space%grid, bodies, survey%body) &
          //fields_text(simulation, survey)
       if (allocated(simulation%effects%contact)) text = text//contact_text(simulation, bodies)
+      text = text//meetings_text(simulation, bodies, limits%time_end)
       text = text &
          //"step       first dt "//four_digits(dt)//" s"//cause//"; about "// &
          number(nint(steps, int64))//" steps"// &

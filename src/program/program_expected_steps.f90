@@ -3,6 +3,7 @@
 !! the velocities of the bodies. Section "Number of steps" of doc/theory/time_step.md.
 module program_expected_steps
    use base_kinds, only: int64, wp
+   use base_text, only: brief
    use constitutive_state, only: material_state_t
    use material_type, only: material_t
    use particle_fill, only: body_t
@@ -12,7 +13,7 @@ module program_expected_steps
    implicit none
    private
 
-   public :: expected_steps, find_first_step
+   public :: expected_steps, find_first_step, meetings_text
 
    integer, parameter :: spans = 600                 !! Equal intervals of the time of a run
    real(wp), parameter :: slope = 1.5_wp !! d(shock speed)/d(velocity jump), typical of metals
@@ -91,6 +92,37 @@ contains
             flight%extent(:, one), time_end, signal)
       end do
    end subroutine find_impacts
+
+   !> Bodies that touch or meet slowly and have no contact: they move with one velocity there, so
+   !! they stick. In an impact at a speed near that of sound this hardly matters.
+   function meetings_text(simulation, bodies, time_end) result(text)
+      type(simulation_t), intent(in) :: simulation
+      type(body_t), intent(in) :: bodies(:)
+      real(wp), intent(in) :: time_end               !! [s]
+      character(len=:), allocatable :: text
+      real(wp), parameter :: slow = 0.5_wp           ! share of the speed of sound
+      type(flight_t) :: flight
+      type(meeting_t) :: meeting
+      real(wp) :: sound
+      integer :: one, other
+
+      text = ""
+      if (allocated(simulation%effects%contact)) return
+      call set_boxes(simulation, bodies, flight)
+      do other = 2, size(bodies)
+         do one = 1, other - 1
+            meeting = meeting_of(simulation, bodies, flight, one, other)
+            if (.not. meeting%time < time_end) cycle
+            sound = min(shocked_sound(simulation%materials(bodies(one)%store), 0.0_wp), &
+               shocked_sound(simulation%materials(bodies(other)%store), 0.0_wp))
+            if (meeting%speed > slow*sound) cycle
+            text = "contact    '"//bodies(one)%name//"' and '"//bodies(other)%name// &
+               "' may meet at "//brief(meeting%time)//" s and would stick together; "// &
+               "&effects contact = .true. lets bodies slide and part"//new_line("a")
+            return
+         end do
+      end do
+   end function meetings_text
 
    !> Set the boxes of the bodies within the grid.
    pure subroutine set_boxes(simulation, bodies, flight)

@@ -51,6 +51,8 @@ contains
       allocate (loads(deck%count("load")))
       do n = 1, size(loads)
          call read_one(deck, deck%group("load", n), bodies, shapes, loads(n))
+         if (.not. finds_body(loads(n), bodies)) call deck%warn(deck%group("load", n), &
+            "the load acts on nothing: none of its bodies reaches into its region", "region")
       end do
       call move_alloc(loads, simulation%effects%loads)
    end subroutine read_loads
@@ -86,6 +88,27 @@ contains
          if (place > 0) load%bodies = [load%bodies, int(place, int64)]
       end do
    end subroutine read_one
+
+   !> Does any body of a load reach into its region, by the boxes around both?
+   pure logical function finds_body(load, bodies) result(finds)
+      type(surface_load_t), intent(in) :: load
+      type(body_t), intent(in) :: bodies(:)
+      real(wp) :: high(3), low(3), of_body(3), to_body(3)
+      integer :: n
+
+      finds = .true.
+      if (.not. allocated(load%region)) return
+      call load%region%bounds(low, high)
+      do n = 1, size(bodies)
+         if (allocated(load%bodies)) then
+            if (all(load%bodies /= n)) cycle
+         end if
+         if (.not. allocated(bodies(n)%shape%shape)) return
+         call bodies(n)%shape%bounds(of_body, to_body)
+         if (all(of_body <= high .and. low <= to_body)) return
+      end do
+      finds = .false.
+   end function finds_body
 
    !> The stress T of pressure and traction: T n = t, and no other traction on surfaces across n.
    subroutine read_stress(deck, group, stress)
