@@ -5,5 +5,5 @@ A module holds SUMMARY (a line for scree-post --help), EXAMPLES (lines behind "s
 docstring (what --help says), add_arguments(parser), and run(arguments), which returns an exit code
 or raises PostError.
 """
-COMMANDS = ("preview", "info", "plot", "picture", "movie", "radiograph", "fragments", "grains", "compare",
-            "sweep", "accuracy", "check")
+COMMANDS = ("preview", "info", "plot", "picture", "movie", "radiograph", "fragments", "grains", "means",
+            "compare", "sweep", "accuracy", "check")
