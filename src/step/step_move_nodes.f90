@@ -308,6 +308,7 @@ contains
       logical :: keeps, ruled
 
       ruled = walls_touch(simulation, tile)
+      if (.not. (ruled .or. allocated(simulation%effects%gravity))) return
       push = 0.0_wp
       work = 0.0_wp
       keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own &
@@ -408,25 +409,30 @@ contains
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: tile
-      real(wp) :: none(3, simulation%space%grid%tile_nodes)
-      real(wp) :: mapped(3, simulation%space%grid%tile_nodes)
-      real(wp) :: momentum(size(field%nodes%series%extra, 1), simulation%space%grid%tile_nodes)
+      real(wp), allocatable :: none(:, :), mapped(:, :), momentum(:, :)
 
       associate (strain => field%nodes%motion%strain(:, :, tile))
-         call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%series%extra, &
-            tile, &
-            momentum)
-         ! linear velocity fields bring the mass along, in front
-         strain = momentum(size(momentum, 1) - 2:, :)
+         if (size(field%nodes%series%extra, 1) == 3) then
+            call assemble(simulation%space%grid, simulation%space%tiles, &
+               field%nodes%series%extra, tile, strain)
+         else
+            ! linear velocity fields bring the mass along, in front
+            allocate (momentum(4, size(strain, 2)))
+            call assemble(simulation%space%grid, simulation%space%tiles, &
+               field%nodes%series%extra, tile, momentum)
+            strain = momentum(2:, :)
+         end if
          call divide(field%nodes%motion%mass(:, :, tile), 1, strain)
          if (simulation%scheme%method%averages()) call add_gained(simulation%scheme, &
             simulation%clock, field, tile, strain)
-         mapped = strain
-         none = 0.0_wp
-         call stop_at_walls(simulation, tile, strain, none)
-         call hold_at_walls(simulation, field, tile, strain)
+         if (allocated(field%nodes%work%taken)) mapped = strain
+         if (walls_touch(simulation, tile)) then
+            allocate (none(3, size(strain, 2)), source=0.0_wp)
+            call stop_at_walls(simulation, tile, strain, none)
+            call hold_at_walls(simulation, field, tile, strain)
+         end if
       end associate
-      if (.not. allocated(field%nodes%work%taken) .or. tile > simulation%space%tiles%own) return
+      if (.not. allocated(mapped) .or. tile > simulation%space%tiles%own) return
       ! what was gained is added to a velocity that walls have changed already
       if (simulation%scheme%method%averages()) mapped = mapped + field%nodes%work%taken(:, :, tile)
       call record_strained(simulation, field, scratch, tile, mapped)
