@@ -36,19 +36,22 @@ contains
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       !> Time step, present if node displacements are examined and node fields are not kept [s]
       real(wp), intent(in), optional :: whole
-      integer :: tile
+      integer :: tile, last
       real(wp) :: began
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
       call ensure_moved(simulation, field)
       call start_walls(simulation, dt)
+      ! of ghosts, only the dual gradient needs velocities
+      last = merge(simulation%space%tiles%all, simulation%space%tiles%own, &
+         simulation%scheme%method%dual)
       simulation%scratch%reach = reach_t()
       field%nodes%motion%acting = dt
       if (records_later(simulation%space, simulation%scheme, simulation%effects)) call &
          ensure_later(simulation%space, field)
-      !$omp parallel do default(none) shared(simulation, field, dt, whole) private(tile, began) &
-      !$omp schedule(static)
-      do tile = 1, simulation%space%tiles%all
+      !$omp parallel do default(none) shared(simulation, field, dt, whole, last) &
+      !$omp private(tile, began) schedule(static)
+      do tile = 1, last
          began = cost_clock(simulation%machine)
          associate (scratch => simulation%scratch(omp_get_thread_num()))
             call start_tile(simulation, field, scratch, tile, dt)
@@ -388,12 +391,14 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp) :: began
-      integer :: tile
+      integer :: tile, last
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
-      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      last = merge(simulation%space%tiles%all, simulation%space%tiles%own, &
+         simulation%scheme%method%dual .or. allocated(simulation%effects%contact))
+      !$omp parallel do default(none) shared(simulation, field, last) private(tile, began) &
       !$omp schedule(static)
-      do tile = 1, simulation%space%tiles%all
+      do tile = 1, last
          began = cost_clock(simulation%machine)
          call remap_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile)
          call record_cost(simulation%machine, tile, began)
