@@ -230,9 +230,8 @@ contains
       call nodes_seen(simulation%space, field, tile, low, high)
       push = 0.0_wp
       call find_filtered(simulation%space, simulation%scheme, field, tile, low, high, dt, filtered)
-      call simulation%scheme%method%transfer%velocity_increment(dt, &
-         field%nodes%motion%acceleration(:, low:high, tile), filtered(:, low:high), &
-         push(:, low:high))
+      call simulation%scheme%method%transfer%velocity_increment(dt, field%nodes%motion% &
+         acceleration(:, low:high, tile), filtered(:, low:high), push(:, low:high))
       keep = simulation%scheme%method%transfer%flip_fraction()
       if (simulation%scheme%method%averages()) then
          ! what particles gain; the share of PIC acts after the strain of the step, which does not
@@ -240,9 +239,8 @@ contains
          if (keep > 0.0_wp) push = dt*field%nodes%motion%acceleration(:, :, tile)
          keep = merge(0.0_wp, -1.0_wp, keep > 0.0_wp)
       end if
-      if (simulation%scheme%method%transfer%affine()) &
-         after = field%nodes%motion%velocity(:, :, tile) &
-         + dt*field%nodes%motion%acceleration(:, :, tile)
+      if (simulation%scheme%method%transfer%affine()) after = &
+         field%nodes%motion%velocity(:, :, tile) + dt*field%nodes%motion%acceleration(:, :, tile)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%space%grid, store => simulation%stores(index), &

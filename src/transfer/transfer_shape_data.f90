@@ -159,7 +159,7 @@ contains
       class(spline_data_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: count                   !! Particles of the tile
-      integer, intent(out) :: low, high
+      integer, intent(out) :: low, high              !! First and last node
       integer :: p
 
       low = 1

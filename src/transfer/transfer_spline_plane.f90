@@ -47,7 +47,8 @@ contains
          sums = 0.0_wp
          call scatter_plane_columns(grid, after, shape%start, size(shape%spline%weight, 1), &
             shape%spline%weight, shape%spline%low, part, size(sums), sums)
-         call add_nodes(1, size(patch, 2), size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
+         call add_nodes(1, size(patch, 2), size(patch, 2), min(count - skip, columns), sums, &
+            before + skip, patch)
       end do
    end subroutine scatter_plane_values
 
