@@ -262,20 +262,39 @@ contains
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer(int64) :: at
-      integer :: y, z, node, margin(3)
+      integer :: y, z, node, nodes, margin(3)
 
-      call clear_patch(patch)
+      if (boxes%before(tile + 1) - boxes%before(tile) < size(patch, 2)) call clear_patch(patch)
       margin = merge(grid%margin, 0, grid%active)
       at = size(self%row, kind=int64)*boxes%before(tile)
-      associate (low => boxes%box(:, 1, tile), high => boxes%box(:, 2, tile))
+      associate (low => boxes%box(:, 1, tile), high => boxes%box(:, 2, tile), &
+         rows => size(self%row))
+         nodes = high(1) - low(1) + 1
          do z = low(3), high(3)
             do y = low(2), high(2)
                node = dot_product([low(1), y, z] + margin, grid%stride)
-               call unpack_line(self, node, high(1) - low(1) + 1, at, patch)
+               if (rows == size(patch, 1)) then
+                  call copy_numbers(rows*nodes, self%values(at + 1:at + rows*nodes), rows*node, &
+                     size(patch), patch)
+                  at = at + rows*nodes
+               else
+                  call unpack_line(self, node, nodes, at, patch)
+               end if
             end do
          end do
       end associate
    end subroutine packed_unpack
+
+   !> Copy numbers that lie together.
+   pure subroutine copy_numbers(number, values, before, numbers, patch)
+      integer, intent(in) :: number                  !! How many
+      real(wp), intent(in) :: values(number)         !! Flat
+      integer, intent(in) :: before                  !! Numbers of the patch before them
+      integer, intent(in) :: numbers                 !! Of the patch
+      real(wp), intent(inout) :: patch(numbers)      !! Flat
+
+      patch(before + 1:before + number) = values
+   end subroutine copy_numbers
 
    !> Unpack a line of nodes.
    pure subroutine unpack_line(self, first, nodes, at, patch)

@@ -37,19 +37,22 @@ contains
       real(wp), intent(in) :: dt                     !! Time the forces act, 0 = none [s]
       !> Time step, present if node displacements are examined and node fields are not kept [s]
       real(wp), intent(in), optional :: whole
-      integer :: tile
+      integer :: tile, last
       real(wp) :: began
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
       call ensure_moved(simulation, field)
       call start_walls(simulation, dt)
+      ! of ghosts, only the dual gradient needs velocities
+      last = merge(simulation%space%tiles%all, simulation%space%tiles%own, &
+         simulation%scheme%method%dual)
       simulation%scratch%reach = reach_t()
       field%nodes%motion%acting = dt
       if (records_later(simulation%space, simulation%scheme, simulation%effects)) call &
          ensure_later(simulation%space, field)
-      !$omp parallel do default(none) shared(simulation, field, dt, whole) private(tile, began) &
-      !$omp schedule(static)
-      do tile = 1, simulation%space%tiles%all
+      !$omp parallel do default(none) shared(simulation, field, dt, whole, last) &
+      !$omp private(tile, began) schedule(static)
+      do tile = 1, last
          began = cost_clock(simulation%machine)
          associate (scratch => simulation%scratch(omp_get_thread_num()))
             call start_tile(simulation, field, scratch, tile, dt)
@@ -315,6 +318,7 @@ contains
       logical :: keeps, ruled
 
       ruled = walls_touch(simulation, tile)
+      if (.not. (ruled .or. allocated(simulation%effects%gravity))) return
       push = 0.0_wp
       work = 0.0_wp
       keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own &
@@ -403,12 +407,14 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       real(wp) :: began
-      integer :: tile
+      integer :: tile, last
 
       call simulation%machine%timer%start(simulation%machine%phase%grid)
-      !$omp parallel do default(none) shared(simulation, field) private(tile, began) &
+      last = merge(simulation%space%tiles%all, simulation%space%tiles%own, &
+         simulation%scheme%method%dual .or. allocated(simulation%effects%contact))
+      !$omp parallel do default(none) shared(simulation, field, last) private(tile, began) &
       !$omp schedule(static)
-      do tile = 1, simulation%space%tiles%all
+      do tile = 1, last
          began = cost_clock(simulation%machine)
          call remap_tile(simulation, field, simulation%scratch(omp_get_thread_num()), tile)
          call record_cost(simulation%machine, tile, began)
@@ -424,25 +430,30 @@ contains
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
       integer, intent(in) :: tile
-      real(wp) :: none(3, simulation%space%grid%tile_nodes)
-      real(wp) :: mapped(3, simulation%space%grid%tile_nodes)
-      real(wp) :: momentum(size(field%nodes%series%extra, 1), simulation%space%grid%tile_nodes)
+      real(wp), allocatable :: none(:, :), mapped(:, :), momentum(:, :)
 
       associate (strain => field%nodes%motion%strain(:, :, tile))
-         call assemble(simulation%space%grid, simulation%space%tiles, field%nodes%series%extra, &
-            tile, &
-            momentum)
-         ! linear velocity fields bring the mass along, in front
-         strain = momentum(size(momentum, 1) - 2:, :)
+         if (size(field%nodes%series%extra, 1) == 3) then
+            call assemble(simulation%space%grid, simulation%space%tiles, &
+               field%nodes%series%extra, tile, strain)
+         else
+            ! linear velocity fields bring the mass along, in front
+            allocate (momentum(4, size(strain, 2)))
+            call assemble(simulation%space%grid, simulation%space%tiles, &
+               field%nodes%series%extra, tile, momentum)
+            strain = momentum(2:, :)
+         end if
          call divide(field%nodes%motion%mass(:, :, tile), 1, strain)
          if (simulation%scheme%method%averages()) call add_gained(simulation%scheme, &
             simulation%clock, field, tile, strain)
-         mapped = strain
-         none = 0.0_wp
-         call stop_at_walls(simulation, tile, strain, none)
-         call hold_at_walls(simulation, field, tile, strain)
+         if (allocated(field%nodes%work%taken)) mapped = strain
+         if (walls_touch(simulation, tile)) then
+            allocate (none(3, size(strain, 2)), source=0.0_wp)
+            call stop_at_walls(simulation, tile, strain, none)
+            call hold_at_walls(simulation, field, tile, strain)
+         end if
       end associate
-      if (.not. allocated(field%nodes%work%taken) .or. tile > simulation%space%tiles%own) return
+      if (.not. allocated(mapped) .or. tile > simulation%space%tiles%own) return
       ! what was gained is added to a velocity that walls have changed already
       if (simulation%scheme%method%averages()) mapped = mapped + field%nodes%work%taken(:, :, tile)
       call record_strained(simulation, field, scratch, tile, mapped)

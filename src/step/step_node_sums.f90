@@ -96,7 +96,7 @@ contains
          case (3)
             call multiply_nodes(3, nodes, inverse, values(:, before + 1:before + nodes))
          case (9)
-            call multiply_nodes(9, nodes, inverse, values(:, before + 1:before + nodes))
+            call multiply_tensors(nodes, inverse, values(:, before + 1:before + nodes))
          case default
             call multiply_nodes(size(values, 1), nodes, inverse, &
                values(:, before + 1:before + nodes))
@@ -135,6 +135,22 @@ contains
             by(row, node) > empty_mass)
       end do
    end subroutine invert
+
+   !> Multiply tensors of nodes by a factor of each node: eight of the nine components are lanes.
+   pure subroutine multiply_tensors(nodes, factor, values)
+      integer, intent(in) :: nodes                   !! Nodes of the tile
+      real(wp), intent(in) :: factor(nodes)          !! (node)
+      real(wp), intent(inout) :: values(9, nodes)    !! (component, node)
+      integer :: node, component
+
+      do node = 1, nodes
+         !$omp simd
+         do component = 1, 8
+            values(component, node) = values(component, node)*factor(node)
+         end do
+         values(9, node) = values(9, node)*factor(node)
+      end do
+   end subroutine multiply_tensors
 
    !> Multiply the components of nodes by a factor of each node.
    pure subroutine multiply_nodes(components, nodes, factor, values)

@@ -157,17 +157,18 @@ contains
          return
       end if
       if (.not. allocated(view%push)) allocate (view%push(3, space%grid%tile_nodes), &
-         view%carry(3, space%grid%tile_nodes))
-      call find_filtered(space, scheme, field, tile, dt, view%filtered)
+         view%carry(3, space%grid%tile_nodes), source=0.0_wp)
+      low = 1
+      high = space%grid%tile_nodes
+      ! fields of the lost energy are found on all nodes
+      if (.not. scheme%carries_energy) call nodes_seen(space, field, tile, low, high)
+      call find_filtered(space, scheme, field, tile, low, high, dt, view%filtered)
+      call find_carriers(scheme, dt, field%nodes%motion%velocity(:, low:high, view%slot), &
+         field%nodes%motion%acceleration(:, low:high, view%slot), view%filtered(:, low:high), &
+         view%push(:, low:high), view%carry(:, low:high))
       associate (transfer => scheme%method%transfer, nodes => field%nodes, &
          velocity => field%nodes%motion%velocity(:, :, view%slot), filtered => view%filtered, &
          acceleration => field%nodes%motion%acceleration(:, :, view%slot))
-         call transfer%velocity_increment(dt, acceleration, filtered, view%push)
-         if (scheme%method%leapfrog) then
-            call transfer%advection_velocity(dt, velocity, acceleration, filtered, view%carry)
-         else
-            call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, view%carry)
-         end if
          if (transfer%affine()) view%after = velocity + dt*acceleration
          if (.not. scheme%carries_energy) return
          if (transfer%sweeps() > 0) then
@@ -186,4 +187,22 @@ contains
          call moment_fields(space%grid, view%loss%turn, view%loss%moments)
       end associate
    end subroutine look_motion
+
+   !> What nodes add to the velocity of particles, and the velocity that moves them.
+   pure subroutine find_carriers(scheme, dt, velocity, acceleration, filtered, push, carry)
+      type(scheme_t), intent(in) :: scheme
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series [m/s]
+      real(wp), contiguous, intent(inout) :: push(:, :)      !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: carry(:, :)     !! (3, node) [m/s]
+
+      call scheme%method%transfer%velocity_increment(dt, acceleration, filtered, push)
+      if (scheme%method%leapfrog) then
+         call scheme%method%transfer%advection_velocity(dt, velocity, acceleration, filtered, carry)
+      else
+         call combine(1.0_wp, velocity, 0.5_wp*dt, acceleration, carry)
+      end if
+   end subroutine find_carriers
 end module step_node_view

@@ -9,7 +9,7 @@ module step_velocity_remap
    use step_dual_gradient, only: node_gradient
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
    use step_node_sums, only: divide
-   use step_particles_to_nodes, only: locate_particles
+   use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    use step_walls, only: record_push, take_held, walls_touch
@@ -154,23 +154,26 @@ contains
       end associate
    end subroutine add_term
 
-   !> Sum of the series of node velocities, or its only term.
-   subroutine find_filtered(space, scheme, field, tile, dt, filtered)
+   !> Sum of the series of node velocities, or its only term, at the nodes that particles see.
+   subroutine find_filtered(space, scheme, field, tile, low, high, dt, filtered)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
+      integer, intent(in) :: low, high               !! First and last node
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), allocatable, intent(inout) :: filtered(:, :) !! (3, node) [m/s]
       integer :: slot
 
       slot = field%nodes%slot(tile)
-      if (.not. allocated(filtered)) allocate (filtered(3, space%grid%tile_nodes))
+      if (.not. allocated(filtered)) &
+         allocate (filtered(3, space%grid%tile_nodes), source=0.0_wp)
       if (scheme%method%transfer%sweeps() > 0) then
-         filtered = field%nodes%series%filtered(:, :, tile)
+         filtered(:, low:high) = field%nodes%series%filtered(:, low:high, tile)
       else
-         call scheme%method%transfer%first_term(dt, field%nodes%motion%velocity(:, :, slot), &
-            field%nodes%motion%acceleration(:, :, slot), filtered)
+         call scheme%method%transfer%first_term(dt, &
+            field%nodes%motion%velocity(:, low:high, slot), &
+            field%nodes%motion%acceleration(:, low:high, slot), filtered(:, low:high))
       end if
    end subroutine find_filtered
 
@@ -214,20 +217,21 @@ contains
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
-      real(wp) :: push(3, simulation%space%grid%tile_nodes), after(3, &
-         simulation%space%grid%tile_nodes)
-      real(wp), allocatable :: filtered(:, :), gradient(:, :)
+      real(wp) :: push(3, simulation%space%grid%tile_nodes)
+      real(wp), allocatable :: after(:, :), filtered(:, :), gradient(:, :)
       real(wp) :: keep
-      integer :: index
+      integer :: index, low, high
 
       call clear_patch(patch)
       if (simulation%scheme%method%dual .and. simulation%scheme%method%transfer%affine() .and. &
          .not. &
          simulation%scheme%method%averages()) call node_gradient(simulation%space, field, tile, &
          field%nodes%dual%gradient, gradient)
-      call find_filtered(simulation%space, simulation%scheme, field, tile, dt, filtered)
-      call simulation%scheme%method%transfer%velocity_increment(dt, &
-         field%nodes%motion%acceleration(:, :, tile), filtered, push)
+      call nodes_seen(simulation%space, field, tile, low, high)
+      push = 0.0_wp
+      call find_filtered(simulation%space, simulation%scheme, field, tile, low, high, dt, filtered)
+      call simulation%scheme%method%transfer%velocity_increment(dt, field%nodes%motion% &
+         acceleration(:, low:high, tile), filtered(:, low:high), push(:, low:high))
       keep = simulation%scheme%method%transfer%flip_fraction()
       if (simulation%scheme%method%averages()) then
          ! what particles gain; the share of PIC acts after the strain of the step, which does not
@@ -235,8 +239,8 @@ contains
          if (keep > 0.0_wp) push = dt*field%nodes%motion%acceleration(:, :, tile)
          keep = merge(0.0_wp, -1.0_wp, keep > 0.0_wp)
       end if
-      after = field%nodes%motion%velocity(:, :, tile) &
-         + dt*field%nodes%motion%acceleration(:, :, tile)
+      if (simulation%scheme%method%transfer%affine()) after = &
+         field%nodes%motion%velocity(:, :, tile) + dt*field%nodes%motion%acceleration(:, :, tile)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (grid => simulation%space%grid, store => simulation%stores(index), &

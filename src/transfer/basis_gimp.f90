@@ -45,6 +45,7 @@ contains
 
       inverse = 1.0_wp/grid%spacing
       before = store%first(tile) - 1
+      !$omp simd
       do p = 1, store%count(tile)
          overhang(p) = min(max(store%extent(before + p, direction)*inverse, least), 0.5_wp)
       end do

@@ -14,7 +14,7 @@ module transfer_basis
    implicit none
    private
 
-   public :: basis_scatter_motion, basis_t, expand_spin
+   public :: basis_gather_motion, basis_scatter_motion, basis_t, expand_spin
 
    !> Shape functions.
    type, abstract :: basis_t

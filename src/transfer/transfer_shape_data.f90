@@ -34,6 +34,7 @@ module transfer_shape_data
    contains
       procedure :: reserve => spline_reserve
       procedure :: take_cells => spline_take_cells   !! First nodes are those before the cells
+      procedure :: touched => spline_touched         !! First and last node that particles touch
    end type spline_data_t
 
    !> Means of the dual gradient over sub-points, indices as of spline_data_t.
@@ -151,6 +152,28 @@ contains
          end do
       end do
    end subroutine spline_take_cells
+
+   !> First and last node that the particles of a tile touch in three dimensions; 1 and 0 without
+   !! particles.
+   pure subroutine spline_touched(self, grid, count, low, high)
+      class(spline_data_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: count                   !! Particles of the tile
+      integer, intent(out) :: low, high              !! First and last node
+      integer :: p
+
+      low = 1
+      high = 0
+      if (count == 0) return
+      low = self%node(1)
+      high = self%node(1)
+      !$omp simd reduction(min: low) reduction(max: high)
+      do p = 1, count
+         low = min(low, self%node(p))
+         high = max(high, self%node(p))
+      end do
+      high = high + (self%reach - 1)*sum(grid%stride)
+   end subroutine spline_touched
 
    !> Reserve memory for means of the dual gradient. Former values are lost.
    pure subroutine mean_reserve(self, particles)

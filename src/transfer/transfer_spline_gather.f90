@@ -14,7 +14,7 @@ module transfer_spline_gather
    implicit none
    private
 
-   public :: gather_spline_gradient, gather_spline_values
+   public :: gather_spline_gradient, gather_spline_motion, gather_spline_values
 
    integer, parameter :: lanes = 4                   !! Columns that are found at once
    integer, parameter :: batch = 60                  !! Particles whose functions are copied at once
@@ -30,20 +30,17 @@ contains
       integer, intent(in) :: skip                            !! Columns of the values before them
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: wide(lanes, size(nodes, 2)), weight(batch, line, 3), found(lanes, batch)
-      integer :: first, c, before, number, p
+      integer :: first, c, before, number, p, low, high
 
+      call spline%touched(grid, count, low, high)
       do first = 1, size(nodes, 1), lanes
-         call widen(size(nodes, 1), first, size(nodes, 2), nodes, wide)
+         call widen(size(nodes, 1), first, low, high, size(nodes, 2), nodes, wide)
          do before = 0, count - 1, batch
             number = min(batch, count - before)
-            call copy_functions(before, number, size(spline%weight, 1), spline%weight, weight)
-            if (spline%reach == 3) then
-               call find_values_three(number, weight, spline%node(before + 1:), grid%stride, &
-                  size(nodes, 2), wide, found)
-            else
-               call find_values_four(number, weight, spline%node(before + 1:), grid%stride, &
-                  size(nodes, 2), wide, found)
-            end if
+            call copy_functions(spline%reach, before, number, size(spline%weight, 1), &
+               spline%weight, weight)
+            call find_values(spline%reach, number, weight, spline%node(before + 1:), &
+               grid%stride, size(nodes, 2), wide, found)
             do c = first, min(first + lanes - 1, size(nodes, 1))
                do p = 1, number
                   values(before + p, skip + c) = found(c - first + 1, p)
@@ -52,6 +49,45 @@ contains
          end do
       end do
    end subroutine gather_spline_values
+
+   !> Velocities and positions of particles: a share of the old velocity and what the nodes add, and
+   !! the way with a node velocity. The functions are copied once for both.
+   pure subroutine gather_spline_motion(grid, count, spline, first, increment, advection, kept, &
+      dt, velocity, position)
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: count                           !! Particles of the tile
+      type(spline_data_t), intent(in) :: spline
+      integer, intent(in) :: first                           !! First particle of the tile
+      real(wp), contiguous, intent(in) :: increment(:, :)    !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: advection(:, :)    !! (3, node) [m/s]
+      real(wp), intent(in) :: kept                           !! Share of the old velocity [1]
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
+      real(wp) :: push(lanes, size(increment, 2)), carry(lanes, size(advection, 2))
+      real(wp) :: weight(batch, line, 3), gain(lanes, batch), way(lanes, batch)
+      integer :: k, before, number, p, q, low, high
+
+      call spline%touched(grid, count, low, high)
+      call widen(3, 1, low, high, size(increment, 2), increment, push)
+      call widen(3, 1, low, high, size(advection, 2), advection, carry)
+      do before = 0, count - 1, batch
+         number = min(batch, count - before)
+         call copy_functions(spline%reach, before, number, size(spline%weight, 1), &
+            spline%weight, weight)
+         call find_values(spline%reach, number, weight, spline%node(before + 1:), grid%stride, &
+            size(increment, 2), push, gain)
+         call find_values(spline%reach, number, weight, spline%node(before + 1:), grid%stride, &
+            size(advection, 2), carry, way)
+         do k = 1, 3
+            do p = 1, number
+               q = first - 1 + before + p
+               velocity(q, k) = kept*velocity(q, k) + 1.0_wp*gain(k, p)
+               position(q, k) = 1.0_wp*position(q, k) + dt*way(k, p)
+            end do
+         end do
+      end do
+   end subroutine gather_spline_motion
 
    !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
    pure subroutine gather_spline_gradient(grid, count, spline, nodes, scale, gradient)
@@ -63,13 +99,16 @@ contains
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
       real(wp) :: wide(lanes, size(nodes, 2)), found(lanes, 3, batch)
       real(wp), dimension(batch, line, 3) :: weight, slope
-      integer :: before, number, p, k, l
+      integer :: before, number, p, k, l, low, high
 
-      call widen(3, 1, size(nodes, 2), nodes, wide)
+      call spline%touched(grid, count, low, high)
+      call widen(3, 1, low, high, size(nodes, 2), nodes, wide)
       do before = 0, count - 1, batch
          number = min(batch, count - before)
-         call copy_functions(before, number, size(spline%weight, 1), spline%weight, weight)
-         call copy_functions(before, number, size(spline%slope, 1), spline%slope, slope)
+         call copy_functions(spline%reach, before, number, size(spline%weight, 1), &
+            spline%weight, weight)
+         call copy_functions(spline%reach, before, number, size(spline%slope, 1), spline%slope, &
+            slope)
          if (spline%reach == 3) then
             call find_slopes_three(number, weight, slope, spline%node(before + 1:), grid%stride, &
                size(nodes, 2), wide, found)
@@ -87,18 +126,19 @@ contains
       end do
    end subroutine gather_spline_gradient
 
-   !> Up to four columns of the nodes of a tile, in place of columns that are not there the last
-   !! one.
-   pure subroutine widen(columns, first, number, nodes, wide)
+   !> Up to four columns of the nodes of a tile that particles touch, in place of columns that are
+   !! not there the last one.
+   pure subroutine widen(columns, first, low, high, number, nodes, wide)
       integer, intent(in) :: columns                         !! Columns of the nodes
       integer, intent(in) :: first                           !! First of those taken
+      integer, intent(in) :: low, high                       !! First and last node
       integer, intent(in) :: number                          !! Nodes
       real(wp), intent(in) :: nodes(columns, number)         !! (column, node)
       real(wp), intent(inout) :: wide(lanes, number)         !! (lane, node)
       integer :: at(lanes), n
 
       at = min(first + [0, 1, 2, 3], columns)
-      do n = 1, number
+      do n = low, high
          wide(1, n) = nodes(at(1), n)
          wide(2, n) = nodes(at(2), n)
          wide(3, n) = nodes(at(3), n)
@@ -107,7 +147,8 @@ contains
    end subroutine widen
 
    !> Functions of some particles.
-   pure subroutine copy_functions(before, number, rows, functions, copy)
+   pure subroutine copy_functions(reach, before, number, rows, functions, copy)
+      integer, intent(in) :: reach                           !! Nodes along a line
       integer, intent(in) :: before                          !! Particles before them
       integer, intent(in) :: number                          !! Of them
       integer, intent(in) :: rows                            !! Length of the next
@@ -116,13 +157,31 @@ contains
       integer :: p, n, direction
 
       do direction = 1, 3
-         do n = 1, line
+         do n = 1, reach
             do p = 1, number
                copy(p, n, direction) = functions(before + p, n, direction)
             end do
          end do
       end do
    end subroutine copy_functions
+
+   !> Values at some particles.
+   pure subroutine find_values(reach, number, w, node, stride, nodes, u, found)
+      integer, intent(in) :: reach                           !! Nodes along a line
+      integer, intent(in) :: number                          !! Of particles
+      real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
+      integer, contiguous, intent(in) :: node(:)             !! (particle) First node
+      integer, intent(in) :: stride(3)                       !! Way from node to node
+      integer, intent(in) :: nodes                           !! Nodes of the tile
+      real(wp), intent(in) :: u(lanes, nodes)                !! (lane, node)
+      real(wp), intent(inout) :: found(lanes, batch)         !! (lane, particle)
+
+      if (reach == 3) then
+         call find_values_three(number, w, node, stride, nodes, u, found)
+      else
+         call find_values_four(number, w, node, stride, nodes, u, found)
+      end if
+   end subroutine find_values
 
    !> Values at particles that touch three nodes along each direction.
    pure subroutine find_values_three(number, w, node, stride, nodes, u, found)

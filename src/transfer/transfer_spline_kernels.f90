@@ -42,9 +42,10 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       type(lines_t) :: lines
       real(wp) :: values(columns, batch), sums(columns*size(patch, 2))
-      integer :: skipped, number, p, q
+      integer :: skipped, number, p, q, low, high
 
-      sums = 0.0_wp
+      call shape%spline%touched(grid, shape%count, low, high)
+      sums(columns*(low - 1) + 1:columns*high) = 0.0_wp
       do skipped = 0, shape%count - 1, batch
          number = min(batch, shape%count - skipped)
          call multiply_lines(shape, skipped, number, lines)
@@ -58,7 +59,7 @@ contains
          call add_values(shape%spline%reach, number, lines, values, columns*grid%stride, &
             size(sums), sums)
       end do
-      call add_nodes(size(patch, 2), columns, sums, 0, patch)
+      call add_nodes(low, high, size(patch, 2), columns, sums, 0, patch)
    end subroutine scatter_spline_motion
 
    !> Add sum S_i value to columns of a patch.
@@ -88,12 +89,13 @@ contains
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       type(lines_t) :: lines
       real(wp) :: part(columns, batch), sums(columns*size(patch, 2))
-      integer :: skipped, number, p, skip, at(columns)
+      integer :: skipped, number, p, skip, at(columns), low, high
 
+      call shape%spline%touched(grid, shape%count, low, high)
       do skip = 0, count - 1, columns
          ! in place of columns that are not there stands the last one; it is not added
          at = min(skip + [1, 2, 3, 4], count)
-         sums = 0.0_wp
+         sums(columns*(low - 1) + 1:columns*high) = 0.0_wp
          do skipped = 0, shape%count - 1, batch
             number = min(batch, shape%count - skipped)
             call multiply_lines(shape, skipped, number, lines)
@@ -106,7 +108,8 @@ contains
             call add_values(shape%spline%reach, number, lines, part, columns*grid%stride, &
                size(sums), sums)
          end do
-         call add_nodes(size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
+         call add_nodes(low, high, size(patch, 2), min(count - skip, columns), sums, &
+            before + skip, patch)
       end do
    end subroutine scatter_space_values
 
@@ -270,9 +273,10 @@ contains
       type(lines_t) :: lines
       real(wp) :: load(columns, 3, batch)   !! (component, direction, particle) [N m]
       real(wp) :: sums(columns*size(patch, 2)), share
-      integer :: skipped, number, p, q
+      integer :: skipped, number, p, q, low, high
 
-      sums = 0.0_wp
+      call shape%spline%touched(grid, shape%count, low, high)
+      sums(columns*(low - 1) + 1:columns*high) = 0.0_wp
       load = 0.0_wp
       do skipped = 0, shape%count - 1, batch
          number = min(batch, shape%count - skipped)
@@ -297,7 +301,7 @@ contains
             call add_loads_four(number, lines, load, columns*grid%stride, size(sums), sums)
          end if
       end do
-      call add_nodes(size(patch, 2), 3, sums, 4, patch)
+      call add_nodes(low, high, size(patch, 2), 3, sums, 4, patch)
    end subroutine scatter_space_stress
 
    !> Add the force of the loads of some particles that touch three nodes along each direction.
@@ -422,7 +426,7 @@ contains
             end do
          end do
       end do
-      call add_nodes(size(patch, 2), columns, sums, 0, patch)
+      call add_nodes(1, size(patch, 2), size(patch, 2), columns, sums, 0, patch)
    end subroutine scatter_spline_affine
 
    !> Add three fields of a line with their factors.

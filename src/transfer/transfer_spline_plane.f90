@@ -47,7 +47,8 @@ contains
          sums = 0.0_wp
          call scatter_plane_columns(grid, after, shape%start, size(shape%spline%weight, 1), &
             shape%spline%weight, shape%spline%low, part, size(sums), sums)
-         call add_nodes(size(patch, 2), min(count - skip, columns), sums, before + skip, patch)
+         call add_nodes(1, size(patch, 2), size(patch, 2), min(count - skip, columns), sums, &
+            before + skip, patch)
       end do
    end subroutine scatter_plane_values
 
@@ -114,7 +115,7 @@ contains
       sums = 0.0_wp
       call scatter_plane_loads(grid, after, shape%start, size(shape%spline%weight, 1), &
          shape%spline%weight, shape%spline%slope, shape%spline%low, load, size(sums), sums)
-      call add_nodes(size(patch, 2), 3, sums, 4, patch)
+      call add_nodes(1, size(patch, 2), size(patch, 2), 3, sums, 4, patch)
    end subroutine scatter_plane_stress
 
    !> Add the force of loads to the sums of the nodes.
@@ -166,7 +167,8 @@ contains
    end subroutine scatter_plane_loads
 
    !> Add sums of all nodes of a tile to columns of the patch.
-   pure subroutine add_nodes(nodes, number, sums, before, patch)
+   pure subroutine add_nodes(low, high, nodes, number, sums, before, patch)
+      integer, intent(in) :: low, high                       !! First and last node that get them
       integer, intent(in) :: nodes                           !! Nodes of the tile
       integer, intent(in) :: number                          !! Columns that are added
       real(wp), intent(in) :: sums(columns, nodes)           !! (column, node)
@@ -176,14 +178,14 @@ contains
 
       if (number == columns) then
          ! a number that the compiler knows makes the columns one vector
-         do node = 1, nodes
+         do node = low, high
             !$omp simd
             do c = 1, columns
                patch(before + c, node) = patch(before + c, node) + sums(c, node)
             end do
          end do
       else
-         do node = 1, nodes
+         do node = low, high
             do c = 1, number
                patch(before + c, node) = patch(before + c, node) + sums(c, node)
             end do

@@ -6,9 +6,10 @@ module transfer_tensor
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
    use particle_store, only: store_t
-   use transfer_basis, only: basis_scatter_motion, basis_t
+   use transfer_basis, only: basis_gather_motion, basis_scatter_motion, basis_t
    use transfer_shape_data, only: line, shape_data_t, spline_data_t
-   use transfer_spline_gather, only: gather_spline_gradient, gather_spline_values
+   use transfer_spline_gather, only: gather_spline_gradient, gather_spline_motion, &
+      gather_spline_values
    use transfer_spline_gather_plane, only: gather_plane_gradient, gather_plane_values
    use transfer_spline_kernels, only: scatter_spline_affine, scatter_spline_motion, &
       scatter_spline_stress, scatter_spline_values
@@ -30,6 +31,7 @@ module transfer_tensor
       procedure :: scatter_affine => tensor_scatter_affine !! Mass and a linear velocity field
       procedure :: scatter_stress => tensor_scatter_stress !! Force of the stress
       procedure :: gather_values => tensor_gather_values !! Node values to particles
+      procedure :: gather_motion => tensor_gather_motion !! Velocity and position
       procedure :: gather_gradient => tensor_gather_gradient !! Their gradients
       procedure :: gather_affine => tensor_gather_affine !! Linear velocity field
    end type basis_tensor_t
@@ -273,6 +275,30 @@ contains
          call gather_spline_values(grid, shape%count, shape%spline, nodes, 0, values)
       end if
    end subroutine tensor_gather_values
+
+   !> Particle velocities and positions from node velocities.
+   ! gate: long kernel because it overrides one
+   pure subroutine tensor_gather_motion(self, grid, shape, first, increment, advection, &
+      flip_fraction, dt, velocity, position)
+      class(basis_tensor_t), intent(in) :: self
+      type(grid_t), intent(in) :: grid
+      integer, intent(in) :: first                           !! First particle of the tile
+      type(shape_data_t), intent(inout) :: shape
+      real(wp), contiguous, intent(in) :: increment(:, :)    !! (3, node) [m/s]
+      real(wp), contiguous, intent(in) :: advection(:, :)    !! (3, node) [m/s]
+      real(wp), intent(in) :: flip_fraction                  !! Fraction of the old velocity [1]
+      real(wp), intent(in) :: dt                             !! Time step [s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
+      real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
+
+      if (grid%dimensions < 3) then
+         call basis_gather_motion(self, grid, shape, first, increment, advection, flip_fraction, &
+            dt, velocity, position)
+      else
+         call gather_spline_motion(grid, shape%count, shape%spline, first, increment, advection, &
+            flip_fraction, dt, velocity, position)
+      end if
+   end subroutine tensor_gather_motion
 
    !> Scaled velocity gradient scale sum u_k dS_i/dx_l.
    pure subroutine tensor_gather_gradient(self, grid, shape, nodes, scale, gradient)
