@@ -74,6 +74,8 @@ def model(material, base=ELASTIC):
 CONTACT = scene(f"{PLAIN}  {{switch}}") + """&region  name='b'  shape='box'  lo=0.25,0,0.5  hi=0.75,1,0.75 /
 &body  name='b'  region='b'  material='m'  ppc=3,3,3  velocity=0.9,0,-0.1 /
 """
+FORCES = "&output  name='f'  kind='forces'  every=100000 /\n"
+LOAD = "&region  name='half'  shape='box'  lo=0,0,0  hi=0.5,1,1 /\n&load  name='l'  region='half'  pressure=1 /\n"
 DAMAGE = f"{PLAIN}  damage=.true."
 THERMAL = f"{PLAIN}  thermal=.true."
 EFFECTS = {
@@ -105,6 +107,9 @@ EFFECTS = {
     "conduction": (None, scene(THERMAL, f"{ELASTIC}  {HOT}"), scene(THERMAL, f"{ELASTIC}  {HOT}  conductivity=1.0e3")),
     "contact": (CONTACT.replace("{switch}", "contact=.false."), CONTACT.replace("{switch}", ""),
                 CONTACT.replace("{switch}", "contact=.true.")),
+    "damping": (scene(f"{PLAIN}  damping=0"), scene(), scene(f"{PLAIN}  damping=1")),
+    "load": (None, scene(), scene() + LOAD),
+    "forces": (None, scene(), scene() + FORCES),
     "antilock": (scene(method="antilock='none'"), scene(), scene(method="antilock='bbar'")),
     "sub_points": (scene(method="quadrature='point'"), scene(), scene(method="quadrature='sub_points'")),
     "lsd": (scene(method="quadrature='point'"), scene(), scene(method="quadrature='lsd'")),
