@@ -56,6 +56,7 @@ contains
       real(wp), intent(inout) :: push(:)             !! (word)
       real(wp) :: distance, nx, ny, depth, former, arm_i, arm_j, wx, wy, apart, slide, mass, at_end
       real(wp) :: q, spring, damper, normal, across, trial, former_spring, stiff, former_stiff
+      real(wp) :: drift_x, drift_y, way_x, way_y, from_x, from_y, push_x, push_y
       logical :: touches
 
       distance = sqrt(dx*dx + dy*dy)
@@ -68,7 +69,12 @@ contains
       associate (g => box%gradient, v => grains%velocity)
          wx = v(1, j) - v(1, i) + g(1, 1)*dx + g(1, 2)*dy
          wy = v(2, j) - v(2, i) + g(2, 2)*dy
+         ! twice what the cell moves the branch less at the middle of the step than at its end
+         drift_x = dt**2*(g(1, 1)*wx + g(1, 2)*wy)
+         drift_y = dt**2*g(2, 2)*wy
       end associate
+      way_x = dt*wx - 0.5_wp*drift_x
+      way_y = dt*wy - 0.5_wp*drift_y
       apart = wx*nx + wy*ny
       ! velocities are those in the middle of the step; the forces of its start lead to its end
       associate (f => grains%force, m => grains%mass)
@@ -78,7 +84,8 @@ contains
       slide = dt*(wy*nx - wx*ny - grains%spin(3, i)*arm_i - grains%spin(3, j)*arm_j)
       former = history(overlap)
       if (.not. former > 0.0_wp) then
-         former = depth + apart*dt
+         former = way_x*nx + way_y*ny
+         former = depth + former - 0.5_wp*(way_x**2 + way_y**2 - former**2)/distance
          history(birth_time) = time
          history(birth_strain) = box%strain
       end if
@@ -114,12 +121,25 @@ contains
          - 0.5_wp*trial**2/stiff
       if (former_stiff > 0.0_wp) history(slip_loss) = history(slip_loss) &
          + 0.5_wp*history(tangent)**2/former_stiff
+      ! the rest of the work of both forces along the way of the step, (G.6)
+      push_x = normal*nx - trial*ny
+      push_y = normal*ny + trial*nx
+      across = former_spring + history(dashpot)
+      stiff = 1.0_wp/(distance + depth - former)
+      from_x = (distance*nx - way_x)*stiff
+      from_y = (distance*ny - way_y)*stiff
+      history(step_loss) = history(step_loss) + 0.5_wp*(dt*(history(tangent) + trial)*(wy*nx &
+         - wx*ny) + (across + normal)*(former - depth) &
+         - (across*from_x - history(tangent)*from_y)*(way_x - 0.5_wp*drift_x) &
+         - (across*from_y + history(tangent)*from_x)*(way_y - 0.5_wp*drift_y) &
+         - push_x*(way_x + 0.5_wp*drift_x) - push_y*(way_y + 0.5_wp*drift_y) &
+         - 0.5_wp*dt*history(tangent)*(former - depth)*(grains%spin(3, i) + grains%spin(3, j)))
       history(tangent) = trial
       history(overlap) = max(depth, 0.0_wp)
       history(dashpot) = damper
       history(factor) = merge(q, 0.0_wp, touches)
-      push(push_force) = normal*nx - trial*ny
-      push(push_force + 1) = normal*ny + trial*nx
+      push(push_force) = push_x
+      push(push_force + 1) = push_y
       push(push_moment) = trial
       push(push_arm) = arm_i
       push(push_arm + 1) = arm_j

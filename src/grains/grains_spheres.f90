@@ -59,7 +59,7 @@ contains
       real(wp), intent(inout) :: push(:)             !! (word)
       real(wp) :: distance, n(3), depth, former, arm_i, arm_j, w(3), apart, slide(3), mass, at_end
       real(wp) :: q, spring, damper, normal, across(3), kept, trial, former_spring, stiff
-      real(wp) :: former_stiff, turn(3)
+      real(wp) :: former_stiff, turn(3), lever(3), roll(3), drift(3), way(3), from(3), force(3), rubbed
       logical :: touches
 
       distance = sqrt(branch(1)**2 + branch(2)**2 + branch(3)**2)
@@ -73,16 +73,23 @@ contains
          w(1) = w(1) + g(1, 1)*branch(1) + g(1, 2)*branch(2) + g(1, 3)*branch(3)
          w(2) = w(2) + g(2, 2)*branch(2) + g(2, 3)*branch(3)
          w(3) = w(3) + g(3, 3)*branch(3)
+         ! twice what the cell moves the branch less at the middle of the step than at its end
+         drift(1) = dt**2*(g(1, 1)*w(1) + g(1, 2)*w(2) + g(1, 3)*w(3))
+         drift(2) = dt**2*(g(2, 2)*w(2) + g(2, 3)*w(3))
+         drift(3) = dt**2*g(3, 3)*w(3)
       end associate
+      way = dt*w - 0.5_wp*drift
       apart = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
-      turn = grains%spin(:, i)*arm_i + grains%spin(:, j)*arm_j
-      slide = dt*(w - apart*n - cross(turn, n))
+      lever = grains%spin(:, i)*arm_i + grains%spin(:, j)*arm_j
+      roll = cross(lever, n)
+      slide = dt*(w - apart*n - roll)
       ! velocities are those in the middle of the step; the forces of its start lead to its end
       w = w + 0.5_wp*dt*(grains%force(:, j)/grains%mass(j) - grains%force(:, i)/grains%mass(i))
       at_end = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
       former = history(overlap)
       if (.not. former > 0.0_wp) then
-         former = depth + apart*dt
+         former = dot_product(way, n)
+         former = depth + former - 0.5_wp*(dot_product(way, way) - former**2)/distance
          history(birth_time) = time
          history(birth_strain) = box%strain
       end if
@@ -113,8 +120,7 @@ contains
       former_stiff = law%tangential*history(factor)
       if (former_stiff > 0.0_wp) history(slip_loss) = history(slip_loss) &
          + 0.5_wp*kept/former_stiff
-      history(slip_loss) = history(slip_loss) - 0.5_wp*(across(1)*slide(1) &
-         + across(2)*slide(2) + across(3)*slide(3))
+      rubbed = 0.5_wp*dot_product(across, slide)
       ! unloading keeps the share of the stiffness
       if (q < history(factor)) across = across*(q/history(factor))
       across = across - stiff*slide
@@ -125,10 +131,20 @@ contains
          history(slips) = 1.0_wp
       end if
       if (.not. touches) across = 0.0_wp
-      history(slip_loss) = history(slip_loss) - 0.5_wp*(across(1)*slide(1) &
-         + across(2)*slide(2) + across(3)*slide(3))
+      rubbed = rubbed + 0.5_wp*dot_product(across, slide)
+      history(slip_loss) = history(slip_loss) - rubbed
       if (stiff > 0.0_wp .and. touches) history(slip_loss) = history(slip_loss) &
          - 0.5_wp*(across(1)**2 + across(2)**2 + across(3)**2)/stiff
+      ! the rest of the work of both forces along the way of the step, (G.6)
+      from = (distance*n - way)/(distance + depth - former)
+      force = (former_spring + history(dashpot))*from + history(tangent:tangent + 2)
+      lever = lever - 0.5_wp*(former - depth)*turn
+      history(step_loss) = history(step_loss) + rubbed &
+         + 0.5_wp*(former_spring + history(dashpot) + normal)*(former - depth) &
+         - 0.5_wp*dot_product(force, way - 0.5_wp*drift) &
+         - 0.5_wp*dot_product(normal*n + across, way + 0.5_wp*drift) &
+         + 0.5_wp*dt*(dot_product(history(tangent:tangent + 2), cross(lever, from)) &
+         + dot_product(across, roll))
       history(tangent:tangent + 2) = across
       history(overlap) = max(depth, 0.0_wp)
       history(dashpot) = damper
