@@ -59,7 +59,8 @@ contains
       real(wp), intent(inout) :: push(:)             !! (word)
       real(wp) :: distance, n(3), depth, former, arm_i, arm_j, w(3), apart, slide(3), mass, at_end
       real(wp) :: q, spring, damper, normal, across(3), kept, trial, former_spring, stiff
-      real(wp) :: former_stiff, turn(3), lever(3), roll(3), drift(3), way(3), from(3), force(3), rubbed
+      real(wp) :: former_stiff, turn(3), lever(3), roll(3), drift(3), way(3), from(3), force(3)
+      real(wp) :: rubbed
       logical :: touches
 
       distance = sqrt(branch(1)**2 + branch(2)**2 + branch(3)**2)
