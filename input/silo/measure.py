@@ -57,9 +57,16 @@ def tables(runs):
     """Rates, and the law through those of the three widths."""
     table = Table(["matter", "outlet D [mm]", "cell [mm]", "rate W [kg/(m s)]", "W / (rho sqrt(g) D^1.5)",
                    "later / earlier rate"])
+    guess = Table(["outlet D [mm]", "W, 30 degrees and walls of 0.4", "W, measured friction", "ratio"])
     for name in runs:
         matter, outlet, cell = RUNS[name]
         early, late = rate(runs[name], EARLY), rate(runs[name], LATE)
+        if matter == "30 degrees":
+            now = runs.get(name.removesuffix("_guess"))
+            if now:
+                now = rate(now, EARLY)
+                guess.rows.append([f"{1000 * outlet:g}", f"{early:.1f}", f"{now:.1f}", f"{now / early:.2f}"])
+            continue
         table.rows.append([matter, f"{1000 * outlet:g}", f"{1000 * cell:g}", f"{early:.1f}",
                            f"{early / (DENSITY * GRAVITY ** 0.5 * outlet ** 1.5):.3f}",
                            f"{late / early:.2f}" if late else "-"])
@@ -69,7 +76,7 @@ def tables(runs):
     for row, (title, form) in enumerate((("C", ".2f"), ("k [cells]", ".2f"), ("greatest difference from it [%]", ".1f"),
                                          ("exponent of a law without k", ".2f"))):
         fit.rows.append([title, *(f"{one[row]:{form}}" if one else "" for one in laws)])
-    return [table, fit]
+    return [table, guess, fit]
 
 
 def law(runs, matter, cell):

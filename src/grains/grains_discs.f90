@@ -1,5 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Forces between discs: the loops over pairs and over grains in two dimensions.
+!!
+!! Equations of doc/theory/grains.md.
 module grains_discs
    use base_kinds, only: wp
    use grains_box, only: box_t

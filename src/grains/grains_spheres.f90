@@ -1,5 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Forces between spheres: the loops over pairs and over grains in three dimensions.
+!!
+!! Equations of doc/theory/grains.md.
 module grains_spheres
    use base_kinds, only: wp
    use grains_box, only: box_t
