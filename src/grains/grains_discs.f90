@@ -58,7 +58,7 @@ contains
       real(wp), intent(inout) :: push(:)             !! (word)
       real(wp) :: distance, nx, ny, depth, former, arm_i, arm_j, wx, wy, apart, slide, mass, at_end
       real(wp) :: q, spring, damper, normal, across, trial, former_spring, stiff, former_stiff
-      real(wp) :: drift_x, drift_y, way_x, way_y, from_x, from_y, push_x, push_y
+      real(wp) :: drift_x, drift_y, way_x, way_y, from_x, from_y
       logical :: touches
 
       distance = sqrt(dx*dx + dy*dy)
@@ -103,9 +103,6 @@ contains
       former_spring = law%normal*history(factor)*max(former, 0.0_wp)
       history(dashpot_loss) = history(dashpot_loss) &
          + 0.5_wp*(history(dashpot) + damper)*(depth - former)
-      history(step_loss) = history(step_loss) &
-         + 0.5_wp*(former_spring + spring)*(depth - former) &
-         - law%stored*(spring*max(depth, 0.0_wp) - former_spring*max(former, 0.0_wp))
       ! tangential force, of which unloading keeps the share of the stiffness
       stiff = law%tangential*q
       former_stiff = law%tangential*history(factor)
@@ -123,25 +120,24 @@ contains
          - 0.5_wp*trial**2/stiff
       if (former_stiff > 0.0_wp) history(slip_loss) = history(slip_loss) &
          + 0.5_wp*history(tangent)**2/former_stiff
-      ! the rest of the work of both forces along the way of the step, (G.6)
-      push_x = normal*nx - trial*ny
-      push_y = normal*ny + trial*nx
+      ! the rest of the work of both forces along the way of the step, (G.6); what the tangential
+      ! force of the end does is its slide, which is booked
       across = former_spring + history(dashpot)
       stiff = 1.0_wp/(distance + depth - former)
       from_x = (distance*nx - way_x)*stiff
       from_y = (distance*ny - way_y)*stiff
-      history(step_loss) = history(step_loss) + 0.5_wp*(dt*(history(tangent) + trial)*(wy*nx &
-         - wx*ny) + (across + normal)*(former - depth) &
+      history(step_loss) = history(step_loss) - law%stored*(spring*max(depth, 0.0_wp) &
+         - former_spring*max(former, 0.0_wp)) + 0.5_wp*((history(dashpot) + damper)*(former &
+         - depth) - dt*normal*apart + history(tangent)*(dt*(wy*nx - wx*ny) &
+         - 0.5_wp*dt*(former - depth)*(grains%spin(3, i) + grains%spin(3, j))) &
          - (across*from_x - history(tangent)*from_y)*(way_x - 0.5_wp*drift_x) &
-         - (across*from_y + history(tangent)*from_x)*(way_y - 0.5_wp*drift_y) &
-         - push_x*(way_x + 0.5_wp*drift_x) - push_y*(way_y + 0.5_wp*drift_y) &
-         - 0.5_wp*dt*history(tangent)*(former - depth)*(grains%spin(3, i) + grains%spin(3, j)))
+         - (across*from_y + history(tangent)*from_x)*(way_y - 0.5_wp*drift_y))
       history(tangent) = trial
       history(overlap) = max(depth, 0.0_wp)
       history(dashpot) = damper
       history(factor) = merge(q, 0.0_wp, touches)
-      push(push_force) = push_x
-      push(push_force + 1) = push_y
+      push(push_force) = normal*nx - trial*ny
+      push(push_force + 1) = normal*ny + trial*nx
       push(push_moment) = trial
       push(push_arm) = arm_i
       push(push_arm + 1) = arm_j

@@ -61,7 +61,7 @@ contains
       real(wp), intent(inout) :: push(:)             !! (word)
       real(wp) :: distance, n(3), depth, former, arm_i, arm_j, w(3), apart, slide(3), mass, at_end
       real(wp) :: q, spring, damper, normal, across(3), kept, trial, former_spring, stiff
-      real(wp) :: former_stiff, turn(3), lever(3), roll(3), drift(3), way(3), from(3), force(3)
+      real(wp) :: former_stiff, turn(3), lever(3), drift(3), way(3), from(3), force(3)
       real(wp) :: rubbed
       logical :: touches
 
@@ -84,8 +84,7 @@ contains
       way = dt*w - 0.5_wp*drift
       apart = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
       lever = grains%spin(:, i)*arm_i + grains%spin(:, j)*arm_j
-      roll = cross(lever, n)
-      slide = dt*(w - apart*n - roll)
+      slide = dt*(w - apart*n - cross(lever, n))
       ! velocities are those in the middle of the step; the forces of its start lead to its end
       w = w + 0.5_wp*dt*(grains%force(:, j)/grains%mass(j) - grains%force(:, i)/grains%mass(i))
       at_end = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
@@ -108,9 +107,6 @@ contains
       former_spring = law%normal*history(factor)*max(former, 0.0_wp)
       history(dashpot_loss) = history(dashpot_loss) &
          + 0.5_wp*(history(dashpot) + damper)*(depth - former)
-      history(step_loss) = history(step_loss) &
-         + 0.5_wp*(former_spring + spring)*(depth - former) &
-         - law%stored*(spring*max(depth, 0.0_wp) - former_spring*max(former, 0.0_wp))
       ! the tangential force turns with the normal and about it, and keeps its length
       across = history(tangent:tangent + 2)
       kept = across(1)**2 + across(2)**2 + across(3)**2
@@ -124,6 +120,7 @@ contains
       if (former_stiff > 0.0_wp) history(slip_loss) = history(slip_loss) &
          + 0.5_wp*kept/former_stiff
       rubbed = 0.5_wp*dot_product(across, slide)
+      history(step_loss) = history(step_loss) + rubbed
       ! unloading keeps the share of the stiffness
       if (q < history(factor)) across = across*(q/history(factor))
       across = across - stiff*slide
@@ -138,16 +135,15 @@ contains
       history(slip_loss) = history(slip_loss) - rubbed
       if (stiff > 0.0_wp .and. touches) history(slip_loss) = history(slip_loss) &
          - 0.5_wp*(across(1)**2 + across(2)**2 + across(3)**2)/stiff
-      ! the rest of the work of both forces along the way of the step, (G.6)
-      from = (distance*n - way)/(distance + depth - former)
+      ! the rest of the work of both forces along the way of the step, (G.6); what the tangential
+      ! force of the end does is its slide, which is booked
+      from = (distance*n - way)*(1.0_wp/(distance + depth - former))
       force = (former_spring + history(dashpot))*from + history(tangent:tangent + 2)
-      lever = lever - 0.5_wp*(former - depth)*turn
-      history(step_loss) = history(step_loss) + rubbed &
-         + 0.5_wp*(former_spring + history(dashpot) + normal)*(former - depth) &
-         - 0.5_wp*dot_product(force, way - 0.5_wp*drift) &
-         - 0.5_wp*dot_product(normal*n + across, way + 0.5_wp*drift) &
-         + 0.5_wp*dt*(dot_product(history(tangent:tangent + 2), cross(lever, from)) &
-         + dot_product(across, roll))
+      lever = dt*(lever - 0.5_wp*(former - depth)*turn)
+      history(step_loss) = history(step_loss) - law%stored*(spring*max(depth, 0.0_wp) &
+         - former_spring*max(former, 0.0_wp)) + 0.5_wp*((history(dashpot) + damper)*(former &
+         - depth) - dt*normal*apart - dot_product(force, way - 0.5_wp*drift) &
+         + dot_product(history(tangent:tangent + 2), cross(lever, from)))
       history(tangent:tangent + 2) = across
       history(overlap) = max(depth, 0.0_wp)
       history(dashpot) = damper
