@@ -6,8 +6,9 @@ module grains_discs
    use base_kinds, only: wp
    use grains_box, only: box_t
    use grains_law, only: contact_law_t
-   use grains_pairs, only: birth_strain, birth_time, dashpot, dashpot_loss, factor, overlap, &
-      pairs_t, push_arm, push_branch, push_force, push_moment, slip_loss, slips, step_loss, tangent
+   use grains_pairs, only: birth_strain, birth_time, dashpot, dashpot_loss, factor, history_words, &
+      overlap, pairs_t, push_arm, push_branch, push_force, push_moment, push_words, slip_loss, &
+      slips, step_loss, tangent
    use grains_state, only: block_rows, grains_t
    implicit none
    private
@@ -54,8 +55,8 @@ contains
       real(wp), intent(in) :: time, dt               !! [s]
       integer, intent(in) :: i, j                    !! Rows
       real(wp), intent(in) :: dx, dy                 !! From i to j [m]
-      real(wp), intent(inout) :: history(:)          !! (word)
-      real(wp), intent(inout) :: push(:)             !! (word)
+      real(wp), intent(inout) :: history(history_words) !! (word)
+      real(wp), intent(inout) :: push(push_words)    !! (word)
       real(wp) :: distance, nx, ny, depth, former, arm_i, arm_j, wx, wy, apart, slide, mass, at_end
       real(wp) :: q, spring, damper, normal, across, trial, former_spring, stiff, former_stiff
       real(wp) :: drift_x, drift_y, way_x, way_y, from_x, from_y
