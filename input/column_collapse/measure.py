@@ -36,12 +36,21 @@ def settings(kind, aspect):
 
 
 CASES = {f"{kind}_{aspect:g}": ("scene.nml", settings(kind, aspect)) for kind in KINDS for aspect in ASPECTS}
+# the friction of a cell of spheres, input/grain_cell/spheres.nml
+SPHERES = {"material.friction_angle": 23.4}
+CASES |= {f"{kind}_{aspect:g}_spheres": ("scene.nml", {**settings(kind, aspect), **SPHERES})
+          for kind in KINDS for aspect in (1.0, 2.0, 4.0)}
 
 
 def split(name):
     """Kind and aspect ratio of a case."""
-    kind, aspect = name.split("_")
+    kind, aspect = name.split("_")[:2]
     return kind, float(aspect)
+
+
+def of_sand(runs):
+    """The runs with the friction of the deck."""
+    return {name: run for name, run in runs.items() if not name.endswith("_spheres")}
 
 
 def fronts(run, aspect, axisymmetric):
@@ -58,10 +67,21 @@ def top(run):
 
 
 def tables(runs):
-    """Run-out, height and time by aspect ratio."""
+    """Run-out, height and time by aspect ratio, and what they are with the friction of spheres."""
+    spheres = Table(["column", "a", "run-out, 45 degrees", "spheres", "measured", "height, 45 degrees", "spheres",
+                     "measured"])
+    for name in runs:
+        beside = f"{name}_spheres"
+        if beside in runs:
+            kind, aspect = split(name)
+            both = [runs[name], runs[beside]]
+            spheres.rows.append([
+                kind, f"{aspect:g}", *(f"{fronts(run, aspect, KINDS[kind])[1][-1]:.2f}" for run in both),
+                f"{flows.measured_runout(aspect, KINDS[kind]):.2f}", *(f"{top(run):.2f}" for run in both),
+                f"{flows.measured_height(aspect, KINDS[kind]):.2f}"])
     table = Table(["column", "a", "run-out", "measured", "height", "measured", "time over sqrt(H/g)", "measured",
                    "energy error"])
-    for name, run in runs.items():
+    for name, run in of_sand(runs).items():
         kind, aspect = split(name)
         time, place = fronts(run, aspect, KINDS[kind])
         before = np.flatnonzero(place < 0.97 * place[-1])[-1]
@@ -69,13 +89,13 @@ def tables(runs):
         table.rows.append([kind, f"{aspect:g}", f"{place[-1]:.2f}", f"{flows.measured_runout(aspect, KINDS[kind]):.2f}",
                            f"{top(run):.2f}", f"{flows.measured_height(aspect, KINDS[kind]):.2f}", f"{arrived:.1f}",
                            "3.0" if KINDS[kind] else "3.3", f"{run.error('energy_error'):.3f}"])
-    return [table]
+    return [table, spheres]
 
 
 def phrases(runs):
     """The run-out that is farthest off what was measured."""
     worst = 0.0
-    for name, run in runs.items():
+    for name, run in of_sand(runs).items():
         kind, aspect = split(name)
         found = fronts(run, aspect, KINDS[kind])[1][-1]
         worst = max(worst, abs(found / flows.measured_runout(aspect, KINDS[kind]) - 1.0))
@@ -90,7 +110,7 @@ def draw(runs, plot):
         law = np.array([flows.measured_runout(aspect, axisymmetric) for aspect in line])
         panels[0].fill_between(line, 0.85 * law, 1.15 * law, color=COLOURS[kind], alpha=0.15, linewidth=0)
         panels[0].plot(line, law, color=COLOURS[kind], linewidth=1.2, label=f"{kind}, measured")
-    for name, run in runs.items():
+    for name, run in of_sand(runs).items():
         kind, aspect = split(name)
         panels[0].plot(aspect, fronts(run, aspect, KINDS[kind])[1][-1], "os"[KINDS[kind]], color=COLOURS[kind])
         middle, thick = flows.thickness(run.last_snapshot(), aspect, KINDS[kind])

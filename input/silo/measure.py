@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sand that runs out of a silo: rate against the width of the outlet and the height of the filling, and a fluid.
+"""Beads that runs out of a silo: rate against the width of the outlet and the height of the filling, and a fluid.
 
     python input/silo/measure.py --scree build/bin/scree
 """
@@ -11,12 +11,15 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 from scree_scene import Study, Table  # noqa: E402
 
-GRAVITY, DENSITY, WIDTH, HEIGHT = 9.81, 1500.0, 0.1, 0.3     # of the deck: half the silo, height of the filling
+GRAVITY, DENSITY, WIDTH, HEIGHT = 9.81, 1477.0, 0.1, 0.3     # of the deck: half the silo, height of the filling
 CELL, FINE = 0.00625, 0.005
 # name: what it is, outlet [m], cell [m]
-RUNS = {"narrow": ("sand", 0.0375, CELL), "middle": ("sand", 0.0625, CELL), "wide": ("sand", 0.0875, CELL),
-        "fluid": ("fluid", 0.0625, CELL), "narrow_fine": ("sand", 0.04, FINE), "middle_fine": ("sand", 0.06, FINE),
-        "wide_fine": ("sand", 0.08, FINE)}
+RUNS = {"narrow": ("beads", 0.0375, CELL), "middle": ("beads", 0.0625, CELL), "wide": ("beads", 0.0875, CELL),
+        "fluid": ("fluid", 0.0625, CELL), "narrow_fine": ("beads", 0.04, FINE), "middle_fine": ("beads", 0.06, FINE),
+        "wide_fine": ("beads", 0.08, FINE), "narrow_guess": ("30 degrees", 0.0375, CELL),
+        "middle_guess": ("30 degrees", 0.0625, CELL), "wide_guess": ("30 degrees", 0.0875, CELL)}
+# what the scene assumed before a cell of spheres was measured
+GUESS = {"material.friction_angle": 30, **{f"boundary[{n}].friction": 0.4 for n in (2, 3, 4)}}
 EARLY, LATE = (0.1, 0.25), (0.3, 0.5)                        # parts of the filling that have left
 
 
@@ -34,6 +37,9 @@ CASES = {
     "narrow_fine": ("scene.nml", {"grid.dx": FINE, "time.t_end": 1.1, **opening(0.04, FINE)}),
     "middle_fine": ("scene.nml", {"grid.dx": FINE, **opening(0.06, FINE)}),
     "wide_fine": ("scene.nml", {"grid.dx": FINE, "time.t_end": 0.65, **opening(0.08, FINE)}),
+    "narrow_guess": ("scene.nml", {"time.t_end": 1.1, **opening(0.0375, CELL), **GUESS}),
+    "middle_guess": ("scene.nml", GUESS),
+    "wide_guess": ("scene.nml", {"time.t_end": 0.6, **opening(0.0875, CELL), **GUESS}),
 }
 
 
@@ -51,26 +57,34 @@ def tables(runs):
     """Rates, and the law through those of the three widths."""
     table = Table(["matter", "outlet D [mm]", "cell [mm]", "rate W [kg/(m s)]", "W / (rho sqrt(g) D^1.5)",
                    "later / earlier rate"])
+    guess = Table(["outlet D [mm]", "W, 30 degrees and walls of 0.4", "W, measured friction", "ratio"])
     for name in runs:
         matter, outlet, cell = RUNS[name]
         early, late = rate(runs[name], EARLY), rate(runs[name], LATE)
+        if matter == "30 degrees":
+            now = runs.get(name.removesuffix("_guess"))
+            if now:
+                now = rate(now, EARLY)
+                guess.rows.append([f"{1000 * outlet:g}", f"{early:.1f}", f"{now:.1f}", f"{now / early:.2f}"])
+            continue
         table.rows.append([matter, f"{1000 * outlet:g}", f"{1000 * cell:g}", f"{early:.1f}",
                            f"{early / (DENSITY * GRAVITY ** 0.5 * outlet ** 1.5):.3f}",
                            f"{late / early:.2f}" if late else "-"])
-    laws = [law(runs, cell) for cell in (CELL, FINE)]
-    fit = Table(["law of the three widths", *(f"cells of {1000 * cell:g} mm" for cell in (CELL, FINE))])
+    kinds = [("beads", CELL), ("beads", FINE), ("30 degrees", CELL)]
+    laws = [law(runs, *kind) for kind in kinds]
+    fit = Table(["law of the three widths", *(f"{matter}, cells of {1000 * cell:g} mm" for matter, cell in kinds)])
     for row, (title, form) in enumerate((("C", ".2f"), ("k [cells]", ".2f"), ("greatest difference from it [%]", ".1f"),
                                          ("exponent of a law without k", ".2f"))):
         fit.rows.append([title, *(f"{one[row]:{form}}" if one else "" for one in laws)])
-    return [table, fit]
+    return [table, guess, fit]
 
 
-def law(runs, cell):
+def law(runs, matter, cell):
     """C, k [cells] and the worst difference [%] of W = C rho sqrt(g) (D - k)^1.5, and the exponent if k were 0.
 
     Power 2/3 of W is a straight line in D. None if not all widths were run with this cell [m].
     """
-    names = [name for name, (matter, _, size) in RUNS.items() if matter == "sand" and size == cell]
+    names = [name for name, (kind, _, size) in RUNS.items() if kind == matter and size == cell]
     if not set(names) <= set(runs):
         return None
     outlets = np.array([RUNS[name][1] for name in names])
@@ -81,7 +95,7 @@ def law(runs, cell):
 
 
 def draw(runs, plot):
-    """The sand at three times, coloured by speed, and what has left over time."""
+    """The beads at three times, coloured by speed, and what has left over time."""
     if not {"middle", "narrow", "wide", "fluid"} <= set(runs):
         return None
     figure, panels = plot.subplots(1, 5, figsize=(8.8, 3.6), width_ratios=(1, 1, 1, 1, 2.2), layout="constrained")

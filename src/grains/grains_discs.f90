@@ -1,11 +1,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Forces between discs: the loops over pairs and over grains in two dimensions.
+!!
+!! Equations of doc/theory/grains.md.
 module grains_discs
    use base_kinds, only: wp
    use grains_box, only: box_t
    use grains_law, only: contact_law_t
-   use grains_pairs, only: birth_strain, birth_time, dashpot, dashpot_loss, factor, overlap, &
-      pairs_t, push_arm, push_branch, push_force, push_moment, slip_loss, slips, step_loss, tangent
+   use grains_pairs, only: birth_strain, birth_time, dashpot, dashpot_loss, factor, history_words, &
+      overlap, pairs_t, push_arm, push_branch, push_force, push_moment, push_words, slip_loss, &
+      slips, step_loss, tangent
    use grains_state, only: block_rows, grains_t
    implicit none
    private
@@ -52,10 +55,11 @@ contains
       real(wp), intent(in) :: time, dt               !! [s]
       integer, intent(in) :: i, j                    !! Rows
       real(wp), intent(in) :: dx, dy                 !! From i to j [m]
-      real(wp), intent(inout) :: history(:)          !! (word)
-      real(wp), intent(inout) :: push(:)             !! (word)
+      real(wp), intent(inout) :: history(history_words) !! (word)
+      real(wp), intent(inout) :: push(push_words)    !! (word)
       real(wp) :: distance, nx, ny, depth, former, arm_i, arm_j, wx, wy, apart, slide, mass, at_end
       real(wp) :: q, spring, damper, normal, across, trial, former_spring, stiff, former_stiff
+      real(wp) :: drift_x, drift_y, way_x, way_y, from_x, from_y
       logical :: touches
 
       distance = sqrt(dx*dx + dy*dy)
@@ -68,7 +72,12 @@ contains
       associate (g => box%gradient, v => grains%velocity)
          wx = v(1, j) - v(1, i) + g(1, 1)*dx + g(1, 2)*dy
          wy = v(2, j) - v(2, i) + g(2, 2)*dy
+         ! twice what the cell moves the branch less at the middle of the step than at its end
+         drift_x = dt**2*(g(1, 1)*wx + g(1, 2)*wy)
+         drift_y = dt**2*g(2, 2)*wy
       end associate
+      way_x = dt*wx - 0.5_wp*drift_x
+      way_y = dt*wy - 0.5_wp*drift_y
       apart = wx*nx + wy*ny
       ! velocities are those in the middle of the step; the forces of its start lead to its end
       associate (f => grains%force, m => grains%mass)
@@ -78,7 +87,8 @@ contains
       slide = dt*(wy*nx - wx*ny - grains%spin(3, i)*arm_i - grains%spin(3, j)*arm_j)
       former = history(overlap)
       if (.not. former > 0.0_wp) then
-         former = depth + apart*dt
+         former = way_x*nx + way_y*ny
+         former = depth + former - 0.5_wp*(way_x**2 + way_y**2 - former**2)/distance
          history(birth_time) = time
          history(birth_strain) = box%strain
       end if
@@ -94,9 +104,6 @@ contains
       former_spring = law%normal*history(factor)*max(former, 0.0_wp)
       history(dashpot_loss) = history(dashpot_loss) &
          + 0.5_wp*(history(dashpot) + damper)*(depth - former)
-      history(step_loss) = history(step_loss) &
-         + 0.5_wp*(former_spring + spring)*(depth - former) &
-         - law%stored*(spring*max(depth, 0.0_wp) - former_spring*max(former, 0.0_wp))
       ! tangential force, of which unloading keeps the share of the stiffness
       stiff = law%tangential*q
       former_stiff = law%tangential*history(factor)
@@ -114,6 +121,18 @@ contains
          - 0.5_wp*trial**2/stiff
       if (former_stiff > 0.0_wp) history(slip_loss) = history(slip_loss) &
          + 0.5_wp*history(tangent)**2/former_stiff
+      ! the rest of the work of both forces along the way of the step, (G.6); what the tangential
+      ! force of the end does is its slide, which is booked
+      across = former_spring + history(dashpot)
+      stiff = 1.0_wp/(distance + depth - former)
+      from_x = (distance*nx - way_x)*stiff
+      from_y = (distance*ny - way_y)*stiff
+      history(step_loss) = history(step_loss) - law%stored*(spring*max(depth, 0.0_wp) &
+         - former_spring*max(former, 0.0_wp)) + 0.5_wp*((history(dashpot) + damper)*(former &
+         - depth) - dt*normal*apart + history(tangent)*(dt*(wy*nx - wx*ny) &
+         - 0.5_wp*dt*(former - depth)*(grains%spin(3, i) + grains%spin(3, j))) &
+         - (across*from_x - history(tangent)*from_y)*(way_x - 0.5_wp*drift_x) &
+         - (across*from_y + history(tangent)*from_x)*(way_y - 0.5_wp*drift_y))
       history(tangent) = trial
       history(overlap) = max(depth, 0.0_wp)
       history(dashpot) = damper

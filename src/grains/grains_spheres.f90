@@ -1,11 +1,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Forces between spheres: the loops over pairs and over grains in three dimensions.
+!!
+!! Equations of doc/theory/grains.md.
 module grains_spheres
    use base_kinds, only: wp
    use grains_box, only: box_t
    use grains_law, only: contact_law_t
-   use grains_pairs, only: birth_strain, birth_time, dashpot, dashpot_loss, factor, overlap, &
-      pairs_t, push_arm, push_branch, push_force, push_moment, slip_loss, slips, step_loss, tangent
+   use grains_pairs, only: birth_strain, birth_time, dashpot, dashpot_loss, factor, history_words, &
+      overlap, pairs_t, push_arm, push_branch, push_force, push_moment, push_words, slip_loss, &
+      slips, step_loss, tangent
    use grains_state, only: block_rows, grains_t
    implicit none
    private
@@ -55,11 +58,12 @@ contains
       real(wp), intent(in) :: time, dt               !! [s]
       integer, intent(in) :: i, j                    !! Rows
       real(wp), intent(in) :: branch(3)              !! From i to j [m]
-      real(wp), intent(inout) :: history(:)          !! (word)
-      real(wp), intent(inout) :: push(:)             !! (word)
+      real(wp), intent(inout) :: history(history_words) !! (word)
+      real(wp), intent(inout) :: push(push_words)    !! (word)
       real(wp) :: distance, n(3), depth, former, arm_i, arm_j, w(3), apart, slide(3), mass, at_end
       real(wp) :: q, spring, damper, normal, across(3), kept, trial, former_spring, stiff
-      real(wp) :: former_stiff, turn(3)
+      real(wp) :: former_stiff, turn(3), lever(3), drift(3), way(3), from(3), force(3)
+      real(wp) :: rubbed
       logical :: touches
 
       distance = sqrt(branch(1)**2 + branch(2)**2 + branch(3)**2)
@@ -73,16 +77,22 @@ contains
          w(1) = w(1) + g(1, 1)*branch(1) + g(1, 2)*branch(2) + g(1, 3)*branch(3)
          w(2) = w(2) + g(2, 2)*branch(2) + g(2, 3)*branch(3)
          w(3) = w(3) + g(3, 3)*branch(3)
+         ! twice what the cell moves the branch less at the middle of the step than at its end
+         drift(1) = dt**2*(g(1, 1)*w(1) + g(1, 2)*w(2) + g(1, 3)*w(3))
+         drift(2) = dt**2*(g(2, 2)*w(2) + g(2, 3)*w(3))
+         drift(3) = dt**2*g(3, 3)*w(3)
       end associate
+      way = dt*w - 0.5_wp*drift
       apart = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
-      turn = grains%spin(:, i)*arm_i + grains%spin(:, j)*arm_j
-      slide = dt*(w - apart*n - cross(turn, n))
+      lever = grains%spin(:, i)*arm_i + grains%spin(:, j)*arm_j
+      slide = dt*(w - apart*n - cross(lever, n))
       ! velocities are those in the middle of the step; the forces of its start lead to its end
       w = w + 0.5_wp*dt*(grains%force(:, j)/grains%mass(j) - grains%force(:, i)/grains%mass(i))
       at_end = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
       former = history(overlap)
       if (.not. former > 0.0_wp) then
-         former = depth + apart*dt
+         former = dot_product(way, n)
+         former = depth + former - 0.5_wp*(dot_product(way, way) - former**2)/distance
          history(birth_time) = time
          history(birth_strain) = box%strain
       end if
@@ -98,9 +108,6 @@ contains
       former_spring = law%normal*history(factor)*max(former, 0.0_wp)
       history(dashpot_loss) = history(dashpot_loss) &
          + 0.5_wp*(history(dashpot) + damper)*(depth - former)
-      history(step_loss) = history(step_loss) &
-         + 0.5_wp*(former_spring + spring)*(depth - former) &
-         - law%stored*(spring*max(depth, 0.0_wp) - former_spring*max(former, 0.0_wp))
       ! the tangential force turns with the normal and about it, and keeps its length
       across = history(tangent:tangent + 2)
       kept = across(1)**2 + across(2)**2 + across(3)**2
@@ -113,8 +120,8 @@ contains
       former_stiff = law%tangential*history(factor)
       if (former_stiff > 0.0_wp) history(slip_loss) = history(slip_loss) &
          + 0.5_wp*kept/former_stiff
-      history(slip_loss) = history(slip_loss) - 0.5_wp*(across(1)*slide(1) &
-         + across(2)*slide(2) + across(3)*slide(3))
+      rubbed = 0.5_wp*dot_product(across, slide)
+      history(step_loss) = history(step_loss) + rubbed
       ! unloading keeps the share of the stiffness
       if (q < history(factor)) across = across*(q/history(factor))
       across = across - stiff*slide
@@ -125,10 +132,19 @@ contains
          history(slips) = 1.0_wp
       end if
       if (.not. touches) across = 0.0_wp
-      history(slip_loss) = history(slip_loss) - 0.5_wp*(across(1)*slide(1) &
-         + across(2)*slide(2) + across(3)*slide(3))
+      rubbed = rubbed + 0.5_wp*dot_product(across, slide)
+      history(slip_loss) = history(slip_loss) - rubbed
       if (stiff > 0.0_wp .and. touches) history(slip_loss) = history(slip_loss) &
          - 0.5_wp*(across(1)**2 + across(2)**2 + across(3)**2)/stiff
+      ! the rest of the work of both forces along the way of the step, (G.6); what the tangential
+      ! force of the end does is its slide, which is booked
+      from = (distance*n - way)*(1.0_wp/(distance + depth - former))
+      force = (former_spring + history(dashpot))*from + history(tangent:tangent + 2)
+      lever = dt*(lever - 0.5_wp*(former - depth)*turn)
+      history(step_loss) = history(step_loss) - law%stored*(spring*max(depth, 0.0_wp) &
+         - former_spring*max(former, 0.0_wp)) + 0.5_wp*((history(dashpot) + damper)*(former &
+         - depth) - dt*normal*apart - dot_product(force, way - 0.5_wp*drift) &
+         + dot_product(history(tangent:tangent + 2), cross(lever, from)))
       history(tangent:tangent + 2) = across
       history(overlap) = max(depth, 0.0_wp)
       history(dashpot) = damper

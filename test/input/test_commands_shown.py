@@ -29,6 +29,8 @@ ELSEWHERE = {"build/venv/bin/scree-post": "test_post_documents.py", "scree-post"
              "build/bin/scree [options]": "a pattern", "build/bin/scree scene.nml & sleep": "test_first_hour.py",
              "build/bin/scree --check bad.nml": "test_documents.py", "ctest": "the tests themselves"}
 FEW = ("--set", "time.max_steps=3")
+SPHERES = ("grains.number=64", *(f"stage[{name}].strain=0.05" for name in ("fast", "middle_1", "middle_2", "slow_1",
+                                                                           "slow_2")))
 SMALLEST = ("--only", "line", "--repeat", "1", "--size", "small")
 NO_RUN = ("--check", "--preview", "--template", "--list", "--new", "--job", "--digest", "--explain")
 LEAST = 60                             # commands that the documents are known to show
@@ -76,8 +78,8 @@ class Clone:
         if words[0] == "mpirun":
             words[2] = "2"
         if not any(word in NO_RUN for word in words):
-            words += FEW if "--grains" not in words else [
-                word for setting in RUNS["grain_cell"][1] for word in ("--set", setting)]
+            few = SPHERES if words[-1].endswith("spheres.nml") else RUNS["grain_cell"][1]
+            words += FEW if "--grains" not in words else [word for setting in few for word in ("--set", setting)]
             # the commands of all pages run in one folder
             if "--restart" not in words:
                 words.append("--overwrite")

@@ -54,9 +54,16 @@ def elastic(options, sheet, shape, solid, number, stiffness):
     sheet.below(f"{shape}: error of the energy over the energy", worst, 1e-4)
 
 
+def beyond_maxwell(e, d):
+    """Second Sonine coefficient of a gas that cools."""
+    return 16 * (1 - e) * (1 - 2 * e**2) / (9 + 24 * d + 8 * d * e - 41 * e + 30 * e**2 * (1 - e))
+
+
 def cooling(options, sheet, shape, solid, number, stiffness, duration):
     """Temperature of a gas that cools by collisions, P. K. Haff, J. Fluid Mech. 134 (1983) 401, with the time of
-    the kinetic theory of Enskog: 1/t_H = (1 - e^2)/(2 d) times the frequency of collisions of a grain."""
+    the kinetic theory of Enskog: 1/t_H = (1 - e^2)/(2 d) times the frequency of collisions of a grain, times
+    1 + 3 a/16 for velocities that are not those of Maxwell (T. P. C. van Noije, M. H. Ernst, Granular Matter 1
+    (1998) 57, quoted from memory): half a percent. Without it the spheres end 2.2 % beyond two standard errors."""
     restitution, d = 0.9, 2 if shape == "discs" else 3
     solid_volume = np.pi / 4 * DIAMETER**2 if d == 2 else np.pi / 6 * DIAMETER**3
     ratios = []
@@ -68,7 +75,7 @@ def cooling(options, sheet, shape, solid, number, stiffness, duration):
         temperature, time = temperature[1:], history["time"][1:] - history["time"][1]
         sphere = (2 * np.sqrt(np.pi) * DIAMETER if d == 2 else 4 * np.sqrt(np.pi) * DIAMETER**2)
         frequency = sphere * hard(shape, solid)[1] * solid / solid_volume * np.sqrt(temperature[0])
-        rate = (1 - restitution**2) / (2 * d) * frequency
+        rate = (1 - restitution**2) / (2 * d) * frequency * (1 + 3 / 16 * beyond_maxwell(restitution, d))
         ratios.append(temperature * (1 + rate * time)**2 / temperature[0])
     mean, error = np.mean(ratios, axis=0), np.std(ratios, axis=0, ddof=1) / np.sqrt(len(ratios))
     sheet.require((rate * time)[-1] > 1.0, f"{shape}: the gas has cooled, t/t_H = {(rate * time)[-1]}")
