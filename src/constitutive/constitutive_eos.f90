@@ -31,6 +31,8 @@ module constitutive_eos
       procedure :: start_energy => eos_start_energy  !! Energy of the reference state
       procedure :: detonates => eos_detonates        !! True for the products of an explosive
       procedure :: detonation => eos_detonation      !! Speed, and volume behind the front
+      !> Speed of the detonation that its constants have
+      procedure :: chapman_jouguet_speed => eos_chapman_jouguet_speed
    end type eos_t
 
    abstract interface
@@ -138,6 +140,13 @@ contains
       speed = 0.0_wp
       relative = 1.0_wp
    end subroutine eos_detonation
+
+   !> Speed of the Chapman-Jouguet state of the products [m/s].
+   pure real(wp) function eos_chapman_jouguet_speed(self) result(speed)
+      class(eos_t), intent(in) :: self
+
+      speed = 0.0_wp
+   end function eos_chapman_jouguet_speed
 
    !> Keep what the step did to the state that belongs to the equation of state, after `update`.
    pure subroutine eos_keep_state(self, state, deformation, first, last)

@@ -42,6 +42,7 @@ module eos_jwl
       procedure :: start_energy => jwl_start_energy  !! Chemical energy
       procedure :: detonates => jwl_detonates        !! It does
       procedure :: detonation => jwl_detonation      !! Speed, and volume behind the front
+      procedure :: chapman_jouguet_speed => jwl_chapman_jouguet_speed !! D of the constants
       procedure :: find_detonation => jwl_find_detonation !! Chapman-Jouguet state
    end type eos_jwl_t
 
@@ -278,4 +279,12 @@ contains
       speed = self%speed
       relative = self%detonated
    end subroutine jwl_detonation
+
+   !> Speed of the Chapman-Jouguet state of the constants [m/s].
+   pure real(wp) function jwl_chapman_jouguet_speed(self) result(speed)
+      class(eos_jwl_t), intent(in) :: self
+      real(wp) :: pressure, relative
+
+      call self%find_detonation(speed, pressure, relative)
+   end function jwl_chapman_jouguet_speed
 end module eos_jwl
