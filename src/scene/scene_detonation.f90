@@ -34,7 +34,7 @@ contains
       call schema%real("detonation", "speed", "of the detonation; without it detonation_speed "// &
          "of the material", unit="m/s", range="> 0")
       call schema%text("detonation", "material", "the only explosive that it lights; without it "// &
-         "all are", default="")
+         "all are")
       call schema%require("detonation", "point point2 normal")
       call schema%refer("detonation", "material", "material")
    end subroutine declare_detonation
@@ -150,7 +150,8 @@ contains
       logical :: lights, touches
       integer :: index, n
 
-      call group%get("material", only)
+      only = ""
+      if (group%given("material")) call group%get("material", only)
       lights = .false.
       touches = .false.
       do index = 1, size(simulation%materials)
