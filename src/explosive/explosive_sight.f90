@@ -140,17 +140,21 @@ contains
       end if
    end function first_plane
 
-   !> Is a point in an open cell, or on a face of one?
+   !> Is a point in an open cell, or on a face of one? On the face of the box what lies outside does
+   !! not count, else paths would run along it past all that touches it.
    pure logical function piece_is_open(map, point) result(open)
       type(sight_map_t), intent(in) :: map
       real(wp), intent(in) :: point(3)               !! In cells, 0.5 in inactive directions
       integer :: low(3), high(3), i, j, k
 
+      open = any(point < -slack .or. point > real(map%cells, wp) + slack)
+      if (open) return
       do k = 1, 3
-         low(k) = floor(max(-1.0_wp, min(real(map%cells(k), wp), point(k) - slack)))
-         high(k) = floor(max(-1.0_wp, min(real(map%cells(k), wp), point(k) + slack)))
+         low(k) = floor(point(k) - slack)
+         high(k) = floor(point(k) + slack)
       end do
-      open = .false.
+      low = max(low, 0)
+      high = min(high, map%cells - 1)
       do k = low(3), high(3)
          do j = low(2), high(2)
             do i = low(1), high(1)
