@@ -8,10 +8,11 @@ R. W. Gurney (BRL report 405, 1943): products with a linear velocity and an ener
     plate on an open charge  v = G/sqrt(((1 + 2 M/C)**3 + 1)/(6 (1 + M/C)) + M/C)
     tube                     v = G/sqrt(M/C + 1/2)
 G of composition B is 2.70 km/s in the handbook of Dobratz and Crawford and up to 2.80 in others. It is measured at an
-expansion of the products to 7 volumes (19 mm in the cylinder test of one inch); plates gain some per cent beyond it.
-So velocities at 7 volumes are held to G = 2.70 km/s and those at the end to 2.75, both within 3 %, which is the spread
-of the formulas against experiments. The plate: M/C = 1.14, 1356 m/s. The tube: copper of 2.6 mm around a charge of 25.4
-mm, lit along its axis. Convergence: velocities of half the cell size differ by less than 1 %.
+expansion of the products to 7 volumes (19 mm in the cylinder test of one inch); metal gains some per cent beyond it,
+which the formulas do not know. So velocities at 7 volumes are held to G = 2.70 km/s within 3 %, the spread of the
+formulas against experiments, and those at the end (11 to 15 volumes) must have grown, but to at most 3 % above the
+formula with 2.80. The plate: M/C = 1.14, 1356 m/s. The tube: copper of 2.6 mm around a charge of 25.4 mm, lit along its
+axis. Convergence: velocities of half the cell size differ by less than 1 %.
 """
 # tiers: smoke, full
 
@@ -59,7 +60,7 @@ TUBE = """
 &output  name='p'  kind='particles'  count=26  precision='double'  fields='velocity','volume','mass','material' /
 """
 DENSITY, EXPANSION = 1717.0, 7.0
-MEASURED, MIDDLE = 2700.0, 2750.0
+MEASURED, HIGHEST = 2700.0, 2800.0
 
 
 def plate_factor(ratio):
@@ -100,7 +101,8 @@ def main():
         coarse, fine = (drive(options, f"{name}_{n}", deck, cell) for n, cell in enumerate(cells))
         for result in (coarse, fine):
             sheet.near(f"{name} at 7 volumes", result[1], MEASURED * factor(result[0]), 0.03)
-            sheet.near(f"{name} at the end", result[2], MIDDLE * factor(result[0]), 0.03)
+            sheet.above(f"{name} at the end", result[2], result[1])
+            sheet.below(f"{name} at the end", result[2], 1.03 * HIGHEST * factor(result[0]))
             sheet.below(f"energy of the {name}", result[3], 1.0e-12)
         sheet.near(f"{name}, coarse against fine", coarse[2], fine[2], 0.01)
     sheet.end()
