@@ -6,6 +6,7 @@ module scene_burn_times
    use explosive_burn, only: never_burns
    use explosive_paths, only: detonation_paths_t
    use explosive_sight, only: cell_empty, cell_explosive, cell_other, sight_map_t
+   use particle_store, only: store_t
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -46,25 +47,17 @@ contains
       type(sight_map_t), intent(out) :: map
       integer(int64), allocatable :: content(:)
       real(wp) :: bounds(6)
-      integer :: place(3), index, tile, p, k, n
-      logical :: explosive
+      integer :: index, tile, k, n
 
-      associate (grid => simulation%space%grid)
-         bounds = -huge(1.0_wp)
-         do index = 1, size(simulation%stores)
-            if (.not. allocated(simulation%materials(index)%burn)) cycle
-            associate (store => simulation%stores(index))
-               do tile = 1, size(store%count)
-                  do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                     do k = 1, 3
-                        bounds(k) = max(bounds(k), -store%position(p, k))
-                        bounds(3 + k) = max(bounds(3 + k), store%position(p, k))
-                     end do
-                  end do
-               end do
-            end associate
+      bounds = -huge(1.0_wp)
+      do index = 1, size(simulation%stores)
+         if (.not. allocated(simulation%materials(index)%burn)) cycle
+         do tile = 1, size(simulation%stores(index)%count)
+            call widen(simulation%stores(index), tile, bounds)
          end do
-         call simulation%machine%communicator%maxima(bounds)
+      end do
+      call simulation%machine%communicator%maxima(bounds)
+      associate (grid => simulation%space%grid)
          map%active = grid%active
          map%spacing = grid%spacing
          map%lower = grid%lower
@@ -78,22 +71,46 @@ contains
       allocate (content(0:product(map%cells) - 1))
       content = cell_empty
       do index = 1, size(simulation%stores)
-         explosive = allocated(simulation%materials(index)%burn)
-         associate (store => simulation%stores(index))
-            do tile = 1, size(store%count)
-               do p = store%first(tile), store%first(tile) + store%count(tile) - 1
-                  place = map%cell_of([store%position(p, 1), store%position(p, 2), &
-                     store%position(p, 3)])
-                  if (any(place < 0 .or. place >= map%cells)) cycle
-                  n = place(1) + map%cells(1)*(place(2) + map%cells(2)*place(3))
-                  content(n) = min(content(n), merge(cell_explosive, cell_other, explosive))
-               end do
-            end do
-         end associate
+         do tile = 1, size(simulation%stores(index)%count)
+            call mark(simulation%stores(index), tile, map, merge(cell_explosive, cell_other, &
+               allocated(simulation%materials(index)%burn)), content)
+         end do
       end do
       call simulation%machine%communicator%least(content)
       call map%start(content)
    end subroutine draw_map
+
+   !> Widen a box by the particles of a tile.
+   pure subroutine widen(store, tile, bounds)
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile                    !! Its index
+      real(wp), intent(inout) :: bounds(6)           !! Lower corner times -1, upper corner [m]
+      integer :: p, k
+
+      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+         do k = 1, 3
+            bounds(k) = max(bounds(k), -store%position(p, k))
+            bounds(3 + k) = max(bounds(3 + k), store%position(p, k))
+         end do
+      end do
+   end subroutine widen
+
+   !> Mark the cells of the particles of a tile; explosive wins over what is none.
+   pure subroutine mark(store, tile, map, kind, content)
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile                    !! Its index
+      type(sight_map_t), intent(in) :: map
+      integer(int64), intent(in) :: kind             !! What the particles are
+      integer(int64), intent(inout) :: content(0:)   !! (cell) What it holds
+      integer :: place(3), p, n
+
+      do p = store%first(tile), store%first(tile) + store%count(tile) - 1
+         place = map%cell_of([store%position(p, 1), store%position(p, 2), store%position(p, 3)])
+         if (any(place < 0 .or. place >= map%cells)) cycle
+         n = place(1) + map%cells(1)*(place(2) + map%cells(2)*place(3))
+         content(n) = min(content(n), kind)
+      end do
+   end subroutine mark
 
    !> Burn times of the particles of one store: straight where they see what comes first, and
    !! around obstacles where they do not.

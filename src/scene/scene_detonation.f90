@@ -33,8 +33,8 @@ contains
       call schema%real("detonation", "time", "at which it is lit", unit="s", default="0")
       call schema%real("detonation", "speed", "of the detonation; without it detonation_speed "// &
          "of the material", unit="m/s", range="> 0")
-      call schema%text("detonation", "material", "the only explosive that it lights; without it "// &
-         "all are")
+      call schema%text("detonation", "material", "the only explosive that it lights; all "// &
+         "without it")
       call schema%require("detonation", "point point2 normal")
       call schema%refer("detonation", "material", "material")
    end subroutine declare_detonation

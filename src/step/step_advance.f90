@@ -85,7 +85,7 @@ contains
       end do
    end subroutine strain_before
 
-   !> Tell explosives the time of the stress that is found next.
+   !> Give explosives the time of the stress that is found next.
    subroutine set_burn_clock(simulation, time)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: time                   !! [s]

@@ -5,8 +5,8 @@ Would catch: a front that does not run at the speed of detonation, a burn that d
 state, products that do not expand along their isentrope, chemical energy that is lost or counted twice, burn times
 that depend on ranks or are lost by a restart.
 
-The flow is self-similar in x/t (G. I. Taylor, Proc. R. Soc. A 200 (1950) 235); the reference of test/support/detonation.py
-is from the constants alone. The front is where the pressure first exceeds half of that of the Chapman-Jouguet state,
+The flow is self-similar in x/t (G. I. Taylor, Proc. R. Soc. A 200 (1950) 235); the reference of
+test/support/detonation.py is from the constants alone. The front is where the pressure first exceeds half of that of the Chapman-Jouguet state,
 its speed from two times. Errors are means over the tube of the difference to Taylor's wave.
 
 Limits: speed 0.1 %. Pressure of the products at rest behind the wave 0.5 %. Errors of pressure and velocity 3 % of the
