@@ -5,8 +5,8 @@
 !!    p = A (1 - w/(R1 V)) exp(-R1 V) + B (1 - w/(R2 V)) exp(-R2 V) + w E/V.
 !!
 !! E. L. Lee, H. C. Hornig, J. W. Kury, "Adiabatic expansion of high explosive detonation products",
-!! UCRL-50422, 1968. Material of it holds its chemical energy E0 from the start. Equations (X.1) to
-!! (X.6) of doc/theory/explosives.md.
+!! UCRL-50422, 1968. Material of it holds its chemical energy E0 from the start. Equations (X.1),
+!! (X.2), (X.3), (X.4), (X.5) and (X.6) of doc/theory/explosives.md.
 module eos_jwl
    use base_deck_group, only: group_t
    use base_elementary, only: exponential, take_exponentials
@@ -188,8 +188,8 @@ contains
    end subroutine find_state
 
    !> Chapman-Jouguet state: where the line of Rayleigh from the explosive at rest touches the
-   !! Hugoniot of the products, D is least and D - u is the speed of sound. Equations (X.4) to
-   !! (X.6). The root is bracketed by states of strong and of weak detonations.
+   !! Hugoniot of the products, D is least and D - u is the speed of sound. Equations (X.4), (X.5)
+   !! and (X.6). The root is bracketed by states of strong and of weak detonations.
    pure subroutine jwl_find_detonation(self, speed, pressure, relative)
       class(eos_jwl_t), intent(in) :: self
       real(wp), intent(out) :: speed                 !! D [m/s]
@@ -229,8 +229,7 @@ contains
          + share*eos%chemical)/(1.0_wp - 0.5_wp*share*(1.0_wp - relative))
    end function hugoniot_pressure
 
-   !> Grueneisen number w times density at the middle of the step. Equation (A.13) of
-   !! doc/theory/matter.md.
+   !> Grueneisen number w times density at the middle of the step: (X.3).
    pure subroutine jwl_find_gruneisen(self, state, deformation, first, last)
       class(eos_jwl_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Programmed burn: the pressure of an explosive is that of its products times the fraction that
-!! has burnt, which grows from the time at which a detonation reaches it. Equations (X.7) to (X.9)
-!! of doc/theory/explosives.md.
+!! has burnt, which grows from the time at which a detonation reaches it. Equations (X.7),
+!! (X.8) and (X.9) of doc/theory/explosives.md.
 module explosive_burn
    use base_deck_group, only: group_t
    use base_kinds, only: wp

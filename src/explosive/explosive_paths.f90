@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Times at which detonations arrive: straight to what they see, and around what is no explosive on
-!! shortest paths with bends at the corners of cells. Equations (X.10) to (X.12) of
-!! doc/theory/explosives.md.
+!! shortest paths with bends at the corners of cells. Equations (X.10), (X.11) and
+!! (X.12) of doc/theory/explosives.md.
 !!
 !! Each corner of a cell knows the last bend of its path. A neighbour that sees this bend continues
 !! from it, else from the corner itself, so straight parts are straight and not along the grid (A.

@@ -34,7 +34,7 @@ contains
    pure subroutine sight_map_start(self, content)
       class(sight_map_t), intent(inout) :: self      !! Corner, spacing and counts are set
       integer(int64), intent(in) :: content(0:)      !! (cell) What it holds
-      integer :: i, j, k, n, direction, side, place(3)
+      integer :: i, j, k, n
 
       allocate (self%open(0:size(content) - 1))
       self%open = content == cell_explosive
@@ -43,20 +43,29 @@ contains
          do j = 0, self%cells(2) - 1
             do i = 0, self%cells(1) - 1
                n = n + 1
-               if (content(n) /= cell_empty) cycle
-               do direction = 1, 3
-                  do side = -1, 1, 2
-                     place = [i, j, k]
-                     place(direction) = place(direction) + side
-                     if (any(place < 0 .or. place >= self%cells)) cycle
-                     self%open(n) = self%open(n) .or. content(number_of(self, place)) == &
-                        cell_explosive
-                  end do
-               end do
+               if (content(n) == cell_empty) self%open(n) = has_neighbour(self, content, [i, j, k])
             end do
          end do
       end do
    end subroutine sight_map_start
+
+   !> Does a cell beside a face of this one hold explosive?
+   pure logical function has_neighbour(map, content, place) result(has)
+      type(sight_map_t), intent(in) :: map
+      integer(int64), intent(in) :: content(0:)      !! (cell) What it holds
+      integer, intent(in) :: place(3)                !! From 0
+      integer :: beside(3), direction, side
+
+      has = .false.
+      do direction = 1, 3
+         do side = -1, 1, 2
+            beside = place
+            beside(direction) = place(direction) + side
+            if (any(beside < 0 .or. beside >= map%cells)) cycle
+            has = has .or. content(number_of(map, beside)) == cell_explosive
+         end do
+      end do
+   end function has_neighbour
 
    !> Number of a cell from its place.
    pure integer function number_of(map, place) result(number)

@@ -20,7 +20,7 @@ module io_fields
       "viscous_pressure", "energy", "temperature", "plastic_strain", &
       "equivalent_strain", "inertial_number", "damage", "failed", "deformation_gradient", &
       "plastic_dilation", "distension", "scatter", "overload", "bulking", "solid_fraction", &
-      "bond", "extent", "domain", "affine", "spin", "fragment", "burn_time"]
+      "bond", "extent", "domain", "affine", "spin", "burn_time", "fragment"]
    !> Fields of "default", if particles have them.
    character(len=field_name_length), parameter :: usual_names(12) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &

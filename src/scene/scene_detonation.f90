@@ -135,7 +135,7 @@ contains
       detonator%other = merge(detonator%other, 0.0_wp, grid%active)
       if (detonator%shape == detonator_plane .and. group%known("normal") .and. .not. &
          any(abs(detonator%other) > 0.0_wp)) call deck%complain(group, &
-         "normal must not be 0 along the directions of the scene", "normal")
+         "a plane needs a normal along the directions of the scene", "normal")
    end subroutine read_detonator
 
    !> Add a detonation to the explosives that it lights.

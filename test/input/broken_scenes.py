@@ -80,7 +80,7 @@ CONTRADICTIONS = [
     ("charge", "preset = 'tnt'", "preset = 'tnt'  jwl_r2 = 5", 4,
      "&material 'high': jwl_r1 must be above jwl_r2; jwl_a and jwl_r1 are the term of high pressure"),
     ("charge", "normal = 1 0 0", "normal = 0 1 0", 11,
-     "&detonation: normal must not be 0 along the directions of the scene"),
+     "&detonation: a plane needs a normal along the directions of the scene"),
     ("charge", "normal = 1 0 0", "normal = 1 0 0  material = 'metal'", 11,
      "&detonation: lights no explosive; write eos_model = 'jwl' in the &material that burns, or remove the group"),
     ("charge", "  normal = 1 0 0", "", 11, "&detonation: normal must be given (direction across a plane)"),

@@ -6,8 +6,8 @@ state, products that do not expand along their isentrope, chemical energy that i
 that depend on ranks or are lost by a restart.
 
 The flow is self-similar in x/t (G. I. Taylor, Proc. R. Soc. A 200 (1950) 235); the reference of
-test/support/detonation.py is from the constants alone. The front is where the pressure first exceeds half of that of the Chapman-Jouguet state,
-its speed from two times. Errors are means over the tube of the difference to Taylor's wave.
+test/support/detonation.py is from the constants alone. The front is where the pressure first exceeds half of that of
+the Chapman-Jouguet state, its speed from two times. Errors are means over the tube of the difference to Taylor's wave.
 
 Limits: speed 0.1 %. Pressure of the products at rest behind the wave 0.5 %. Errors of pressure and velocity 3 % of the
 state behind the front with 200 cells and at most 0.65 of it a doubling, as the front is smeared over cells (order 1).
