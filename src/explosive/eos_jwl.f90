@@ -168,7 +168,7 @@ contains
          wave_speed(i) = max(0.0_wp, relative*relative/eos%density*( &
             first_term*(eos%r1 - share - share/(eos%r1*relative)) &
             + second_term*(eos%r2 - share - share/(eos%r2*relative)) &
-            + hot/relative + share*pressure(i)))
+            + hot/relative + merge(share*pressure(i), 0.0_wp, energy(k) >= 0.0_wp)))
       end do
    end subroutine product_pressure
 

@@ -47,6 +47,7 @@ contains
       self%state%volume = self%volume
       self%state%mass = chain%density*self%volume
       call chain%start(self%state, 1, 1, self%temperature)
+      if (chain%start_energy() > 0.0_wp) call chain%find_rest_stress(self%state, 1, 1)
       self%deformation%gradient = 0.0_wp
       self%deformation%wave_speed(1) = chain%signal_speed(self%state, 1, 1)
       select case (self%path)

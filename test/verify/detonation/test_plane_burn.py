@@ -78,6 +78,17 @@ def burn(options, cells):
     return result
 
 
+def slowest(options):
+    """Least speed of the shocks of `--point`: that of the detonation by the constants."""
+    deck = """&effects  strength=.false. /
+&material  name='tnt'  preset='tnt' /
+&point  path='hugoniot'  speed=4000  steps=400 /
+"""
+    run = case.Case(options, "states", deck).run("--point", "-q")
+    table = np.genfromtxt(run.path("_point.csv"), delimiter=",", names=True)
+    return table["shock_speed"].min()
+
+
 def main():
     """Two resolutions, and the same bits on two ranks and after a restart."""
     options = case.arguments()
@@ -90,6 +101,7 @@ def main():
         sheet.below(f"greatest pressure, {cells} cells", result["peak"], 1.01)
         sheet.below(f"energy, {cells} cells", result["energy"], 1.0e-12)
         sheet.below(f"burn times in metres, {cells} cells", result["times"], 1.0e-12)
+    sheet.near("least speed of shocks of one point", slowest(options), detonation.TNT.detonation()[0], 1.0e-5)
     sheet.near("chemical energy at the start", fine["chemical"], 1.0, 1.0e-12)
     sheet.require(fine["still"] == 0.0, "the explosive has no pressure before the burn")
     for name in ("pressure", "velocity"):
