@@ -45,6 +45,7 @@ module material_models
       procedure :: start => models_start             !! Initial state of particles
       procedure :: draw_strength => models_draw_strength       !! Random strength of particles
       procedure :: start_energy => models_start_energy !! Internal energy at the start
+      procedure :: is_gas_of_explosive => models_is_gas_of_explosive !! Products of a detonation
       procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
       procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress
       procedure :: has => models_has                 !! True if an effect is on
@@ -158,6 +159,14 @@ contains
       energy = 0.0_wp
       if (allocated(self%eos)) energy = self%eos%start_energy()
    end function models_start_energy
+
+   !> True for the products of an explosive, which neither melt nor have strength.
+   pure logical function models_is_gas_of_explosive(self) result(is_gas)
+      class(models_t), intent(in) :: self
+
+      is_gas = .false.
+      if (allocated(self%eos)) is_gas = self%eos%detonates()
+   end function models_is_gas_of_explosive
 
    !> Random strength of new particles. Their mass is known, and the strength depends on their
    !! identity.
