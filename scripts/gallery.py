@@ -67,12 +67,12 @@ def run(options):
 
 
 def section(folder):
-    """Title, first paragraph, pictures and first figures of a scene, and a link to it."""
+    """Title, first paragraph in one line, pictures and first figures of a scene, and a link to it."""
     text = (folder / "README.md").read_text(encoding="utf-8")
     paragraphs = [part.strip() for part in text.split("\n\n")]
     title = paragraphs[0].removeprefix("# ")
     lines = [f"## {title}", re.sub(r"\]\((?!http)([^)]+)\)", lambda link: relink(folder, link[1]),
-                                   paragraphs[1])]
+                                   re.sub(r"\n(?![|*-])", " ", paragraphs[1]))]
     lines += [f"![{words}](../{(folder / place).resolve().relative_to(ROOT)})"
               for words, place in PICTURE.findall(text)]
     found = FIGURES.search(text)

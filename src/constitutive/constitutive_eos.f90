@@ -28,6 +28,11 @@ module constitutive_eos
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => eos_find_gruneisen !! Grueneisen number times density
       procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
+      procedure :: start_energy => eos_start_energy  !! Energy of the reference state
+      procedure :: detonates => eos_detonates        !! True for the products of an explosive
+      procedure :: detonation => eos_detonation      !! Speed, and volume behind the front
+      !> Speed of the detonation that its constants have
+      procedure :: chapman_jouguet_speed => eos_chapman_jouguet_speed
    end type eos_t
 
    abstract interface
@@ -111,6 +116,37 @@ contains
 
       deformation%gruneisen(:last - first + 1) = 0.0_wp
    end subroutine eos_find_gruneisen
+
+   !> Internal energy of the reference state [J/kg].
+   pure real(wp) function eos_start_energy(self) result(energy)
+      class(eos_t), intent(in) :: self
+
+      energy = 0.0_wp
+   end function eos_start_energy
+
+   !> True if the equation of state is that of the products of an explosive.
+   pure logical function eos_detonates(self) result(does)
+      class(eos_t), intent(in) :: self
+
+      does = .false.
+   end function eos_detonates
+
+   !> Speed of a detonation, and the relative volume behind it.
+   pure subroutine eos_detonation(self, speed, relative)
+      class(eos_t), intent(in) :: self
+      real(wp), intent(out) :: speed                           !! [m/s]
+      real(wp), intent(out) :: relative                        !! [1]
+
+      speed = 0.0_wp
+      relative = 1.0_wp
+   end subroutine eos_detonation
+
+   !> Speed of the Chapman-Jouguet state of the products [m/s].
+   pure real(wp) function eos_chapman_jouguet_speed(self) result(speed)
+      class(eos_t), intent(in) :: self
+
+      speed = 0.0_wp
+   end function eos_chapman_jouguet_speed
 
    !> Keep what the step did to the state that belongs to the equation of state, after `update`.
    pure subroutine eos_keep_state(self, state, deformation, first, last)

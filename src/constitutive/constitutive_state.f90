@@ -30,6 +30,7 @@ module constitutive_state
       real(wp), allocatable :: stress(:, :)          !! Cauchy stress with viscous part (:, 6) [Pa]
       real(wp), allocatable :: viscous_pressure(:)   !! Artificial viscosity, part of stress [Pa]
       real(wp), allocatable :: energy(:)             !! Internal energy per mass [J/kg]
+      real(wp), allocatable :: burn_time(:)          !! At which a detonation reaches it [s]
       real(wp), allocatable :: temperature(:)        !! [K]
       real(wp), allocatable :: plastic_strain(:)     !! Equivalent plastic strain [1]
       real(wp), allocatable :: plastic_dilation(:)   !! Logarithm of volume gained by shear [1]
@@ -113,6 +114,7 @@ contains
       if (allocated(self%viscous_pressure)) &
          call worker%scalar("viscous_pressure", "Pa", self%viscous_pressure)
       if (allocated(self%energy)) call worker%scalar("energy", "J/kg", self%energy)
+      if (allocated(self%burn_time)) call worker%scalar("burn_time", "s", self%burn_time)
       if (allocated(self%temperature)) call worker%scalar("temperature", "K", self%temperature)
       if (allocated(self%plastic_strain)) &
          call worker%scalar("plastic_strain", "1", self%plastic_strain)

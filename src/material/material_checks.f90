@@ -91,6 +91,9 @@ contains
       if (allocated(material%eos)) then
          fault = material%eos%fault(group)
          if (len(fault) > 0) call deck%complain(group, fault)
+         if (material%is_gas_of_explosive() .and. allocated(material%law)) call deck%complain(group, &
+            "the products of an explosive are a gas without strength; write elastic = 'none'", &
+            "elastic")
       end if
       if (allocated(material%law) .and. .not. effects%eos) then
          if (material%law%needs_eos()) call deck%complain(group, &
@@ -124,7 +127,10 @@ contains
       type(deck_t), intent(inout) :: deck
       real(wp) :: reference, melting
 
-      if (group%given("t_melt")) then
+      if (material%is_gas_of_explosive()) then
+         if (group%given("t_melt")) call deck%complain(group, "t_melt is not used by the "// &
+            "products of an explosive, which are a gas; remove it", "t_melt")
+      else if (group%given("t_melt")) then
          if (.not. (group%known("t_melt") .and. group%known("t_ref"))) return
          call group%get("t_melt", melting)
          call group%get("t_ref", reference)

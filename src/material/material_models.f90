@@ -8,6 +8,7 @@ module material_models
    use constitutive_heat, only: heat_t
    use constitutive_law, only: law_t
    use constitutive_state, only: material_state_t
+   use explosive_burn, only: burn_t, burnt_before
    use material_failed, only: failure_t
    use material_record, only: record_t
    use material_stages, only: effect_damage, effect_eos, effect_strength, effect_thermal, &
@@ -36,12 +37,15 @@ module material_models
       type(record_t) :: record                       !! Fields that outputs request
       type(heat_t), allocatable :: heat              !! Temperature follows the work
       real(wp), allocatable :: melting               !! Fluid from this temperature [K]
+      type(burn_t), allocatable :: burn              !! Detonations light it
    contains
       procedure :: field_requests => models_field_requests !! Requested fields, with reasons
       procedure :: allocate_state => models_allocate_state !! Allocates these fields
       procedure :: carries_energy => models_carries_energy !! True if it has an internal energy
       procedure :: start => models_start             !! Initial state of particles
       procedure :: draw_strength => models_draw_strength       !! Random strength of particles
+      procedure :: start_energy => models_start_energy !! Internal energy at the start
+      procedure :: is_gas_of_explosive => models_is_gas_of_explosive !! Products of a detonation
       procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
       procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress
       procedure :: has => models_has                 !! True if an effect is on
@@ -65,6 +69,7 @@ contains
       if (allocated(self%law)) call self%law%request(requests)
       if (allocated(self%damage)) call self%damage%request(requests)
       if (allocated(self%voids)) call requests%add("solid_fraction", "voids", 1)
+      if (allocated(self%burn)) call requests%add("burn_time", "detonation", 1)
       if (allocated(self%heat)) call requests%add("temperature", "thermal effect", 1)
       if (allocated(self%failure%fracture)) then
          call requests%add("damage", "failure", 1)
@@ -99,6 +104,7 @@ contains
       allocate (state%mass(n), state%volume(n), state%stress(n, 6))
       if (requests%has("viscous_pressure")) allocate (state%viscous_pressure(n))
       if (requests%has("energy")) allocate (state%energy(n))
+      if (requests%has("burn_time")) allocate (state%burn_time(n))
       if (requests%has("temperature")) allocate (state%temperature(n))
       if (requests%has("plastic_strain")) allocate (state%plastic_strain(n))
       if (requests%has("plastic_dilation")) allocate (state%plastic_dilation(n))
@@ -124,7 +130,8 @@ contains
 
       state%stress(first:last, :) = 0.0_wp
       if (allocated(state%viscous_pressure)) state%viscous_pressure(first:last) = 0.0_wp
-      if (allocated(state%energy)) state%energy(first:last) = 0.0_wp
+      if (allocated(state%energy)) state%energy(first:last) = self%start_energy()
+      if (allocated(state%burn_time)) state%burn_time(first:last) = burnt_before
       if (allocated(state%temperature)) state%temperature(first:last) = temperature
       if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = 0.0_wp
       if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
@@ -144,6 +151,22 @@ contains
          0.0_wp
       if (allocated(state%failed)) state%failed(first:last) = 0
    end subroutine models_start
+
+   !> Internal energy of material at the start [J/kg]: an explosive holds its chemical energy.
+   pure real(wp) function models_start_energy(self) result(energy)
+      class(models_t), intent(in) :: self
+
+      energy = 0.0_wp
+      if (allocated(self%eos)) energy = self%eos%start_energy()
+   end function models_start_energy
+
+   !> True for the products of an explosive, which neither melt nor have strength.
+   pure logical function models_is_gas_of_explosive(self) result(is_gas)
+      class(models_t), intent(in) :: self
+
+      is_gas = .false.
+      if (allocated(self%eos)) is_gas = self%eos%detonates()
+   end function models_is_gas_of_explosive
 
    !> Random strength of new particles. Their mass is known, and the strength depends on their
    !! identity.

@@ -47,6 +47,7 @@ contains
       self%state%volume = self%volume
       self%state%mass = chain%density*self%volume
       call chain%start(self%state, 1, 1, self%temperature)
+      if (chain%start_energy() > 0.0_wp) call chain%find_rest_stress(self%state, 1, 1)
       self%deformation%gradient = 0.0_wp
       self%deformation%wave_speed(1) = chain%signal_speed(self%state, 1, 1)
       select case (self%path)
@@ -200,7 +201,8 @@ contains
             ratio = 0.5_wp*(low + high)
             call point%start(chain)
             point%state%volume = point%volume*ratio
-            if (allocated(point%state%energy)) point%state%energy = 0.5_wp*speed**2
+            if (allocated(point%state%energy)) point%state%energy = &
+               chain%start_energy() + 0.5_wp*speed**2
             call chain%find_rest_stress(point%state, 1, 1)
             pressure = -sum(point%state%stress(1, 1:3))/3.0_wp
             if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then

@@ -45,6 +45,10 @@ contains
       call read_moduli(self, group)
       call read_models(self, group, effects, deck%group("method"))
       call read_failure(self, group, effects, deck%group("run"))
+      if (deck%count("detonation") > 0 .and. self%is_gas_of_explosive()) then
+         allocate (self%burn)
+         call self%burn%read(group, self%eos)
+      end if
       if (allocated(self%failure%softening) .and. .not. self%bulk > 0.0_wp) &
          call deck%complain(group, "fracture_energy needs an eos_model with a bulk modulus at "// &
          "rest; a gas does not crack", "fracture_energy")
@@ -131,7 +135,8 @@ contains
          if (group%given("conductivity")) &
             call group%get("conductivity", material%heat%conductivity)
       end if
-      if (effects%melting .and. .not. material%has_whole_stress()) then
+      if (effects%melting .and. .not. (material%has_whole_stress() .or. &
+         material%is_gas_of_explosive())) then
          allocate (material%melting)
          call group%get("t_melt", material%melting)
       end if

@@ -255,6 +255,8 @@ contains
          call self%voids%to_total_volume(state, deformation, first, last)
       else if (allocated(self%eos)) then
          call self%eos%update(state, deformation, first, last)
+         if (allocated(self%burn)) call self%burn%apply(first, last, state%burn_time, &
+            state%mass, state%volume, deformation%pressure)
          call add_bulking(state, deformation, first, last)
          call self%eos%keep_state(state, deformation, first, last)
       else if (self%bulk_in_rate_form()) then

@@ -397,7 +397,8 @@ contains
             state%mass = material%density
             state%volume = 1.0_wp
             call material%start(state, 1, 1, bodies(n)%temperature)
-            if (allocated(state%energy)) state%energy = bodies(n)%energy
+            if (bodies(n)%energy > 0.0_wp .and. allocated(state%energy)) &
+               state%energy = bodies(n)%energy
             fastest = max(fastest, material%signal_speed(state, 1, 1) + norm2(bodies(n)%velocity))
             if (allocated(material%heat)) diffusivity = max(diffusivity, &
                material%heat%conductivity/(material%density*material%heat%specific_heat))

@@ -6,6 +6,7 @@ module scene_deck_schema
    use scene_bodies, only: declare_body
    use scene_boundary, only: declare_boundary
    use scene_contact, only: declare_contact
+   use scene_detonation, only: declare_detonation
    use scene_effects, only: declare_effects
    use scene_exact, only: declare_exact
    use scene_grid, only: declare_grid
@@ -42,6 +43,7 @@ contains
       call declare_boundary(schema)
       call declare_contact(schema)
       call declare_load(schema)
+      call declare_detonation(schema)
       call declare_exact(schema)
       call declare_parallel(schema)
    end subroutine declare_deck

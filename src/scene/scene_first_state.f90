@@ -5,6 +5,7 @@
 module scene_first_state
    use base_error, only: error_t
    use particle_fill, only: body_t
+   use scene_burn_times, only: light_explosives
    use scene_exact_start, only: place_exact, strain_exact
    use scene_lithostatic, only: add_weight_stress
    use scene_particles, only: fill_simulation, first_step, spin_bodies, survey_t
@@ -33,6 +34,7 @@ contains
       call fill_simulation(simulation, bodies, survey)
       call read_point_fields(simulation, bodies, shapes, error)
       if (allocated(error)) return
+      call light_explosives(simulation)
       call spin_bodies(simulation, bodies)
       call add_formula_velocities(simulation, bodies, error)
       if (allocated(error)) return

@@ -216,7 +216,7 @@ contains
          do p = 1, n
             body = body_of(bodies, store%identity(first + p - 1))
             call material%start(trial, p, p, bodies(body)%temperature)
-            if (allocated(trial%energy)) trial%energy(p) = bodies(body)%energy
+            if (bodies(body)%energy > 0.0_wp) trial%energy(p) = bodies(body)%energy
          end do
          call material%find_rest_stress(trial, 1, n)
          value = -(trial%stress(:, xx) + trial%stress(:, yy) + trial%stress(:, zz))/3.0_wp

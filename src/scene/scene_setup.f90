@@ -12,6 +12,7 @@ module scene_setup
    use scene_bodies, only: read_bodies
    use scene_boundary, only: read_boundaries, read_walls
    use scene_contact, only: read_contact
+   use scene_detonation, only: read_detonations
    use scene_effects, only: read_effects
    use scene_exact, only: read_exact
    use scene_grid, only: check_periodic, coarsen, read_grid, tile_edge
@@ -81,6 +82,8 @@ contains
       if (.not. is_sound(deck)) return
       call read_exact(deck, simulation, bodies)
       if (.not. is_sound(deck)) return
+      call read_detonations(deck, simulation, bodies)
+      if (.not. is_sound(deck)) return
       call check_clocks(deck, simulation, bodies, shapes)
       call prepare_simulation(simulation)
       traits%body = size(bodies) > 1
@@ -95,8 +98,9 @@ contains
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
       type(deck_t), intent(in) :: deck
-      character(len=8), parameter :: groups(11) = [character(len=8) :: "load", "run", "grid", &
-         "method", "effects", "boundary", "material", "region", "body", "contact", "exact"]
+      character(len=10), parameter :: groups(12) = [character(len=10) :: "load", "run", "grid", &
+         "method", "effects", "boundary", "material", "region", "body", "contact", "exact", &
+         "detonation"]
       integer :: n
 
       sound = .true.

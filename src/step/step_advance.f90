@@ -53,6 +53,7 @@ contains
       end do
       call move_all_nodes(simulation, dt, error)
       if (allocated(error)) return
+      call set_burn_clock(simulation, simulation%clock%time + dt)
       if (allocated(simulation%effects%conduction)) call conduct_heat(simulation, dt)
       if (simulation%scheme%method%heat_flux > 0.0_wp) call add_artificial_heat_flux(simulation, dt)
       do n = 1, size(simulation%fields)
@@ -78,6 +79,8 @@ contains
       ! time for which positions have moved already with the velocity before the step
       moved = merge(simulation%clock%dt, dt, simulation%scheme%method%leapfrog)
       if (.not. moved > 0.0_wp) return
+      call set_burn_clock(simulation, simulation%clock%time + merge(0.0_wp, dt, &
+         simulation%scheme%method%leapfrog))
       do n = 1, size(simulation%fields)
          call find_forces(simulation, simulation%fields(n))
          call move_nodes(simulation, simulation%fields(n), 0.0_wp)
@@ -85,6 +88,17 @@ contains
             moved)
       end do
    end subroutine strain_before
+
+   !> Give explosives the time of the stress that is found next.
+   subroutine set_burn_clock(simulation, time)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp), intent(in) :: time                   !! [s]
+      integer :: n
+
+      do n = 1, size(simulation%materials)
+         if (allocated(simulation%materials(n)%burn)) simulation%materials(n)%burn%time = time
+      end do
+   end subroutine set_burn_clock
 
    !> Particles to nodes: mass, momentum and force, with the stress of the dual gradient.
    subroutine find_forces(simulation, field)

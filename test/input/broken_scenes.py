@@ -75,6 +75,20 @@ CONTRADICTIONS = [
     ("plain", "poisson = 0.3 /", "poisson = 0.3 specific_heat = 900 conductivity = 200 /\n"
      "&effects contact = T thermal = T /", 6,
      "&effects: contact = .true. does not go with the conductivity of material 'metal', whose"),
+    ("charge", "preset = 'tnt'", "preset = 'tnt'  elastic = 'isotropic'  shear = 1e9", 4,
+     "&material 'high': the products of an explosive are a gas without strength; write elastic = 'none'"),
+    ("charge", "&material name = 'high'  preset = 'tnt'",
+     "&effects thermal = T /\n&material name = 'high'  preset = 'tnt'  t_melt = 900", 5,
+     "&material 'high': t_melt is not used by the products of an explosive, which are a gas; remove it"),
+    ("charge", "preset = 'tnt'", "preset = 'tnt'  jwl_r2 = 5", 4,
+     "&material 'high': jwl_r1 must be above jwl_r2; jwl_a and jwl_r1 are the term of high pressure"),
+    ("charge", "normal = 1 0 0", "normal = 0 1 0", 11,
+     "&detonation: a plane needs a normal along the directions of the scene"),
+    ("charge", "normal = 1 0 0", "normal = 1 0 0  material = 'metal'", 11,
+     "&detonation: lights no explosive; write eos_model = 'jwl' in the &material that burns, or remove the group"),
+    ("charge", "  normal = 1 0 0", "", 11, "&detonation: normal must be given (direction across a plane)"),
+    ("charge", "shape = 'plane'  point = 0 0 0  normal = 1 0 0", "shape = 'sphere'  point = 0 0 0", 11,
+     "&detonation: shape = 'sphere' is none of: point line plane"),
 ]
 
 # Keys without what they belong to.
@@ -383,6 +397,13 @@ RARE = [
 
 # What is allowed but hardly meant: the same rows, with the warning.
 WARNINGS = [
+    ("charge", "&detonation shape = 'plane'  point = 0 0 0  normal = 1 0 0 /", "", 4,
+     "&material 'high': is an explosive that no &detonation lights: it starts as hot products under their full "
+     "pressure; write a &detonation with the point where it begins"),
+    ("charge", "preset = 'tnt'", "preset = 'tnt'  detonation_speed = 8000", 4,
+     "&material 'high': detonation_speed = 8000 m/s, but the constants jwl_* have a detonation of 6927.81 m/s"),
+    ("charge", "shape = 'plane'  point = 0 0 0  normal = 1 0 0", "point = 0.5 0 0.6", 11,
+     "&detonation: lies outside of every explosive, more than a cell from the box around it; it lights what it sees"),
     ("plain", "density = 2700", "density = 2.7", 4,
      "&material 'metal': density = 2.7 kg/m3 is lighter than polystyrene; is &units missing?"),
     ("plain", "density = 2700", "density = 2.7e6", 4, "is heavier than osmium; is &units missing?"),

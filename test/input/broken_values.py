@@ -42,6 +42,18 @@ DECKS = {
 &boundary face = 'zlo'  type = 'friction'  friction = 0.5 /
 &output name = 'energy'  kind = 'history'  every = 20 /
 """,
+    "charge": """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
+&time t_end = 1e-5 /
+&material name = 'high'  preset = 'tnt' /
+&material name = 'metal'  density = 2700
+  young = 70e9  poisson = 0.3 /
+&region name = 'low'  shape = 'box'  lo = 0 0 0  hi = 1 0.1 0.4 /
+&region name = 'top'  shape = 'box'  lo = 0 0 0.4  hi = 1 0.1 0.6 /
+&body name = 'charge'  region = 'low'  material = 'high' /
+&body name = 'plate'  region = 'top'  material = 'metal' /
+&detonation shape = 'plane'  point = 0 0 0  normal = 1 0 0 /
+""",
 }
 
 # Kinds of values.

@@ -25,7 +25,7 @@ import scree_scene  # noqa: E402
 import tier         # noqa: E402
 from scree_post import PostError, study  # noqa: E402
 
-SHORT = ("cell_crossing", "taylor_copper", "two_discs")    # the others take minutes
+SHORT = ("cell_crossing", "driven_plate", "taylor_copper", "two_discs")    # the others take minutes
 
 
 def check(options, sheet, scene):
