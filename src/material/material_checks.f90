@@ -91,9 +91,9 @@ contains
       if (allocated(material%eos)) then
          fault = material%eos%fault(group)
          if (len(fault) > 0) call deck%complain(group, fault)
-         if (material%is_gas_of_explosive() .and. allocated(material%law)) call deck%complain(group, &
-            "the products of an explosive are a gas without strength; write elastic = 'none'", &
-            "elastic")
+         if (material%is_gas_of_explosive() .and. allocated(material%law)) &
+            call deck%complain(group, "the products of an explosive are a gas without "// &
+            "strength; write elastic = 'none'", "elastic")
       end if
       if (allocated(material%law) .and. .not. effects%eos) then
          if (material%law%needs_eos()) call deck%complain(group, &
