@@ -4,7 +4,8 @@ module grains_path
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
-   use grains_cell, only: cell_t, drive_t
+   use grains_cell, only: cell_t
+   use mesh_drive, only: drive_t, read_drive, stage_duration
    implicit none
    private
 
@@ -123,40 +124,20 @@ contains
       type(cell_t), intent(in) :: cell
       real(wp), intent(in) :: friction               !! Of &grains
       type(stage_t), intent(out) :: stage
-      type(group_t) :: group, parent
-      character(len=:), allocatable :: servo
-      real(wp) :: rate(6), number
+      type(group_t) :: group
+      real(wp) :: number
       integer :: axis
 
       group = deck%group("stage", n)
-      parent = deck%group("cell")
       call group%get("name", stage%name)
-      call group%get("servo", servo)
-      stage%drive%isotropic = servo == "isotropic"
-      do axis = 1, cell%box%dimension
-         stage%drive%servo(axis) = stage%drive%isotropic .or. index(servo, "xyz"(axis:axis)) > 0
-      end do
-      call parent%get("pressure", stage%drive%pressure)
-      if (group%given("pressure")) call group%get("pressure", stage%drive%pressure)
-      call group%get("rate", rate)
+      call read_drive(deck, group, [(axis <= cell%box%dimension, axis=1, 3)], stage%drive)
       if (group%given("inertial_number")) then
          call group%get("inertial_number", number)
-         rate(4) = number*sqrt(stage%drive%pressure/cell%density)/cell%diameter
+         stage%drive%gradient(1, 2) = number*sqrt(stage%drive%pressure/cell%density)/cell%diameter
       end if
-      do axis = 1, 3
-         stage%drive%gradient(axis, axis) = rate(axis)
-      end do
-      stage%drive%gradient(1, 2) = rate(4)
-      stage%drive%gradient(1, 3) = rate(5)
-      stage%drive%gradient(2, 3) = rate(6)
       stage%friction = friction
       if (group%given("friction")) call group%get("friction", stage%friction)
-      stage%duration = huge(1.0_wp)
-      if (group%given("duration")) call group%get("duration", stage%duration)
-      if (group%given("strain")) then
-         call group%get("strain", number)
-         stage%duration = min(stage%duration, number/maxval(abs(rate)))
-      end if
+      stage%duration = stage_duration(group, stage%drive)
       if (group%given("volume_fraction")) call group%get("volume_fraction", stage%fraction)
       if (group%given("quiet")) call group%get("quiet", stage%quiet)
       call group%get("rows", stage%rows)

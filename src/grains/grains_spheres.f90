@@ -2,7 +2,7 @@
 !> Forces between spheres: the loops over pairs and over grains in three dimensions.
 module grains_spheres
    use base_kinds, only: wp
-   use grains_box, only: box_t
+   use mesh_box, only: box_t
    use grains_law, only: contact_law_t
    use grains_pairs, only: birth_strain, birth_time, dashpot, dashpot_loss, factor, overlap, &
       pairs_t, push_arm, push_branch, push_force, push_moment, slip_loss, slips, step_loss, tangent

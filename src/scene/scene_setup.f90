@@ -11,6 +11,7 @@ module scene_setup
    use scene_absorbing, only: read_absorbing
    use scene_bodies, only: read_bodies
    use scene_boundary, only: read_boundaries, read_walls
+   use scene_cell, only: read_cell, refuse_effects
    use scene_contact, only: read_contact
    use scene_effects, only: read_effects
    use scene_exact, only: read_exact
@@ -65,6 +66,7 @@ contains
       call simulation%space%grid%start(tile_edge(deck))
       call check_periodic(deck, simulation%space%grid)
       call read_effects(deck, simulation)
+      call read_cell(deck, simulation)
       if (.not. deck%sound("region")) return
       call read_shapes(deck, simulation%machine%communicator, simulation%space%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
@@ -77,6 +79,7 @@ contains
       call read_contact(deck, simulation, bodies)
       if (.not. is_sound(deck)) return
       call read_exact(deck, simulation, bodies)
+      call refuse_effects(deck, simulation)
       if (.not. is_sound(deck)) return
       call check_clocks(deck, simulation, bodies, shapes)
       call prepare_simulation(simulation)
@@ -92,8 +95,8 @@ contains
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
       type(deck_t), intent(in) :: deck
-      character(len=8), parameter :: groups(10) = [character(len=8) :: "run", "grid", "method", &
-         "effects", "boundary", "material", "region", "body", "contact", "exact"]
+      character(len=8), parameter :: groups(12) = [character(len=8) :: "run", "grid", "method", &
+         "effects", "boundary", "material", "region", "body", "contact", "exact", "cell", "stage"]
       integer :: n
 
       sound = .true.

@@ -206,7 +206,7 @@ contains
          else
             call method%basis%scatter_motion(grid, shape, first, state%mass, store%velocity, patch)
          end if
-         if (method%even .or. method%controlled()) then
+         if (method%even .or. method%controlled() .or. allocated(simulation%space%cell)) then
             call change_stress(simulation%space, simulation%scheme, field, scratch, store, tile)
             call push_nodes(simulation, shape, 1, scratch%pushed%position, scratch%pushed%volume, &
                scratch%pushed%stress, patch)
@@ -239,6 +239,8 @@ contains
                field%nodes%stress%star(:, :, tile), shape%values)
             call pushed%subtract(store%count(tile), shape%values)
          end if
+         if (allocated(space%cell)) call space%cell%pull_back(store%count(tile), pushed%volume, &
+            pushed%stress)
       end associate
    end subroutine change_stress
 
