@@ -86,6 +86,9 @@ contains
          cell%work = cell%work + work
          if (simulation%machine%communicator%rank == 0) &
             call simulation%balance%ledger%sums(external_work)%add(work)
+         ! momentum is compared with that of the uniform flow an edge away
+         simulation%balance%ledger%momentum_scale = max(simulation%balance%ledger%momentum_scale, &
+            cell%mass*norm2(cell%box%gradient)*maxval(cell%mesh))
          call cell%steer(simulation%clock%dt_next)
          simulation%clock%dt_next = min(simulation%clock%dt_next, &
             cell%longest_step(simulation%clock%guard%bounds%strain_max))
