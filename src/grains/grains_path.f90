@@ -43,32 +43,34 @@ contains
    subroutine declare_stages(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%group("stage", "one part of the path of a cell of grains, for scree --grains", &
-         many=.true.)
+      call schema%group("stage", "one part of the path of a cell: of grains for "// &
+         "scree --grains, or of the scene with &cell", many=.true.)
       call schema%text("stage", "name", "for the log")
       call schema%real("stage", "rate(6)", "du_x/dx du_y/dy du_z/dz du_x/dy du_x/dz du_y/dz", &
          unit="1/s", default="0 0 0 0 0 0")
-      call schema%real("stage", "inertial_number", "shear of x along y at this inertial number "// &
-         "of `pressure`, rate = I sqrt(pressure/density)/diameter; negative: reversed")
+      call schema%real("stage", "inertial_number", "grains: shear of x along y at this "// &
+         "inertial number of `pressure`, rate = I sqrt(pressure/density)/diameter; negative: reversed")
       call schema%text("stage", "servo", "axes whose stress is held at `pressure`: each by "// &
          "itself, or the mean with isotropic", default="none", &
          words="none isotropic x y z xy xz yz xyz")
       call schema%real("stage", "pressure", "stress that is held; default: that of &cell", &
          unit="Pa", range="> 0")
-      call schema%real("stage", "friction", "friction between grains in this stage; default: "// &
-         "that of &grains", range=">= 0")
+      call schema%real("stage", "friction", "grains: friction between grains in this stage; "// &
+         "default: that of &grains", range=">= 0")
       call schema%real("stage", "strain", "end: the greatest rate times the time", range="> 0")
       call schema%real("stage", "duration", "end: the time", unit="s", range="> 0")
-      call schema%real("stage", "volume_fraction", "end, if sooner: when it is passed", &
+      call schema%real("stage", "volume_fraction", "grains: end, if sooner, when it is passed", &
          range="> 0 < 1")
       call schema%real("stage", "quiet", &
-         "end, if sooner: kinetic energy over that of the springs", &
+         "grains: end, if sooner, kinetic energy over that of the springs", &
          range="> 0")
-      call schema%integer("stage", "rows", "rows of the history, means over equal times", &
+      call schema%integer("stage", "rows", "grains: rows of the history, means over equal times", &
          default="100", range=">= 1 <= 100000000")
-      call schema%integer("stage", "snapshots", "snapshots of grains and contacts, evenly", &
+      call schema%integer("stage", "snapshots", "grains: snapshots of grains and contacts, "// &
+         "evenly", &
          default="1", range=">= 0 <= 1000000")
-      call schema%logical("stage", "probe", "measure elastic moduli at the end by small strains", &
+      call schema%logical("stage", "probe", "grains: measure elastic moduli at the end by "// &
+         "small strains", &
          default=".false.")
    end subroutine declare_stages
 

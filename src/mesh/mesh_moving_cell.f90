@@ -115,8 +115,8 @@ contains
          *self%stretch%before(3, 3)
    end subroutine cell_renew
 
-   !> Edges at the end of the step, once its length is known, and what follows from them. The mean of
-   !! F at both ends counts in between, (B.6).
+   !> Edges at the end of the step, once its length is known, and what follows from them. The mean
+   !! of F at both ends counts in between, (B.6).
    pure subroutine cell_prepare(self, dt)
       class(moving_cell_t), intent(inout) :: self
       real(wp), intent(in) :: dt                     !! [s]

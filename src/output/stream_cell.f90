@@ -88,10 +88,8 @@ contains
          pressure = 0.0_wp
          kinetic = 0.0_wp
          do axis = 1, 3
-            if (.not. cell%active(axis)) cycle
-            pressure = pressure - s(axis, axis)/real(count(cell%active), wp)
-            kinetic = kinetic + cell%sums%now(12 + axis)/(cell%box%volume() &
-               *real(count(cell%active), wp))
+            pressure = pressure - s(axis, axis)/3.0_wp
+            kinetic = kinetic + cell%sums%now(12 + axis)/(3.0_wp*cell%box%volume())
          end do
          associate (l => cell%box%gradient, h => cell%box%edges)
             call self%table%row(simulation%machine%communicator, [simulation%clock%time, &

@@ -20,8 +20,8 @@ module particle_moving_cell
 
 contains
 
-   !> Sums over all particles for the stress of the cell; those before are kept. The sum of a tile is
-   !! in the order of its particles, the sum of tiles is exact. Collective.
+   !> Sums over all particles for the stress of the cell; those before are kept. The sum of a tile
+   !! is in the order of its particles, the sum of tiles is exact. Collective.
    subroutine measure_cell(communicator, stores, cell)
       type(communicator_t), intent(in) :: communicator
       type(store_t), intent(in) :: stores(:)         !! Sorted

@@ -37,7 +37,8 @@ contains
          if (limits%dt_max < simulation%clock%dt_next .or. limits%dt_fixed > 0.0_wp) rule = &
             rule_deck
          if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
-         ! the last step, and that of a stage, ends at its time, without a remainder as short as rounding errors
+         ! the last step of the run or of a stage ends at its time, without a remainder as short as
+         ! rounding errors
          if (simulation%clock%time + dt*(1.0_wp + 1.0e-9_wp) >= stop) then
             dt = stop - simulation%clock%time
             rule = rule_end

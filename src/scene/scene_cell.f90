@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The groups &cell and &stage of a scene: a periodic cell of particles that deforms along the stages
-!! of the deck, what they go with, and its first state. The keys are those of `scree --grains`.
+!> The groups &cell and &stage of a scene: a periodic cell of particles that deforms along the
+!! stages of the deck, what they go with, and its first state. The keys are those of
+!! `scree --grains`.
 module scene_cell
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -17,7 +18,8 @@ module scene_cell
 
 contains
 
-   !> True if the particles of the scene are in a cell that deforms; with &grains the group is theirs.
+   !> True if the particles of the scene are in a cell that deforms; with &grains the group is
+   !! theirs.
    logical function has_cell(deck) result(has)
       type(deck_t), intent(in) :: deck
       type(group_t) :: cell, grains
@@ -78,8 +80,15 @@ contains
       type(group_t) :: group
       real(wp) :: tilt, time
       integer :: n
+      logical :: is_here
 
-      if (.not. has_cell(deck)) return
+      is_here = has_cell(deck)
+      group = deck%group("grains")
+      if (.not. is_here) then
+         if (deck%count("stage") > 0 .and. .not. group%present) call deck%complain( &
+            deck%group("stage", 1), "&stage needs &cell; add it, or remove the stages")
+         return
+      end if
       call check_space(deck, simulation)
       call check_keys(deck)
       group = deck%group("cell")
@@ -118,8 +127,8 @@ contains
       cell = deck%group("cell")
       associate (grid => simulation%space%grid)
          if (grid%axisymmetric) call deck%complain(cell, &
-            "&cell needs dimension = '1d', 'plane_strain' or '3d' in &run; rings have no periodic "// &
-            "cell")
+            "&cell needs dimension = '1d', 'plane_strain' or '3d' in &run; rings have no "// &
+            "periodic cell")
          do k = 1, 3
             if (.not. grid%active(k) .or. grid%periodic(k)) cycle
             call deck%complain(cell, "&cell needs periodic faces in all directions, and "// &
@@ -194,8 +203,8 @@ contains
          call deck%complain(stage, "servo needs a pressure, here or in &cell", "servo")
       do k = 1, 6
          if ((active(row(k)) .and. active(column(k))) .or. .not. abs(rate(k)) > 0.0_wp) cycle
-         call deck%complain(stage, "rate has a component along a direction that the scene lacks; "// &
-            "in a plane these are du_x/dx, du_z/dz and du_x/dz, the first, third and fifth", "rate")
+         call deck%complain(stage, "rate has a component along a direction that the scene "// &
+            "lacks; in a plane there are the first, third and fifth", "rate")
          exit
       end do
       if (servo == "none" .or. servo == "isotropic") return

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke, full
+# timeout: 300
+"""A scene in a periodic cell that deforms, against closed solutions.
+
+Would catch: a stress that is not pulled back to the mesh or a force that is not pushed forward, a velocity gradient
+without that of the cell or in the wrong configuration, particles that go where the mesh is no more after edges were
+replaced, the term -L u with the wrong sign or order, a work of the cell that the balance lacks, a servo that holds
+another stress than the mean of the particles.
+
+* Relaxing contacts in simple shear (J. Rheol. 41 (1997) 1275): each step of the law is exact in simple shear, so is the
+  sum of the cell, and the flow is uniform. The stress is right to round-off at all times while the cell flips six
+  times; limit 1e-10 of G.
+* A wave in a viscous fluid, u_y = A cos(k.r) with k = F^-T k0: A = A0 exp(-nu k0^2 (t + g^2 t^3/3)) for any amplitude.
+  Of second order in the cells, through a flip in the middle. Velocities are half a step behind.
+* Compression and shear: density is that of the cell, and the pressure that of the law, of third order in the step.
+* A servo: in steady shear of relaxing contacts its error goes to 0.
+* Balance: exact to round-off with internal energy, of second order in the step in elastic material.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import case    # noqa: E402
+import cells   # noqa: E402
+import report  # noqa: E402
+import tier    # noqa: E402
+
+
+def shear(options, sheet, dimension):
+    """The granular law from rest to steady shear."""
+    rate, time, modulus = 2.0, 0.7, 3.0
+    found = cells.run(options, f"granular_{dimension}", cells.granular(time, rate, dimension=dimension))
+    t, w = found["time"], rate * time
+    size = modulus * w / (1.0 + w**2)
+    across = size * (1.0 - np.exp(-t / time) * (np.cos(rate * t) - w * np.sin(rate * t)))
+    along = size * (w - np.exp(-t / time) * (w * np.cos(rate * t) + np.sin(rate * t)))
+    stress, edge = ("stress_xy", "edge_xy") if dimension == "3d" else ("stress_xz", "edge_xz")
+    flips = np.count_nonzero(np.abs(np.diff(found[edge])) > 0.5)
+    sheet.require(flips >= 5, f"granular, {dimension}: the cell has flipped ({flips})")
+    sheet.near(f"granular, {dimension}: strain at the end", found["strain"][-1], 6.0, 1.0e-12)
+    sheet.below(f"granular, {dimension}: shear stress over G", np.abs(found[stress] - across).max() / modulus, 1.0e-10)
+    sheet.below(f"granular, {dimension}: normal stress over G", np.abs(found["stress_xx"] - along).max() / modulus,
+                1.0e-10)
+
+
+def wave(options, sheet, method):
+    """The order of a wave that is sheared."""
+    errors = []
+    for number in (8, 16, 32):
+        found = cells.run(options, f"wave_{method}_{number}", cells.kelvin(number, method))
+        t = found["time"] - 0.5 * found["dt"]
+        t[0] = 0.0
+        exact = 0.1 * np.exp(-0.02 * (2.0 * np.pi)**2 * (t + t**3 / 3.0))
+        sheet.require(np.any(np.diff(found["edge_xz"]) < -0.5), f"wave, {method}, {number} cells: the cell has flipped")
+        errors.append(np.abs(np.sqrt(4.0 * found["kinetic"] / found["mass"]) - exact).max() / 0.1)
+    sheet.below(f"wave, {method}: error with 32 cells", errors[-1], 0.01)
+    sheet.above(f"wave, {method}: order", np.log2(errors[-2] / errors[-1]), 1.9)
+
+
+def compress(options, sheet):
+    """Density and pressure of a cell that is compressed and sheared."""
+    found = cells.run(options, "compressed", cells.scene(
+        "density=1000  bulk=1e6  shear=1e4", "&stage  rate=-0.1,0,-0.2,0,0.3,0  duration=1 /", 1.0, every=10))
+    sheet.near("compressed: density [kg/m3]", found["density"][-1], 1000.0 * np.exp(0.3), 1.0e-8)
+    sheet.near("compressed: pressure [Pa]", found["pressure"][-1], 1.0e6 * (found["density"][-1] / 1000.0 - 1.0), 1.0e-7)
+
+
+def hold(options, sheet):
+    """A servo that holds a normal stress in steady shear, of contacts that all lose their load in a strain."""
+    found = cells.run(options, "held", cells.scene(
+        "density=1  bulk=500  shear=100  strength_model='granular'  gr_gamma_c=0.3",
+        "&stage  servo='xz'  duration=2  pressure=20 /\n&stage  servo='z'  rate=0,0,0,0,0.5,0  strain=4  pressure=20 /",
+        10.0, every=10))
+    sheet.near("held: pressure [Pa]", -found["stress_zz"][-1], 20.0, 1.0e-6)
+    sheet.require(found["stage"][-1] > 1, "held: the second stage was reached")
+    # (Y.15) in steady shear: G W/(1 + W^2) with W = gr_gamma_c
+    sheet.near("held: shear stress [Pa]", found["stress_xz"][-1], 100.0 * 0.3 / 1.09, 1.0e-4)
+
+
+def balance(options, sheet):
+    """The energy of the cell and of a flow in it."""
+    stage = "&stage  rate=-0.1,0,-0.2,0,0.3,0  duration=1 /"
+    found = cells.run(options, "gas", cells.scene(
+        "density=1  eos_model='ideal_gas'  ig_gamma=1.4", stage, 1.0, effects="strength=.false.", every=10,
+        body="specific_energy=2.5e3  velocity_formula='sin(2*pi*z)','0','sin(2*pi*x)'"))
+    sheet.above("gas: work of the cell [J]", found["external_work"][-1], 300.0)
+    sheet.below("gas: balance of energy", np.abs(found["energy_error"]).max(), 1.0e-13)
+    errors = [np.abs(cells.run(options, f"elastic_{number}", cells.scene(
+        "density=1000  bulk=1e6  shear=1e4  strength_model='neo_hookean'", stage, 1.0, cfl=0.5 / number,
+        every=10))["energy_error"][-1]) for number in (1, 2)]
+    sheet.below("elastic: balance of energy", errors[0], 1.0e-7)
+    sheet.above("elastic: order of the balance", np.log2(errors[0] / errors[1]), 1.9)
+
+
+def main():
+    """Granular shear in the smoke tier, all in the others."""
+    options = case.arguments()
+    sheet = report.Report()
+    shear(options, sheet, "plane_strain")
+    if tier.NAME != "smoke":
+        shear(options, sheet, "3d")
+        for method in ("ddmp", "mpm"):
+            wave(options, sheet, method)
+        compress(options, sheet)
+        hold(options, sheet)
+        balance(options, sheet)
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
