@@ -49,7 +49,8 @@ contains
       call schema%real("stage", "rate(6)", "du_x/dx du_y/dy du_z/dz du_x/dy du_x/dz du_y/dz", &
          unit="1/s", default="0 0 0 0 0 0")
       call schema%real("stage", "inertial_number", "grains: shear of x along y at this "// &
-         "inertial number of `pressure`, rate = I sqrt(pressure/density)/diameter; negative: reversed")
+         "inertial number of `pressure`, rate = I sqrt(pressure/density)/diameter; negative: "// &
+         "reversed")
       call schema%text("stage", "servo", "axes whose stress is held at `pressure`: each by "// &
          "itself, or the mean with isotropic", default="none", &
          words="none isotropic x y z xy xz yz xyz")

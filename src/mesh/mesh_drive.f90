@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> How a periodic cell is driven: the velocity gradient of a stage of the deck, and the axes whose
-!! stress is held.
+!! stress is held. Equation (G.3) of doc/theory/grains.md.
 module mesh_drive
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp

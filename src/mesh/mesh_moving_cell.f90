@@ -3,8 +3,8 @@
 !! as it was at the start.
 !!
 !! Positions of particles are those on the mesh, X = F^-1 r with F = h h0^-1 of the edges h now and
-!! h0 at the start; velocities are those relative to the uniform flow, v = L r + u. Equations of
-!! doc/theory/moving_cell.md.
+!! h0 at the start; velocities are those relative to the uniform flow, v = L r + u. Equation
+!! (B.1) of doc/theory/moving_cell.md.
 module mesh_moving_cell
    use base_kinds, only: wp
    use mesh_box, only: box_t, inverse
@@ -295,7 +295,7 @@ contains
       end do
    end subroutine cell_pull_back
 
-   !> Acceleration of nodes: f = F f_mesh, and - L u of the uniform flow with the mean velocity of
+   !> Acceleration of nodes: f = F f_mesh (B.2), and - L u of the uniform flow with the mean velocity of
    !! the step, (B.4).
    pure subroutine cell_turn_nodes(self, dt, velocity, acceleration, push, centre)
       class(moving_cell_t), intent(in) :: self

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Particles of a moving cell: the sums of which its stress is made, and their places when its edges
-!! are replaced by equivalent ones.
+!> Particles of a moving cell: the sums of which its stress is made, and their positions when its
+!! edges are replaced by equivalent ones.
 module particle_moving_cell
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t

@@ -69,8 +69,8 @@ contains
       if (allocated(simulation%space%cell)) call deform_cell(simulation)
    end subroutine advance
 
-   !> The end of a step of a cell that deforms: particles go to their places on the mesh of
-   !! equivalent edges, its stress gives the next velocity gradient. Collective.
+   !> The end of a step of a cell that deforms: particles go to where they are on the mesh
+   !! of equivalent edges, its stress gives the next velocity gradient. Collective.
    subroutine deform_cell(simulation)
       type(simulation_t), intent(inout) :: simulation
       real(wp) :: work

@@ -66,7 +66,8 @@ def compress(options, sheet):
     found = cells.run(options, "compressed", cells.scene(
         "density=1000  bulk=1e6  shear=1e4", "&stage  rate=-0.1,0,-0.2,0,0.3,0  duration=1 /", 1.0, every=10))
     sheet.near("compressed: density [kg/m3]", found["density"][-1], 1000.0 * np.exp(0.3), 1.0e-8)
-    sheet.near("compressed: pressure [Pa]", found["pressure"][-1], 1.0e6 * (found["density"][-1] / 1000.0 - 1.0), 1.0e-7)
+    sheet.near("compressed: pressure [Pa]", found["pressure"][-1],
+               1.0e6 * (found["density"][-1] / 1000.0 - 1.0), 1.0e-7)
 
 
 def hold(options, sheet):
