@@ -295,8 +295,8 @@ contains
       end do
    end subroutine cell_pull_back
 
-   !> Acceleration of nodes: f = F f_mesh (B.2), and - L u of the uniform flow with the mean velocity of
-   !! the step, (B.4).
+   !> Acceleration of nodes: f = F f_mesh (B.2), and - L u of the uniform flow with the mean
+   !! velocity of the step, (B.4).
    pure subroutine cell_turn_nodes(self, dt, velocity, acceleration, push, centre)
       class(moving_cell_t), intent(in) :: self
       real(wp), intent(in) :: dt                     !! Time the forces act [s]
