@@ -10,7 +10,7 @@ module program_time_loop
    use output_streams, only: outputs_t
    use program_loop_clock, only: loop_clock_t
    use program_next_step, only: choose_step, is_step_allowed
-   use program_progress, only: log_progress, warn_if_starved
+   use program_progress, only: log_progress, log_stage, warn_if_starved
    use program_run_limits, only: limits_t
    use program_signals, only: caught_signal, watch_signal
    use program_stop_criteria, only: none_left, stop_criteria_t, wall_limit_request
@@ -41,6 +41,7 @@ contains
       type(stop_criteria_t) :: criteria
       real(wp) :: dt
       logical :: finished, advanced, warned
+      integer :: stage
 
       call start_loop(simulation, limits, log, clock, error)
       if (allocated(error)) return
@@ -49,10 +50,12 @@ contains
       if (allocated(error)) return
       finished = .false.
       warned = .false.
+      stage = 0
       code = exit_success
       do
          call criteria%test(simulation, limits, finished, code, reason)
          if (finished) exit
+         if (allocated(simulation%space%cell)) call log_stage(simulation, log, stage)
          call choose_step(simulation, limits, dt, error)
          advanced = .not. allocated(error)
          if (allocated(error)) exit

@@ -38,7 +38,7 @@ contains
       type(group_t) :: run
 
       if (.not. has_cell(deck)) return
-      call need(deck, "transfer", ["flip"])
+      call need(deck, "transfer", [character(len=4) :: "flip", "pic", "xpic", "fmpm"])
       call need(deck, "stress_update", [stress_names(stress_after)])
       call need(deck, "basis", [character(len=9) :: "linear", "gimp", "quadratic", "cubic"])
       run = deck%group("run")
@@ -113,8 +113,25 @@ contains
          time = time + stage_duration(group, cell%legs(n)%drive)
          cell%legs(n)%ends = time
       end do
+      call check_end(deck, time)
       call move_alloc(cell, simulation%space%cell)
    end subroutine read_cell
+
+   !> Warn if the run ends before the stages.
+   subroutine check_end(deck, time)
+      type(deck_t), intent(inout) :: deck            !! Gets a warning
+      real(wp), intent(in) :: time                   !! End of the last stage [s]
+      real(wp), parameter :: grain = 1.0e-9_wp       ! rounding
+      type(group_t) :: group
+      real(wp) :: end_of_run
+
+      group = deck%group("time")
+      if (.not. group%known("t_end")) return
+      call group%get("t_end", end_of_run)
+      if (time <= end_of_run*(1.0_wp + grain)) return
+      call deck%warn("stage", deck%count("stage"), "ends at "//deck%shown(time, "s")// &
+         ", after t_end; raise t_end to reach it")
+   end subroutine check_end
 
    !> A cell is periodic in all its directions, and what acts on positions or directions in space
    !! does not know the mesh.

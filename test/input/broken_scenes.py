@@ -6,7 +6,7 @@ CELLS = [
     ("cell", "type = 'periodic'", "type = 'slip'", 8,
      "&cell: &cell needs periodic faces in all directions, and x has none; write &boundary face = 'all'"),
     ("cell", "&time", "&method transfer = 'apic' /\n&time", 3,
-     "&method: &cell needs transfer = 'flip', not 'apic'"),
+     "&method: &cell needs transfer = 'flip' or 'pic' or 'xpic' or 'fmpm', not 'apic'"),
     ("cell", "&time", "&method quadrature = 'control' /\n&time", 3,
      "&method: &cell needs quadrature = 'point' or 'lsd', not 'control'"),
     ("cell", "&time", "&effects gravity = .true. /\n&time", 3,
@@ -413,6 +413,7 @@ RARE = [
 
 # What is allowed but hardly meant: the same rows, with the warning.
 WARNINGS = [
+    ("cell", "t_end = 1", "t_end = 0.5", 9, "&stage: ends at 1 s, after t_end; raise t_end to reach it"),
     ("plain", "density = 2700", "density = 2.7", 4,
      "&material 'metal': density = 2.7 kg/m3 is lighter than polystyrene; is &units missing?"),
     ("plain", "density = 2700", "density = 2.7e6", 4, "is heavier than osmium; is &units missing?"),

@@ -44,7 +44,7 @@ DECKS = {
 """,
     "cell": """&run dimension = 'plane_strain' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
-&time t_end = 1e-5 /
+&time t_end = 1 /
 &material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
 &region name = 'all'  shape = 'box'  lo = 0 0 0  hi = 1 0.1 1 /
 &body name = 'one'  region = 'all'  material = 'metal' /

@@ -61,7 +61,7 @@ def layouts(options, sheet, name, deck):
 
 def at_rest(options, sheet, name, **more):
     """A cell that does not deform and none, by the same method."""
-    words = "stress_update='usl'  transfer='flip'  " + more.pop("words", "normalise='none'")
+    words = "stress_update='usl'  transfer='flip'  flip=1  " + more.pop("words", "normalise='none'")
     digests = [cells.run(options, f"{name}_{label}", cells.scene(more.get("material", RUBBER), stages, 0.2, **{
         "body": WAVES, "words": words, **{key: more[key] for key in more if key != "material"}}))["case"].summary
         for label, stages in (("cell", STILL), ("none", None))]

@@ -15,7 +15,7 @@ import case
 SCENE = """&run  dimension='{dimension}'  method='{method}' /
 &grid  lo=0,0,0  hi=1,{thick!r},1  dx={dx!r} /
 &time  t_end={end!r}  cfl={cfl} /
-&method  flip=1 {words} /
+&method  {words} /
 &boundary  face='all'  type='periodic' /
 &effects  artificial_viscosity=.false. {effects} /
 &material  name='m'  {material} /
@@ -29,7 +29,7 @@ SCENE = """&run  dimension='{dimension}'  method='{method}' /
 
 def scene(material, stages, end, **more):
     """A unit cell full of one material; `stages` are the groups &stage, or None for no cell at all."""
-    values = {"dimension": "plane_strain", "method": "ddmp", "thick": 1.0, "dx": 0.125, "cfl": 0.5, "words": "",
+    values = {"dimension": "plane_strain", "method": "ddmp", "thick": 1.0, "dx": 0.125, "cfl": 0.5, "words": "flip=1",
               "effects": "", "body": "", "every": 1, "tilt": 0, **more}
     values.update(material=material, end=end)
     values["cell"] = "" if stages is None else f"&cell  tilt={values['tilt']} /\n{stages}"
@@ -46,11 +46,12 @@ def granular(relaxation, rate=2.0, strain=6.0, dimension="plane_strain"):
                  f"&stage  rate={rates}  strain={strain} /", strain / rate, dx=0.25, dimension=dimension)
 
 
-def kelvin(cells, method="ddmp", strain=1.0, viscosity=0.02, speed=0.1):
+def kelvin(cells, method="ddmp", transfer="flip", strain=1.0, viscosity=0.02, speed=0.1):
     """A wave across the plane of shear in a viscous fluid, with its vector along x at the start."""
     dx = 1.0 / cells
     return scene(f"density=1  bulk=25  strength_model='newtonian'  viscosity={viscosity}",
-                 f"&stage  rate=0,0,0,0,1,0  strain={strain} /", strain, method=method, dimension="3d", dx=dx,
+                 f"&stage  rate=0,0,0,0,1,0  strain={strain} /", strain, method=method,
+                 words="flip=1" if transfer == "flip" else f"transfer='{transfer}'", dimension="3d", dx=dx,
                  thick=4.0 * dx, body=f"velocity_formula='0','{speed}*cos(2*pi*x)','0'")
 
 

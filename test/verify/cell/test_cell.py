@@ -14,7 +14,9 @@ another stress than the mean of the particles.
 * A wave in a viscous fluid, u_y = A cos(k.r) with k = F^-T k0: A = A0 exp(-nu k0^2 (t + g^2 t^3/3)) for any amplitude.
   Of second order in the cells, through a flip in the middle. Velocities are half a step behind.
 * Compression and shear: density is that of the cell, and the pressure that of the law, of third order in the step.
+* Start, reversal and stop of the same law, stage by stage, and `--point`: round-off.
 * A servo: in steady shear of relaxing contacts its error goes to 0.
+* Friction of mu(I): that of its formula, from a flow with waves, whatever the cell does.
 * Balance: exact to round-off with internal energy, of second order in the step in elastic material.
 """
 
@@ -47,18 +49,51 @@ def shear(options, sheet, dimension):
                 1.0e-10)
 
 
-def wave(options, sheet, method):
+def path(options, sheet):
+    """Start, reversal and stop; the parts of the stress z = (s_xx - s_zz)/2 + i s_xz obey z' = -(1/tau + i g) z + i G g."""
+    time, modulus = 0.7, 3.0
+    rates, ends = (2.0, -3.0, 0.0), (1.2, 2.1, 2.5)
+    stages = "\n".join(f"&stage  rate=0,0,0,0,{rate},0  duration={end - begin!r} /"
+                       for rate, begin, end in zip(rates, (0.0, *ends), ends))
+    found = cells.run(options, "path", cells.scene(
+        "density=0.1  bulk=5  shear=3  strength_model='granular'  gr_tau=0.7", stages, ends[-1], dx=0.25))
+    begin, at_begin, exact = 0.0, 0.0j, np.zeros(len(found["time"]), complex)
+    for rate, end in zip(rates, ends):
+        pull = 1.0 / time + 1j * rate
+        steady = 1j * modulus * rate / pull
+        here = (found["time"] >= begin) & (found["time"] <= end * (1.0 + 1.0e-12))
+        exact[here] = steady + (at_begin - steady) * np.exp(-pull * (found["time"][here] - begin))
+        at_begin = steady + (at_begin - steady) * np.exp(-pull * (end - begin))
+        begin = end
+    sheet.require(np.ptp(found["stage"]) >= 2, "path: all stages were there")
+    stress = 0.5 * (found["stress_xx"] - found["stress_zz"]) + 1j * found["stress_xz"]
+    sheet.below("path: stress over G", np.abs(stress - exact).max() / modulus, 1.0e-10)
+
+
+def point(options, sheet):
+    """The law in the cell and by --point, to the same strain."""
+    deck = cells.granular(0.7, dimension="3d")
+    found = cells.run(options, "cell", deck)
+    deck += "&point  path='shear'  rate=2  strain=6  steps=100 /\n"
+    one = case.Case(options, "point", deck)
+    one.run("--point")
+    alone = cells.table(one.path("_point.csv"))
+    for name in ("xy", "xx"):
+        sheet.near(f"--point: stress {name} [Pa]", found["stress_" + name][-1], alone[name][-1], 1.0e-10)
+
+
+def wave(options, sheet, method, transfer="flip"):
     """The order of a wave that is sheared."""
     errors = []
     for number in (8, 16, 32):
-        found = cells.run(options, f"wave_{method}_{number}", cells.kelvin(number, method))
+        found = cells.run(options, f"wave_{method}_{transfer}_{number}", cells.kelvin(number, method, transfer))
         t = found["time"] - 0.5 * found["dt"]
         t[0] = 0.0
         exact = 0.1 * np.exp(-0.02 * (2.0 * np.pi)**2 * (t + t**3 / 3.0))
-        sheet.require(np.any(np.diff(found["edge_xz"]) < -0.5), f"wave, {method}, {number} cells: the cell has flipped")
+        sheet.require(np.any(np.diff(found["edge_xz"]) < -0.5), f"wave, {method}, {transfer}, {number} cells: the cell has flipped")
         errors.append(np.abs(np.sqrt(4.0 * found["kinetic"] / found["mass"]) - exact).max() / 0.1)
-    sheet.below(f"wave, {method}: error with 32 cells", errors[-1], 0.01)
-    sheet.above(f"wave, {method}: order", np.log2(errors[-2] / errors[-1]), 1.9)
+    sheet.below(f"wave, {method}, {transfer}: error with 32 cells", errors[-1], 0.01)
+    sheet.above(f"wave, {method}, {transfer}: order", np.log2(errors[-2] / errors[-1]), 1.9)
 
 
 def compress(options, sheet):
@@ -80,6 +115,21 @@ def hold(options, sheet):
     sheet.require(found["stage"][-1] > 1, "held: the second stage was reached")
     # (Y.15) in steady shear: G W/(1 + W^2) with W = gr_gamma_c
     sheet.near("held: shear stress [Pa]", found["stress_xz"][-1], 100.0 * 0.3 / 1.09, 1.0e-4)
+
+
+def friction(options, sheet):
+    """The law of mu(I) at a held pressure from a flow with waves: its friction at the pressure of all three axes."""
+    waves = "velocity_formula='0.05*sin(2*pi*z)+0.03*cos(4*pi*x)','0','0.04*cos(2*pi*x)'"
+    found = cells.run(options, "friction", cells.scene(
+        "density=1500  bulk=1e6  shear=5e5  strength_model='mu_i'  mu_s=0.38  mu_2=0.64  mu_i0=0.28  "
+        "grain_diameter=0.02  grain_density=2500",
+        "&stage  servo='isotropic'  duration=0.5  pressure=1e3 /\n"
+        "&stage  servo='z'  rate=0,0,0,0,4,0  strain=8  pressure=1e3 /", 2.5, body=waves, every=50))
+    pressure = -(found["stress_xx"] + found["stress_yy"] + found["stress_zz"])[-1] / 3.0
+    number = 4.0 * 0.02 * np.sqrt(2500.0 / pressure)
+    # what is left of the waves is 0.1 % of the kinetic energy at first
+    sheet.near("mu(I): friction", found["stress_xz"][-1] / pressure, 0.38 + 0.26 / (1.0 + 0.28 / number), 1.0e-3)
+    sheet.near("mu(I): held pressure [Pa]", -found["stress_zz"][-1], 1000.0, 5.0e-3)
 
 
 def balance(options, sheet):
@@ -106,8 +156,12 @@ def main():
         shear(options, sheet, "3d")
         for method in ("ddmp", "mpm"):
             wave(options, sheet, method)
+        wave(options, sheet, "ddmp", "xpic")
+        path(options, sheet)
+        point(options, sheet)
         compress(options, sheet)
         hold(options, sheet)
+        friction(options, sheet)
         balance(options, sheet)
     sheet.end()
 
