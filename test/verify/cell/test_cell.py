@@ -50,7 +50,7 @@ def shear(options, sheet, dimension):
 
 
 def path(options, sheet):
-    """Start, reversal and stop; the parts of the stress z = (s_xx - s_zz)/2 + i s_xz obey z' = -(1/tau + i g) z + i G g."""
+    """Start, reversal and stop: the stress z = (s_xx - s_zz)/2 + i s_xz obeys z' = -(1/tau + i g) z + i G g."""
     time, modulus = 0.7, 3.0
     rates, ends = (2.0, -3.0, 0.0), (1.2, 2.1, 2.5)
     stages = "\n".join(f"&stage  rate=0,0,0,0,{rate},0  duration={end - begin!r} /"
@@ -90,7 +90,8 @@ def wave(options, sheet, method, transfer="flip"):
         t = found["time"] - 0.5 * found["dt"]
         t[0] = 0.0
         exact = 0.1 * np.exp(-0.02 * (2.0 * np.pi)**2 * (t + t**3 / 3.0))
-        sheet.require(np.any(np.diff(found["edge_xz"]) < -0.5), f"wave, {method}, {transfer}, {number} cells: the cell has flipped")
+        sheet.require(np.any(np.diff(found["edge_xz"]) < -0.5),
+                      f"wave, {method}, {transfer}, {number} cells: the cell has flipped")
         errors.append(np.abs(np.sqrt(4.0 * found["kinetic"] / found["mass"]) - exact).max() / 0.1)
     sheet.below(f"wave, {method}, {transfer}: error with 32 cells", errors[-1], 0.01)
     sheet.above(f"wave, {method}, {transfer}: order", np.log2(errors[-2] / errors[-1]), 1.9)
