@@ -52,6 +52,7 @@ module mesh_moving_cell
       logical :: active(3) = .true.                  !! Directions that the scene has
       type(leg_t), allocatable :: legs(:)            !! Stages of the deck
       integer :: now = 1                             !! Stage
+      integer :: logged = 0                          !! Stage that the log has
       type(stretch_t) :: stretch                     !! Of the step
       type(sums_t) :: sums                           !! At the end of the last step
       real(wp) :: mass = 0.0_wp                      !! Of all material [kg]

@@ -52,15 +52,14 @@ contains
    end subroutine log_progress
 
    !> Log the stage of a cell that deforms when it begins.
-   subroutine log_stage(simulation, log, stage)
-      type(simulation_t), intent(in) :: simulation   !! With a cell
+   subroutine log_stage(simulation, log)
+      type(simulation_t), intent(inout) :: simulation !! With a cell
       type(log_t), intent(inout) :: log
-      integer, intent(inout) :: stage                !! That of the last line, 0 at first
       character(len=24) :: time
 
-      associate (cell => simulation%space%cell)
-         if (cell%now == stage) return
-         stage = cell%now
+      associate (cell => simulation%space%cell, stage => simulation%space%cell%now)
+         if (cell%logged == stage) return
+         cell%logged = stage
          write (time, "(es12.5)") simulation%clock%time
          if (stage > size(cell%legs)) then
             call log%info("  all stages are done  t = "//trim(adjustl(time))//" s")

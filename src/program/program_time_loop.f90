@@ -41,7 +41,6 @@ contains
       type(stop_criteria_t) :: criteria
       real(wp) :: dt
       logical :: finished, advanced, warned
-      integer :: stage
 
       call start_loop(simulation, limits, log, clock, error)
       if (allocated(error)) return
@@ -50,12 +49,10 @@ contains
       if (allocated(error)) return
       finished = .false.
       warned = .false.
-      stage = 0
       code = exit_success
       do
          call criteria%test(simulation, limits, finished, code, reason)
          if (finished) exit
-         if (allocated(simulation%space%cell)) call log_stage(simulation, log, stage)
          call choose_step(simulation, limits, dt, error)
          advanced = .not. allocated(error)
          if (allocated(error)) exit
@@ -154,6 +151,7 @@ contains
 
       call outputs%write_due(simulation, last, note, error)
       if (len(note) > 0) call log%info(note)
+      if (allocated(simulation%space%cell)) call log_stage(simulation, log)
    end subroutine write_outputs
 
    !> Write a checkpoint and log it.

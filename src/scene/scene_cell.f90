@@ -129,7 +129,7 @@ contains
       if (.not. group%known("t_end")) return
       call group%get("t_end", end_of_run)
       if (time <= end_of_run*(1.0_wp + grain)) return
-      call deck%warn("stage", deck%count("stage"), "ends at "//deck%shown(time, "s")// &
+      call deck%warn("stage", deck%count("stage"), "ends at t = "//deck%shown(time, "s")// &
          ", after t_end; raise t_end to reach it")
    end subroutine check_end
 

@@ -413,7 +413,7 @@ RARE = [
 
 # What is allowed but hardly meant: the same rows, with the warning.
 WARNINGS = [
-    ("cell", "t_end = 1", "t_end = 0.5", 9, "&stage: ends at 1 s, after t_end; raise t_end to reach it"),
+    ("cell", "t_end = 1", "t_end = 0.5", 9, "&stage: ends at t = 1, after t_end; raise t_end to reach it"),
     ("plain", "density = 2700", "density = 2.7", 4,
      "&material 'metal': density = 2.7 kg/m3 is lighter than polystyrene; is &units missing?"),
     ("plain", "density = 2700", "density = 2.7e6", 4, "is heavier than osmium; is &units missing?"),
