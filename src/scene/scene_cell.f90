@@ -35,9 +35,16 @@ contains
       type(deck_t), intent(inout) :: deck            !! Gets defaults and errors
 
       character(len=:), allocatable :: method
-      type(group_t) :: run
+      type(group_t) :: run, group
+      logical :: paper
 
       if (.not. has_cell(deck)) return
+      group = deck%group("method")
+      call group%get("paper", paper)
+      if (paper) then
+         call deck%complain(group, "&cell does not go with paper = .true.; remove it", "paper")
+         return
+      end if
       call need(deck, "transfer", [character(len=4) :: "flip", "pic", "xpic", "fmpm"])
       call need(deck, "stress_update", [stress_names(stress_after)])
       call need(deck, "basis", [character(len=9) :: "linear", "gimp", "quadratic", "cubic"])

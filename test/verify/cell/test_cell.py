@@ -5,8 +5,8 @@
 
 Would catch: a stress that is not pulled back to the mesh or a force that is not pushed forward, a velocity gradient
 without that of the cell or in the wrong configuration, particles that go where the mesh is no more after edges were
-replaced, the term -L u with the wrong sign or order, a work of the cell that the balance lacks, a servo that holds
-another stress than the mean of the particles.
+replaced, or are shown on the mesh, the term -L u with the wrong sign or order, a work of the cell that the balance
+lacks, a servo that holds another stress than the mean of the particles.
 
 * Relaxing contacts in simple shear (J. Rheol. 41 (1997) 1275): each step of the law is exact in simple shear, so is the
   sum of the cell, and the flow is uniform. The stress is right to round-off at all times while the cell flips six
@@ -98,9 +98,16 @@ def wave(options, sheet, method, transfer="flip"):
 
 
 def compress(options, sheet):
-    """Density and pressure of a cell that is compressed and sheared."""
+    """Density, pressure and positions in space of a cell that is compressed and sheared."""
     found = cells.run(options, "compressed", cells.scene(
-        "density=1000  bulk=1e6  shear=1e4", "&stage  rate=-0.1,0,-0.2,0,0.3,0  duration=1 /", 1.0, every=10))
+        "density=1000  bulk=1e6  shear=1e4", "&stage  rate=-0.1,0,-0.2,0,0.3,0  duration=1 /", 1.0, every=10)
+        + "&output  name='p'  kind='particles'  count=2  precision='double'  fields='identity' /\n")
+    first, last = (snap.points[np.argsort(snap.fields["identity"])] for snap in
+                   (shot for _, shot in (found["case"].snapshots()[0], found["case"].snapshots()[-1])))
+    edges = np.array([[found["edge_xx"][-1], 0.0, found["edge_xz"][-1]], [0.0, 1.0, 0.0],
+                      [0.0, 0.0, found["edge_zz"][-1]]])
+    sheet.above("compressed: particles [1000]", len(first) / 1000.0, 0.2)
+    sheet.below("compressed: positions in space [m]", np.abs(last - first @ edges.T).max(), 1.0e-12)
     sheet.near("compressed: density [kg/m3]", found["density"][-1], 1000.0 * np.exp(0.3), 1.0e-8)
     sheet.near("compressed: pressure [Pa]", found["pressure"][-1],
                1.0e6 * (found["density"][-1] / 1000.0 - 1.0), 1.0e-7)
@@ -141,6 +148,15 @@ def balance(options, sheet):
         body="specific_energy=2.5e3  velocity_formula='sin(2*pi*z)','0','sin(2*pi*x)'"))
     sheet.above("gas: work of the cell [J]", found["external_work"][-1], 300.0)
     sheet.below("gas: balance of energy", np.abs(found["energy_error"]).max(), 1.0e-13)
+    # a disc with free surfaces that the cell presses together
+    deck = cells.scene(
+        "density=1000  eos_model='mie_gruneisen'  mg_c0=10  mg_s=1.5  mg_gamma=1  shear=4e4",
+        "&stage  rate=-0.1,0,-0.1,0,0,0  duration=1 /\n&stage  rate=0,0,0,0,0.5,0  strain=1 /", 3.0, dx=0.05, every=50,
+        body="velocity_formula='-0.3*sin(2*pi*x)','0','-0.3*sin(2*pi*z)'")
+    found = cells.run(options, "disc", deck.replace(
+        "shape='box'  lo=0,0,0  hi=1,1.0,1", "shape='sphere'  centre=0.5,0,0.5  radius=0.47"))
+    sheet.above("disc: it is pressed along x [Pa]", -found["stress_xx"][-1], 1.0e3)
+    sheet.below("disc: balance of energy", np.abs(found["energy_error"]).max(), 1.0e-12)
     errors = [np.abs(cells.run(options, f"elastic_{number}", cells.scene(
         "density=1000  bulk=1e6  shear=1e4  strength_model='neo_hookean'", stage, 1.0, cfl=0.5 / number,
         every=10))["energy_error"][-1]) for number in (1, 2)]
