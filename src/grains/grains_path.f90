@@ -81,6 +81,7 @@ contains
       type(group_t) :: stage, cell
       character(len=:), allocatable :: servo, shape
       integer :: n
+      logical :: has_rate
 
       cell = deck%group("cell")
       stage = deck%group("grains")
@@ -96,7 +97,8 @@ contains
          if (stage%given("strain") .and. .not. (stage%given("rate") .or. &
             stage%given("inertial_number"))) call deck%complain(stage, &
             "strain needs a rate or an inertial_number; without them give duration", "strain")
-         if (stage%given("rate") .and. stage%given("inertial_number")) call deck%complain(stage, &
+         has_rate = deck%departs(stage, "rate")
+         if (has_rate .and. stage%given("inertial_number")) call deck%complain(stage, &
             "rate and inertial_number are both given; keep one", "inertial_number")
          if ((servo /= "none" .or. stage%given("inertial_number")) .and. .not. &
             (stage%given("pressure") .or. cell%given("pressure"))) call deck%complain(stage, &

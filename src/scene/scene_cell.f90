@@ -18,15 +18,14 @@ module scene_cell
 
 contains
 
-   !> True if the particles of the scene are in a cell that deforms; with &grains the group is
-   !! theirs.
+   !> True if the particles of the scene are in a cell that deforms: there are stages, and no grains
+   !! whose they are. The echo of a deck holds &cell and &grains with their defaults in any case.
    logical function has_cell(deck) result(has)
       type(deck_t), intent(in) :: deck
-      type(group_t) :: cell, grains
+      type(group_t) :: grains
 
-      cell = deck%group("cell")
       grains = deck%group("grains")
-      has = cell%present .and. .not. grains%present
+      has = deck%count("stage") > 0 .and. .not. grains%given("diameter")
    end function has_cell
 
    !> Defaults of &method in a cell that deforms, and the values that it needs: what particles carry
@@ -90,10 +89,8 @@ contains
       logical :: is_here
 
       is_here = has_cell(deck)
-      group = deck%group("grains")
       if (.not. is_here) then
-         if (deck%count("stage") > 0 .and. .not. group%present) call deck%complain( &
-            deck%group("stage", 1), "&stage needs &cell; add it, or remove the stages")
+         call check_stages(deck)
          return
       end if
       call check_space(deck, simulation)
@@ -102,8 +99,6 @@ contains
       do n = 1, deck%count("stage")
          call check_stage(deck, n, simulation%space%grid%active)
       end do
-      if (deck%count("stage") == 0) call deck%complain(group, "there is no &stage: give at "// &
-         "least one, say rate = 0, 0, 0, 0, 1, 0   duration = 1.0")
       if (.not. (deck%sound("cell") .and. deck%sound("stage"))) return
       allocate (cell)
       call group%get("tilt", tilt)
@@ -123,6 +118,20 @@ contains
       call check_end(deck, time)
       call move_alloc(cell, simulation%space%cell)
    end subroutine read_cell
+
+   !> A cell without stages does nothing.
+   subroutine check_stages(deck)
+      type(deck_t), intent(inout) :: deck            !! Has no cell of particles
+      type(group_t) :: cell, grains
+      logical :: tilts
+
+      cell = deck%group("cell")
+      grains = deck%group("grains")
+      if (grains%given("diameter")) return
+      tilts = deck%departs(cell, "tilt")
+      if (cell%given("pressure") .or. tilts) call deck%complain(cell, "there is no &stage: give "// &
+         "at least one, say rate = 0, 0, 0, 0, 1, 0   duration = 1.0")
+   end subroutine check_stages
 
    !> Warn if the run ends before the stages.
    subroutine check_end(deck, time)
@@ -198,8 +207,10 @@ contains
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: key
+      logical :: departs
 
-      if (group%given(key)) call deck%complain(group, key//" is for grains, with &grains and "// &
+      departs = deck%departs(group, key)
+      if (departs) call deck%complain(group, key//" is for grains, with &grains and "// &
          "scree --grains; remove it", key)
    end subroutine refuse_key
 

@@ -28,7 +28,6 @@ CELLS = [
     ("cell", "pressure = 1e6", "", 9, "&stage: servo needs a pressure, here or in &cell"),
     ("cell", "0 0 0 0 1 0", "0 0 0 1 0 0", 9, "&stage: rate has a component along a direction that the scene lacks;"),
     ("cell", "servo = 'z'", "servo = 'yz'", 9, "&stage: servo = 'yz' holds a stress along y, which the scene lacks"),
-    ("cell", "&cell pressure = 1e6 /\n", "", 8, "&stage: &stage needs &cell; add it, or remove the stages"),
     ("cell", "&boundary face = 'all'", "&effects contact = .true. /\n&boundary face = 'all'", 9,
      "&cell: &cell does not go with contact; remove one of the two"),
     ("plain", "&body", "&output name = 'c'  kind = 'cell'  every = 1 /\n&body", 7,
