@@ -40,7 +40,7 @@ module base_deck
       procedure :: read => deck_read                     !! Read it
       procedure :: count => deck_count                   !! Number of groups of a kind
       procedure :: group => deck_group                   !! One group
-      procedure :: departs => deck_departs               !! Has a key another value than its default?
+      procedure :: departs => deck_departs               !! Is a key given, and not its default?
       procedure :: named => deck_named                   !! Number of the group of a name
       !> Record an error or a warning about a group, at the line of a key if it is given.
       generic :: complain => complain_of_group, complain_of_place
@@ -326,8 +326,8 @@ contains
       text = text//echo(self%schema, self%groups, self%index)
    end function deck_echo
 
-   !> True if a key is given with another value than its default: the echo of a deck, which is a deck
-   !! too, gives all defaults.
+   !> True if a key is given with another value than its default: the echo of a deck, which is a
+   !! deck too, gives all defaults.
    logical function deck_departs(self, group, key) result(departs)
       class(deck_t), intent(in) :: self
       type(group_t), intent(in) :: group

@@ -129,8 +129,8 @@ contains
       grains = deck%group("grains")
       if (grains%given("diameter")) return
       tilts = deck%departs(cell, "tilt")
-      if (cell%given("pressure") .or. tilts) call deck%complain(cell, "there is no &stage: give "// &
-         "at least one, say rate = 0, 0, 0, 0, 1, 0   duration = 1.0")
+      if (cell%given("pressure") .or. tilts) call deck%complain(cell, "there is no &stage: "// &
+         "give at least one, say rate = 0, 0, 0, 0, 1, 0   duration = 1.0")
    end subroutine check_stages
 
    !> Warn if the run ends before the stages.
