@@ -33,7 +33,7 @@ import broken_values as values   # noqa: E402
 import examples                  # noqa: E402
 import situations                # noqa: E402
 
-FAULTS = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS,
+FAULTS = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS, scenes.CELLS,
           scenes.NAMES, scenes.ORPHANS, scenes.BODIES, scenes.ANGLES, scenes.SIZES, scenes.INCLUDES,
           scenes.RARE, scenes.WARNINGS]
 DECK = "scene.nml"

@@ -13,7 +13,7 @@ module base_deck
    use base_deck_preset, only: apply_presets
    use base_deck_problems, only: problems_t
    use base_deck_repeat, only: repeat_groups
-   use base_deck_value, only: value_t
+   use base_deck_value, only: read_default, value_t
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
    use base_namelist, only: namelist_t
@@ -40,6 +40,7 @@ module base_deck
       procedure :: read => deck_read                     !! Read it
       procedure :: count => deck_count                   !! Number of groups of a kind
       procedure :: group => deck_group                   !! One group
+      procedure :: departs => deck_departs               !! Is a key given, and not its default?
       procedure :: named => deck_named                   !! Number of the group of a name
       !> Record an error or a warning about a group, at the line of a key if it is given.
       generic :: complain => complain_of_group, complain_of_place
@@ -324,6 +325,39 @@ contains
       end do
       text = text//echo(self%schema, self%groups, self%index)
    end function deck_echo
+
+   !> True if a key is given with another value than its default: the echo of a deck, which is a
+   !! deck too, gives all defaults.
+   logical function deck_departs(self, group, key) result(departs)
+      class(deck_t), intent(in) :: self
+      type(group_t), intent(in) :: group
+      character(len=*), intent(in) :: key
+      type(value_t) :: default
+      character(len=:), allocatable :: complaint
+      integer :: rule, k, i
+
+      departs = group%given(key)
+      if (.not. departs) return
+      rule = self%schema%find(group%group)
+      k = self%schema%groups(rule)%find(key)
+      call read_default(self%schema%groups(rule)%keys(k), default, complaint)
+      associate (value => group%values(group%find(key)))
+         if (default%count() /= value%count()) return
+         departs = .false.
+         do i = 1, value%count()
+            select case (self%schema%groups(rule)%keys(k)%kind)
+            case (kind_real)
+               departs = departs .or. abs(value%numbers(i) - default%numbers(i)) > 0.0_wp
+            case (kind_integer)
+               departs = departs .or. value%integers(i) /= default%integers(i)
+            case (kind_logical)
+               departs = departs .or. (value%switches(i) .neqv. default%switches(i))
+            case default
+               departs = departs .or. value%texts(i)%text /= default%texts(i)%text
+            end select
+         end do
+      end associate
+   end function deck_departs
 
    !> Indices of a group and a key of a certain kind; 0 if there is no such key.
    pure function deck_slot(self, name, place, key, kind) result(slot)

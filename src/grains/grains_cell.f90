@@ -6,27 +6,19 @@ module grains_cell
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
-   use grains_box, only: box_t
    use grains_exchange, only: halo_t
    use grains_law, only: contact_law_t
    use grains_pairs, only: pairs_t
    use grains_state, only: grains_t
+   use mesh_box, only: box_t
+   use mesh_drive, only: drive_t
    implicit none
    private
 
-   public :: cell_t, drive_t, mean_t
+   public :: cell_t, mean_t
 
    !> Losses that are summed over pairs: dashpots, friction, length of the step.
    integer, parameter, public :: losses = 3
-
-   !> How the cell is driven.
-   type :: drive_t
-      real(wp) :: gradient(3, 3) = 0.0_wp            !! Given velocity gradient [1/s]
-      logical :: servo(3) = .false.                  !! Axes whose stress is held
-      logical :: isotropic = .false.                 !! All axes alike, mean pressure held
-      real(wp) :: pressure = 0.0_wp                  !! Held [Pa]
-      real(wp) :: servo_rate = 0.0_wp                !! Strain rate at an error of 1 [1/s]
-   end type drive_t
 
    !> Sums of stresses over time.
    type :: mean_t

@@ -56,25 +56,31 @@ contains
    subroutine declare_cell(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%group("cell", "periodic cell of grains at its start, for scree --grains")
-      call schema%text("cell", "packing", "at random without overlap, or a perfect lattice", &
+      call schema%group("cell", "periodic cell that follows the &stage groups: of grains for "// &
+         "scree --grains, without &grains of the particles of the scene")
+      call schema%text("cell", "packing", "grains: at random without overlap, or a "// &
+         "perfect lattice", &
          default="random", words="random triangular fcc")
-      call schema%integer("cell", "cells(3)", "rectangular cells of the lattice: two discs or "// &
-         "four spheres each", owner="packing = triangular fcc")
-      call schema%real("cell", "overlap", "of neighbours in the lattice over the diameter", &
+      call schema%integer("cell", "cells(3)", "grains: rectangular cells of the lattice: two "// &
+         "discs or four spheres each", owner="packing = triangular fcc")
+      call schema%real("cell", "overlap", "grains: of neighbours in the lattice over the "// &
+         "diameter", &
          default="0", range=">= 0 < 0.1", owner="packing = triangular fcc")
       call schema%real("cell", "volume_fraction", &
-         "solid volume over cell volume; default: what "// &
+         "grains: solid volume over cell volume; default: what "// &
          "fits without overlap", &
          range="> 0 < 1", owner="packing = random")
-      call schema%real("cell", "aspect(3)", "edges relative to each other", default="1 1 1", &
-         range="> 0", owner="packing = random")
-      call schema%real("cell", "speed", "random velocities: root of the mean square of a "// &
-         "component", unit="m/s", default="0", range=">= 0")
-      call schema%integer("cell", "seed", "of the random numbers", default="1", range=">= 0")
-      call schema%real("cell", "tilt", "tilt of the y edge along x, over the x edge", default="0")
+      call schema%real("cell", "aspect(3)", "grains: edges relative to each other", &
+         default="1 1 1", range="> 0", owner="packing = random")
+      call schema%real("cell", "speed", "grains: random velocities: root of the mean square "// &
+         "of a component", unit="m/s", default="0", range=">= 0")
+      call schema%integer("cell", "seed", "grains: of the random numbers", default="1", &
+         range=">= 0")
+      call schema%real("cell", "tilt", "tilt of the y edge along x, over the x edge; of "// &
+         "the z edge in a scene in a plane", default="0")
       call schema%real("cell", "pressure", "stress that servos hold", unit="Pa", range="> 0")
-      call schema%real("cell", "skin", "gap up to which neighbours are listed, over the diameter", &
+      call schema%real("cell", "skin", "grains: gap up to which neighbours are listed, over "// &
+         "the diameter", &
          default="0.25", range="> 0 <= 2")
    end subroutine declare_cell
 

@@ -5,7 +5,7 @@
 !! Equations of doc/theory/grains.md.
 module grains_motion
    use base_kinds, only: wp
-   use grains_box, only: inverse
+   use mesh_box, only: inverse
    use grains_state, only: block_rows, grains_t
    implicit none
    private

@@ -2,7 +2,7 @@
 !> Finds the pairs of grains that may touch soon, with linked cells in the coordinates of the cell.
 module grains_neighbours
    use base_kinds, only: wp
-   use grains_box, only: box_t
+   use mesh_box, only: box_t
    use grains_pairs, only: pairs_t
    use grains_state, only: grains_t
    implicit none

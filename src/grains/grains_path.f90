@@ -4,7 +4,8 @@ module grains_path
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
    use base_schema, only: schema_t
-   use grains_cell, only: cell_t, drive_t
+   use grains_cell, only: cell_t
+   use mesh_drive, only: drive_t, read_drive, stage_duration
    implicit none
    private
 
@@ -42,32 +43,35 @@ contains
    subroutine declare_stages(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%group("stage", "one part of the path of a cell of grains, for scree --grains", &
-         many=.true.)
+      call schema%group("stage", "one part of the path of a cell: of grains for "// &
+         "scree --grains, or of the scene with &cell", many=.true.)
       call schema%text("stage", "name", "for the log")
       call schema%real("stage", "rate(6)", "du_x/dx du_y/dy du_z/dz du_x/dy du_x/dz du_y/dz", &
          unit="1/s", default="0 0 0 0 0 0")
-      call schema%real("stage", "inertial_number", "shear of x along y at this inertial number "// &
-         "of `pressure`, rate = I sqrt(pressure/density)/diameter; negative: reversed")
+      call schema%real("stage", "inertial_number", "grains: shear of x along y at this "// &
+         "inertial number of `pressure`, rate = I sqrt(pressure/density)/diameter; negative: "// &
+         "reversed")
       call schema%text("stage", "servo", "axes whose stress is held at `pressure`: each by "// &
          "itself, or the mean with isotropic", default="none", &
          words="none isotropic x y z xy xz yz xyz")
       call schema%real("stage", "pressure", "stress that is held; default: that of &cell", &
          unit="Pa", range="> 0")
-      call schema%real("stage", "friction", "friction between grains in this stage; default: "// &
-         "that of &grains", range=">= 0")
+      call schema%real("stage", "friction", "grains: friction between grains in this stage; "// &
+         "default: that of &grains", range=">= 0")
       call schema%real("stage", "strain", "end: the greatest rate times the time", range="> 0")
       call schema%real("stage", "duration", "end: the time", unit="s", range="> 0")
-      call schema%real("stage", "volume_fraction", "end, if sooner: when it is passed", &
+      call schema%real("stage", "volume_fraction", "grains: end, if sooner, when it is passed", &
          range="> 0 < 1")
       call schema%real("stage", "quiet", &
-         "end, if sooner: kinetic energy over that of the springs", &
+         "grains: end, if sooner, kinetic energy over that of the springs", &
          range="> 0")
-      call schema%integer("stage", "rows", "rows of the history, means over equal times", &
+      call schema%integer("stage", "rows", "grains: rows of the history, means over equal times", &
          default="100", range=">= 1 <= 100000000")
-      call schema%integer("stage", "snapshots", "snapshots of grains and contacts, evenly", &
+      call schema%integer("stage", "snapshots", "grains: snapshots of grains and contacts, "// &
+         "evenly", &
          default="1", range=">= 0 <= 1000000")
-      call schema%logical("stage", "probe", "measure elastic moduli at the end by small strains", &
+      call schema%logical("stage", "probe", "grains: measure elastic moduli at the end by "// &
+         "small strains", &
          default=".false.")
    end subroutine declare_stages
 
@@ -77,6 +81,7 @@ contains
       type(group_t) :: stage, cell
       character(len=:), allocatable :: servo, shape
       integer :: n
+      logical :: has_rate
 
       cell = deck%group("cell")
       stage = deck%group("grains")
@@ -92,7 +97,8 @@ contains
          if (stage%given("strain") .and. .not. (stage%given("rate") .or. &
             stage%given("inertial_number"))) call deck%complain(stage, &
             "strain needs a rate or an inertial_number; without them give duration", "strain")
-         if (stage%given("rate") .and. stage%given("inertial_number")) call deck%complain(stage, &
+         has_rate = deck%departs(stage, "rate")
+         if (has_rate .and. stage%given("inertial_number")) call deck%complain(stage, &
             "rate and inertial_number are both given; keep one", "inertial_number")
          if ((servo /= "none" .or. stage%given("inertial_number")) .and. .not. &
             (stage%given("pressure") .or. cell%given("pressure"))) call deck%complain(stage, &
@@ -123,40 +129,20 @@ contains
       type(cell_t), intent(in) :: cell
       real(wp), intent(in) :: friction               !! Of &grains
       type(stage_t), intent(out) :: stage
-      type(group_t) :: group, parent
-      character(len=:), allocatable :: servo
-      real(wp) :: rate(6), number
+      type(group_t) :: group
+      real(wp) :: number
       integer :: axis
 
       group = deck%group("stage", n)
-      parent = deck%group("cell")
       call group%get("name", stage%name)
-      call group%get("servo", servo)
-      stage%drive%isotropic = servo == "isotropic"
-      do axis = 1, cell%box%dimension
-         stage%drive%servo(axis) = stage%drive%isotropic .or. index(servo, "xyz"(axis:axis)) > 0
-      end do
-      call parent%get("pressure", stage%drive%pressure)
-      if (group%given("pressure")) call group%get("pressure", stage%drive%pressure)
-      call group%get("rate", rate)
+      call read_drive(deck, group, [(axis <= cell%box%dimension, axis=1, 3)], stage%drive)
       if (group%given("inertial_number")) then
          call group%get("inertial_number", number)
-         rate(4) = number*sqrt(stage%drive%pressure/cell%density)/cell%diameter
+         stage%drive%gradient(1, 2) = number*sqrt(stage%drive%pressure/cell%density)/cell%diameter
       end if
-      do axis = 1, 3
-         stage%drive%gradient(axis, axis) = rate(axis)
-      end do
-      stage%drive%gradient(1, 2) = rate(4)
-      stage%drive%gradient(1, 3) = rate(5)
-      stage%drive%gradient(2, 3) = rate(6)
       stage%friction = friction
       if (group%given("friction")) call group%get("friction", stage%friction)
-      stage%duration = huge(1.0_wp)
-      if (group%given("duration")) call group%get("duration", stage%duration)
-      if (group%given("strain")) then
-         call group%get("strain", number)
-         stage%duration = min(stage%duration, number/maxval(abs(rate)))
-      end if
+      stage%duration = stage_duration(group, stage%drive)
       if (group%given("volume_fraction")) call group%get("volume_fraction", stage%fraction)
       if (group%given("quiet")) call group%get("quiet", stage%quiet)
       call group%get("rows", stage%rows)

@@ -3,10 +3,11 @@
 !! (unrelaxed), and after the grains have come to rest again (relaxed).
 module grains_probe
    use base_kinds, only: wp
-   use grains_cell, only: cell_t, drive_t
+   use grains_cell, only: cell_t
    use grains_measures, only: energy_t, find_energy
    use grains_pairs, only: dashpot
    use grains_step, only: advance_cell
+   use mesh_drive, only: drive_t
    implicit none
    private
 

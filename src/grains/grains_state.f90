@@ -8,7 +8,7 @@
 module grains_state
    use base_constants, only: pi
    use base_kinds, only: wp
-   use grains_box, only: box_t
+   use mesh_box, only: box_t
    implicit none
    private
 

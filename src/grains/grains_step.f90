@@ -7,7 +7,7 @@
 module grains_step
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
-   use grains_box, only: inverse
+   use mesh_box, only: inverse
    use grains_cell, only: cell_t, losses
    use grains_discs, only: push_discs, sum_discs
    use grains_exchange, only: exchange_grains, gather_rows, link_halo, own_rows, total_of
@@ -205,37 +205,10 @@ contains
    end subroutine end_velocities
 
    !> Velocity gradient of the next step: the given one, and on held axes what brings the stress to
-   !! its value. Far below it the cell shrinks up to `boost` times faster.
+   !! its value.
    pure subroutine servo_gradient(cell)
       type(cell_t), intent(inout) :: cell
-      real(wp) :: stress(3, 3)
-      integer :: axis
 
-      cell%box%gradient = cell%drive%gradient
-      if (.not. any(cell%drive%servo)) return
-      stress = cell%stress(cell%contact, cell%kinetic)
-      do axis = 1, cell%box%dimension
-         if (.not. cell%drive%servo(axis)) cycle
-         if (cell%drive%isotropic) then
-            cell%box%gradient(axis, axis) = response(cell%drive%servo_rate, cell%pressure(), &
-               cell%drive%pressure)
-         else
-            cell%box%gradient(axis, axis) = response(cell%drive%servo_rate, -stress(axis, axis), &
-               cell%drive%pressure)
-         end if
-      end do
+      call cell%drive%steer(cell%stress(cell%contact, cell%kinetic), cell%box)
    end subroutine servo_gradient
-
-   !> Strain rate of a held axis, (G.3) [1/s].
-   pure real(wp) function response(rate, pressure, target) result(strain_rate)
-      real(wp), intent(in) :: rate                   !! At an error of 1 [1/s]
-      real(wp), intent(in) :: pressure, target       !! [Pa]
-      real(wp), parameter :: boost = 20.0_wp, far = 0.1_wp
-      real(wp) :: error
-
-      error = pressure/target - 1.0_wp
-      strain_rate = rate*min(error, boost)
-      if (pressure < far*target) strain_rate = strain_rate &
-         *(1.0_wp + (boost - 1.0_wp)*(1.0_wp - pressure/(far*target)))
-   end function response
 end module grains_step

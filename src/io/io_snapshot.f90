@@ -60,6 +60,8 @@ module io_snapshot
       real(wp) :: dt_next = 0.0_wp                       !! Stable time step that comes [s]
       real(wp) :: velocity_lag = 0.0_wp                  !! Of velocities behind positions [s]
       integer(int64) :: step = 0                         !! Steps done
+      !> (3, 4) In a cell that deforms: its deformation, and the corner that stays [m]
+      real(wp), allocatable :: stretch(:, :)
       logical :: axisymmetric = .false.                  !! Points are (radius, 0, height)
       type(output_units_t) :: units                      !! Units of all data sets
       character(len=body_name_length), allocatable :: body_names(:) !! (body)
@@ -183,12 +185,29 @@ contains
          filled = filled + size(picks(store)%order)
       end do
       if (header%axisymmetric) points(2, :) = 0.0_wp
+      if (allocated(header%stretch)) call stretch_points(header%stretch, points)
       if (header%units%system /= system_si) points(:, :) = header%units%shown(points, "m")
       even = level_rows(file%communicator, rows)
       call level_reals(file%communicator, rows, even, points)
       call write_data(file, root//"/Points", even, points)
       call write_units(file, root//"/Points", "position", "m", header%units)
    end subroutine write_points
+
+   !> Positions in space of those on the mesh of a cell that deforms.
+   pure subroutine stretch_points(stretch, points)
+      real(wp), intent(in) :: stretch(:, :)              !! (3, 4) Deformation [1] and corner [m]
+      real(wp), contiguous, intent(inout) :: points(:, :) !! (component, row) [m]
+      real(wp) :: x(3)
+      integer :: row, k
+
+      do row = 1, size(points, 2)
+         x = points(:, row) - stretch(:, 4)
+         do k = 1, 3
+            points(k, row) = stretch(k, 4) + (stretch(k, 1)*x(1) + stretch(k, 2)*x(2) &
+               + stretch(k, 3)*x(3))
+         end do
+      end do
+   end subroutine stretch_points
 
    !> Copy the positions of some particles of a store.
    subroutine fill_positions(store, order, before, points)

@@ -48,6 +48,7 @@ contains
       call state%set("checkpoint_number", [int(place%number, int64)])
       call state%set("last_step_length", [simulation%clock%dt, simulation%clock%guard%longest])
       call state%set("space", space_of(simulation))
+      if (allocated(simulation%space%cell)) call state%set("cell", simulation%space%cell%pack())
       call checkpoint_write(simulation%machine%communicator, place, simulation%stores, state, error)
       if (.not. allocated(error)) place%number = place%number + 1
       call simulation%machine%timer%stop(simulation%machine%phase%checkpoint)
@@ -113,6 +114,11 @@ contains
       simulation%clock%dt = length(1)
       call update_gravity(simulation)
       simulation%clock%guard%longest = length(size(length))
+      if (allocated(simulation%space%cell)) then
+         call state%get("cell", length, error)
+         if (allocated(error)) return
+         call simulation%space%cell%unpack(length)
+      end if
       call outputs%load(state)
       call load_errors(simulation, state)
       call load_trust(simulation%balance%trust, state)

@@ -143,6 +143,8 @@ contains
       self%header%dt = simulation%clock%dt
       self%header%dt_next = simulation%clock%dt_next
       self%header%velocity_lag = simulation%scheme%method%lag(simulation%clock%dt)
+      if (allocated(simulation%space%cell)) self%header%stretch = reshape( &
+         [simulation%space%cell%stretch%before, simulation%space%grid%lower], [3, 4])
       self%header%step = simulation%clock%step
       do n = 1, size(self%streams)
          associate (stream => self%streams(n)%item)

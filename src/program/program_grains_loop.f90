@@ -82,7 +82,6 @@ contains
    !! and a part of the shear.
    subroutine set_stage(run)
       type(grains_run_t), intent(inout) :: run
-      real(wp), parameter :: waves = 3.0_wp, part = 0.2_wp
       real(wp) :: speed, modulus
 
       associate (cell => run%cell, stage => run%path%stages(run%path%now))
@@ -91,9 +90,7 @@ contains
          if (.not. any(stage%drive%servo)) return
          modulus = cell%law%modulus(cell%box%dimension, cell%diameter, stage%drive%pressure)
          speed = sqrt(modulus/cell%density)
-         cell%drive%servo_rate = waves*stage%drive%pressure/(cell%density*speed &
-            *run%path%from_height) &
-            + part*maxval(abs(stage%drive%gradient))
+         call cell%drive%set_rate(cell%density, speed, run%path%from_height)
       end associate
    end subroutine set_stage
 

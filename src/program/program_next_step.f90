@@ -22,7 +22,10 @@ contains
       real(wp), intent(out) :: dt                    !! [s]
       type(error_t), allocatable, intent(out) :: error !! The stable step is too short
       integer :: rule
+      real(wp) :: stop
 
+      stop = limits%time_end
+      if (allocated(simulation%space%cell)) stop = min(stop, simulation%space%cell%next_end())
       associate (guard => simulation%clock%guard)
          dt = min(simulation%clock%dt_next, limits%dt_max)
          guard%longest = max(guard%longest, dt)
@@ -34,9 +37,10 @@ contains
          if (limits%dt_max < simulation%clock%dt_next .or. limits%dt_fixed > 0.0_wp) rule = &
             rule_deck
          if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
-         ! the last step ends at t_end, without a remainder as short as rounding errors
-         if (simulation%clock%time + dt*(1.0_wp + 1.0e-9_wp) >= limits%time_end) then
-            dt = limits%time_end - simulation%clock%time
+         ! the last step of the run or of a stage ends at its time, without a remainder as short as
+         ! rounding errors
+         if (simulation%clock%time + dt*(1.0_wp + 1.0e-9_wp) >= stop) then
+            dt = stop - simulation%clock%time
             rule = rule_end
          end if
          guard%counted = rule

@@ -3,6 +3,7 @@
 module program_progress
    use base_kinds, only: int64, wp
    use base_log, only: log_t, progress_line, progress_t
+   use base_text, only: number
    use base_timer, only: process_seconds, wall_seconds
    use omp_lib, only: omp_get_max_threads
    use program_loop_clock, only: loop_clock_t
@@ -14,7 +15,7 @@ module program_progress
    implicit none
    private
 
-   public :: log_progress, warn_if_starved
+   public :: log_progress, log_stage, warn_if_starved
 
 contains
 
@@ -49,6 +50,25 @@ contains
       progress%seconds_left = progress%wall*(1.0_wp/done - 1.0_wp)
       call log%info(progress_line(progress))
    end subroutine log_progress
+
+   !> Log the stage of a cell that deforms when it begins.
+   subroutine log_stage(simulation, log)
+      type(simulation_t), intent(inout) :: simulation !! With a cell
+      type(log_t), intent(inout) :: log
+      character(len=24) :: time
+
+      associate (cell => simulation%space%cell, stage => simulation%space%cell%now)
+         if (cell%logged == stage) return
+         cell%logged = stage
+         write (time, "(es12.5)") simulation%clock%time
+         if (stage > size(cell%legs)) then
+            call log%info("  all stages are done  t = "//trim(adjustl(time))//" s")
+         else
+            call log%info("  stage "//number(stage)//" "//cell%legs(stage)%name//"  t = "// &
+               trim(adjustl(time))//" s")
+         end if
+      end associate
+   end subroutine log_stage
 
    !> Warn once if wall time is far longer than processor time, of the steps or of the whole run.
    subroutine warn_if_starved(simulation, log, clock, warned)

@@ -10,7 +10,7 @@ module program_time_loop
    use output_streams, only: outputs_t
    use program_loop_clock, only: loop_clock_t
    use program_next_step, only: choose_step, is_step_allowed
-   use program_progress, only: log_progress, warn_if_starved
+   use program_progress, only: log_progress, log_stage, warn_if_starved
    use program_run_limits, only: limits_t
    use program_signals, only: caught_signal, watch_signal
    use program_stop_criteria, only: none_left, stop_criteria_t, wall_limit_request
@@ -151,6 +151,7 @@ contains
 
       call outputs%write_due(simulation, last, note, error)
       if (len(note) > 0) call log%info(note)
+      if (allocated(simulation%space%cell)) call log_stage(simulation, log)
    end subroutine write_outputs
 
    !> Write a checkpoint and log it.

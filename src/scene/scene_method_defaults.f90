@@ -4,6 +4,7 @@
 module scene_method_defaults
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
+   use scene_cell, only: set_cell_defaults
    use step_method, only: stress_after, stress_average, stress_names, stress_remapped
    implicit none
    private
@@ -23,6 +24,7 @@ contains
       logical, intent(in) :: gases                   !! Is all material a gas?
 
       call set_dependent_defaults(deck)
+      call set_cell_defaults(deck)
       if (stored) call set_elastic_defaults(deck)
       call set_turn_default(deck)
       call check_unseen(deck)

@@ -15,6 +15,7 @@ module scene_particles
    use particle_place, only: find_place
    use particle_store, only: store_t, traits_t
    use particle_volume_factors, only: set_volume_factors
+   use scene_cell, only: start_cell
    use scene_contact, only: bond_stores, store_name
    use step_ledger, only: cross
    use step_normalised_sums, only: choose_normalised
@@ -377,15 +378,17 @@ contains
    !> Stable time step for the initial state [s].
    subroutine first_step(simulation)
       type(simulation_t), intent(inout) :: simulation
-      real(wp) :: fastest, signal, speed
+      real(wp) :: fastest, signal, greatest, speed
       integer :: index, tile, p
 
       fastest = 0.0_wp
+      greatest = 0.0_wp
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
             do tile = 1, size(store%count)
                signal = simulation%materials(index)%signal_speed(store%state, &
                   store%first(tile), store%first(tile) + store%count(tile) - 1)
+               greatest = max(greatest, signal)
                do p = store%first(tile), store%first(tile) + store%count(tile) - 1
                   speed = sqrt(store%velocity(p, 1)**2 + store%velocity(p, 2)**2 &
                      + store%velocity(p, 3)**2)
@@ -398,8 +401,11 @@ contains
       simulation%clock%dt_next = huge(1.0_wp)
       if (fastest > 0.0_wp) &
          simulation%clock%dt_next = &
-            simulation%scheme%method%cfl*simulation%space%grid%spacing/fastest
+            simulation%scheme%method%cfl*simulation%space%grid%spacing &
+            /simulation%space%mesh_time(fastest)
       if (allocated(simulation%effects%conduction)) call limit_step(simulation, &
          simulation%machine%communicator%maximum(greatest_diffusivity(simulation)))
+      if (allocated(simulation%space%cell)) call start_cell(simulation, &
+         simulation%machine%communicator%maximum(greatest))
    end subroutine first_step
 end module scene_particles

@@ -11,6 +11,7 @@ module scene_setup
    use scene_absorbing, only: read_absorbing
    use scene_bodies, only: read_bodies
    use scene_boundary, only: read_boundaries, read_walls
+   use scene_cell, only: read_cell, refuse_effects
    use scene_contact, only: read_contact
    use scene_detonation, only: read_detonations
    use scene_effects, only: read_effects
@@ -67,6 +68,7 @@ contains
       call simulation%space%grid%start(tile_edge(deck))
       call check_periodic(deck, simulation%space%grid)
       call read_effects(deck, simulation)
+      call read_cell(deck, simulation)
       if (.not. deck%sound("region")) return
       call read_shapes(deck, simulation%machine%communicator, simulation%space%grid, shapes)
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
@@ -81,6 +83,7 @@ contains
       call read_loads(deck, simulation, bodies, shapes)
       if (.not. is_sound(deck)) return
       call read_exact(deck, simulation, bodies)
+      call refuse_effects(deck, simulation)
       if (.not. is_sound(deck)) return
       call read_detonations(deck, simulation, bodies)
       if (.not. is_sound(deck)) return
@@ -98,9 +101,9 @@ contains
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
       type(deck_t), intent(in) :: deck
-      character(len=10), parameter :: groups(12) = [character(len=10) :: "load", "run", "grid", &
+      character(len=10), parameter :: groups(14) = [character(len=10) :: "load", "run", "grid", &
          "method", "effects", "boundary", "material", "region", "body", "contact", "exact", &
-         "detonation"]
+         "detonation", "cell", "stage"]
       integer :: n
 
       sound = .true.

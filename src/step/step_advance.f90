@@ -4,12 +4,14 @@ module step_advance
    use base_error, only: error_t
    use base_kinds, only: wp
    use mesh_surface_load, only: set_loads
+   use particle_moving_cell, only: measure_cell, shift_particles
    use step_body_force, only: average_gravity, record_body_force, update_gravity
    use step_conduction, only: conduct_heat
    use step_contact, only: apply_contact, break_bonds
    use step_contact_surface, only: find_contact_surfaces
    use step_dual_gradient, only: apply_dual_gradient
    use step_heat_flux, only: add_artificial_heat_flux
+   use step_ledger, only: external_work
    use step_mean_stress, only: find_mean_stress
    use step_method, only: stress_before
    use step_move_nodes, only: find_remapped_velocities, finish_node_motion, move_nodes, &
@@ -54,6 +56,7 @@ contains
       call move_all_nodes(simulation, dt, error)
       if (allocated(error)) return
       call set_burn_clock(simulation, simulation%clock%time + dt)
+      if (allocated(simulation%space%cell)) call simulation%space%cell%prepare(dt)
       if (allocated(simulation%effects%conduction)) call conduct_heat(simulation, dt)
       if (simulation%scheme%method%heat_flux > 0.0_wp) call add_artificial_heat_flux(simulation, dt)
       do n = 1, size(simulation%fields)
@@ -62,11 +65,40 @@ contains
             strain=simulation%scheme%method%stress /= stress_before), dt)
       end do
       call advance_clock(simulation, dt)
+      if (allocated(simulation%space%cell)) call simulation%space%cell%complete( &
+         simulation%clock%time)
       call finish_step(simulation, error)
       if (allocated(error)) return
       if (allocated(simulation%scheme%method%splitting)) call split_particles(simulation)
       call sort_particles(simulation)
+      if (allocated(simulation%space%cell)) call deform_cell(simulation)
    end subroutine advance
+
+   !> The end of a step of a cell that deforms: particles go to where they are on the mesh
+   !! of equivalent edges, its stress gives the next velocity gradient. Collective.
+   subroutine deform_cell(simulation)
+      type(simulation_t), intent(inout) :: simulation
+      real(wp) :: work
+
+      associate (cell => simulation%space%cell)
+         if (any(abs(cell%steps) > 0.0_wp)) then
+            call shift_particles(simulation%space%grid, simulation%space%boundary, &
+               simulation%space%tiles, cell, simulation%stores)
+            call sort_particles(simulation)
+         end if
+         call measure_cell(simulation%machine%communicator, simulation%stores, cell)
+         work = cell%step_work(cell%box%gradient, simulation%clock%kick)
+         cell%work = cell%work + work
+         if (simulation%machine%communicator%rank == 0) &
+            call simulation%balance%ledger%sums(external_work)%add(work)
+         ! momentum is compared with that of the uniform flow an edge away
+         simulation%balance%ledger%momentum_scale = max(simulation%balance%ledger%momentum_scale, &
+            cell%mass*norm2(cell%box%gradient)*maxval(cell%mesh))
+         call cell%steer(simulation%clock%dt_next)
+         simulation%clock%dt_next = min(simulation%clock%dt_next, &
+            cell%longest_step(simulation%clock%guard%bounds%strain_max))
+      end associate
+   end subroutine deform_cell
 
    !> Strain the particles with the node velocities before the forces act. Each velocity field has
    !! its own: after contact bodies do not approach each other.

@@ -110,7 +110,7 @@ contains
          call nodes%motion%seen(2)%put(grid, nodes%motion%touched, tile, 1, &
             nodes%motion%acceleration(:, :, slot))
          if (.not. present(whole)) return
-         call examine_tile(simulation, field, tile, slot, whole, reach)
+         call examine_tile(simulation, field, tile, slot, simulation%space%mesh_time(whole), reach)
          if (worse(reach, scratch%reach)) scratch%reach = reach
       end associate
    end subroutine keep_seen
@@ -263,12 +263,30 @@ contains
          end if
          if (simulation%effects%damping > 0.0_wp) &
             acceleration = acceleration - simulation%effects%damping*velocity
+         if (allocated(simulation%space%cell)) call turn_nodes(simulation%space, field, scratch, &
+            tile, dt, velocity, acceleration)
          call constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
          call combine(1.0_wp, velocity, dt, acceleration, nodes%motion%strain(:, :, slot))
          if (allocated(scratch%unbalanced) .and. tile <= simulation%space%tiles%own) &
             call record_unbalanced(simulation%space, field, scratch, tile, acceleration)
       end associate
    end subroutine start_tile
+
+   !> Acceleration of the nodes of a tile in a cell that deforms, and the work of its flow on them.
+   subroutine turn_nodes(space, field, scratch, tile, dt, velocity, acceleration)
+      type(space_t), intent(in) :: space
+      type(velocity_field_t), intent(in) :: field
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)        !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp) :: push(3, size(velocity, 2)), centre(3, size(velocity, 2))
+
+      call space%cell%turn_nodes(dt, velocity, acceleration, push, centre)
+      if (dt > 0.0_wp .and. tile <= space%tiles%own) call record_push(space, field, &
+         scratch%ledger, tile, push, centre)
+   end subroutine turn_nodes
 
    !> Gradients of the velocities that strain the particles of a tile.
    subroutine finish_tile(simulation, field, tile, dt)

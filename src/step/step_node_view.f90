@@ -102,6 +102,7 @@ contains
          view%matters = limiting_gradient(simulation%clock%guard%bounds, method%step_growth, &
             simulation%clock%dt_next)
          if (method%dual .or. grid%axisymmetric .or. allocated(simulation%stores(1)%domain)) return
+         if (allocated(simulation%space%cell)) return
          ! nine components, each at most twice the greatest velocity over the edge of a cell
          view%slow = are_nodes_slow(3*grid%tile_nodes, field%nodes%motion%strain(:, :, view%slot), &
             0.9_wp/6.0_wp*grid%spacing*view%matters)

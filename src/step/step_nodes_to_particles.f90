@@ -113,7 +113,7 @@ contains
             call locate_particles(simulation%space, simulation%scheme, field, scratch, store, tile)
             call scratch%deformation%reserve(store%count(tile) + spare)
             if (parts%work) call find_gradient(simulation, scratch, store, tile, view%centre, &
-               view%middle, simulation%clock%kick)
+               view%middle, simulation%clock%kick, .true.)
             if (parts%work .and. allocated(store%state%energy)) call add_work(scratch, store, tile)
             if (parts%work .and. allocated(simulation%effects%loads)) call record_loads( &
                simulation, scratch, store, tile, view%centre)
@@ -245,6 +245,8 @@ contains
             call method%basis%gather_motion(grid, shape, first, view%push, view%carry, &
                method%transfer%flip_fraction(), dt, store%velocity, store%position)
          end if
+         if (allocated(simulation%space%cell)) call carry_particles(simulation, scratch, store, &
+            tile, view, dt)
          if (damps(method, simulation%scheme%carries_energy)) then
             if (view%at_once) then
                call view%increments%find_way(shape)
@@ -260,6 +262,27 @@ contains
          call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
       end associate
    end subroutine move_particles
+
+   !> Positions on the mesh of a cell that deforms.
+   subroutine carry_particles(simulation, scratch, store, tile, view, dt)
+      type(simulation_t), intent(in) :: simulation
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(store_t), intent(inout) :: store
+      integer, intent(in) :: tile
+      type(view_t), intent(in) :: view               !! Node fields
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      associate (shape => scratch%shape)
+         if (view%at_once) then
+            call view%increments%find_way(shape)
+         else
+            call simulation%scheme%method%basis%gather_values(simulation%space%grid, shape, &
+               view%carry, shape%vector)
+         end if
+         call simulation%space%cell%carry(store%first(tile), store%count(tile), dt, shape%vector, &
+            store%position)
+      end associate
+   end subroutine carry_particles
 
    !> Do linear velocity fields come from the strain of the step? The modified gradient is less
    !! noisy than that of the cell, and after the step it is the gradient of the new velocities. With
@@ -295,7 +318,7 @@ contains
    end subroutine add_work
 
    !> Velocity gradient times the time step at the particles of a tile.
-   subroutine find_gradient(simulation, scratch, store, tile, velocity, gradient, dt)
+   subroutine find_gradient(simulation, scratch, store, tile, velocity, gradient, dt, works)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Gets the gradient
       type(store_t), intent(in) :: store
@@ -303,6 +326,7 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :)   !! (3, node) [m/s]
       real(wp), allocatable, intent(in) :: gradient(:, :)  !! (9, node) Of the nodes, if dual [1/s]
       real(wp), intent(in) :: dt                     !! Time step [s]
+      logical, intent(in) :: works                   !! For the work of the stress, not the strain?
 
       associate (grid => simulation%space%grid, method => simulation%scheme%method, shape => &
          scratch%shape, &
@@ -316,6 +340,15 @@ contains
          end if
          if (grid%axisymmetric) call method%basis%gather_hoop(grid, shape, store%first(tile), &
             store%position, velocity, dt, scratch%deformation%gradient)
+         if (allocated(simulation%space%cell)) then
+            if (works) then
+               call simulation%space%cell%place_work(store%count(tile), dt, &
+                  scratch%deformation%gradient)
+            else
+               call simulation%space%cell%place_strain(store%count(tile), &
+                  scratch%deformation%gradient)
+            end if
+         end if
          if (method%even) call average_dilatation(grid, start, store%first(tile), &
             store%state%volume, scratch%deformation%gradient)
       end associate
@@ -340,12 +373,13 @@ contains
          deformation%plane = simulation%space%grid%dimensions < 3
          if (method%averages()) then
             call find_gradient(simulation, scratch, store, tile, &
-               field%nodes%motion%velocity(:, :, view%slot), view%earlier, simulation%clock%dt)
+               field%nodes%motion%velocity(:, :, view%slot), view%earlier, simulation%clock%dt, &
+               .false.)
             call centre_backward(n, deformation%plane, deformation%gradient)
             call keep_earlier(n, deformation%gradient, scratch%earlier)
          end if
          call find_gradient(simulation, scratch, store, tile, &
-            field%nodes%motion%strain(:, :, view%slot), view%gradient, dt)
+            field%nodes%motion%strain(:, :, view%slot), view%gradient, dt, .false.)
          if (.not. view%slow) call find_steepest(deformation%gradient, &
             store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
             scratch%steepest_identity)

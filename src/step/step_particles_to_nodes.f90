@@ -208,7 +208,8 @@ contains
             call method%basis%scatter_motion(grid, shape, first, state%mass, store%velocity, patch)
          end if
          if (allocated(simulation%effects%loads)) call find_loads(simulation, scratch, store, tile)
-         if (method%even .or. method%controlled() .or. allocated(simulation%effects%loads)) then
+         if (method%even .or. method%controlled() .or. allocated(simulation%effects%loads) .or. &
+            allocated(simulation%space%cell)) then
             call change_stress(simulation%space, simulation%scheme, field, scratch, store, tile)
             if (allocated(simulation%effects%loads)) call scratch%pushed%subtract( &
                store%count(tile), scratch%pushed%load)
@@ -245,6 +246,8 @@ contains
                field%nodes%stress%star(:, :, tile), shape%values)
             call pushed%subtract(store%count(tile), shape%values)
          end if
+         if (allocated(space%cell)) call space%cell%pull_back(store%count(tile), pushed%volume, &
+            pushed%stress)
       end associate
    end subroutine change_stress
 

@@ -107,7 +107,7 @@ contains
       !$omp do schedule(static)
       do tile = 1, simulation%space%tiles%own
          began = cost_clock(simulation%machine)
-         call examine_tile(simulation, field, tile, tile, dt, reach)
+         call examine_tile(simulation, field, tile, tile, simulation%space%mesh_time(dt), reach)
          if (worse(reach, mine)) mine = reach
          call record_cost(simulation%machine, tile, began)
       end do

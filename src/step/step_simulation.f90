@@ -16,6 +16,7 @@ module step_simulation
    use mesh_grid, only: grid_t
    use mesh_halo, only: halo_t
    use mesh_motion, only: motion_t
+   use mesh_moving_cell, only: moving_cell_t
    use mesh_rigid, only: rigid_t
    use mesh_surface_load, only: surface_load_t
    use mesh_tiles, only: tiles_t
@@ -152,6 +153,9 @@ module step_simulation
       type(rigid_t), allocatable :: rigid            !! Rigid regions that hold nodes
       type(tiles_t) :: tiles                         !! Tiles of this rank
       type(halo_t) :: halo                           !! Which of them other ranks see
+      type(moving_cell_t), allocatable :: cell       !! Periodic cell that deforms, if it does
+   contains
+      procedure :: mesh_time => space_mesh_time      !! A time on the mesh
    end type space_t
 
    !> Numerical method, and what materials and output require of it.
@@ -230,6 +234,16 @@ module step_simulation
    end type simulation_t
 
 contains
+
+   !> Time in which a velocity in space goes as far on the mesh as it can in the given time: the
+   !! same time, unless the cell deforms [s].
+   pure real(wp) function space_mesh_time(self, time) result(longest)
+      class(space_t), intent(in) :: self
+      real(wp), intent(in) :: time                   !! [s]
+
+      longest = time
+      if (allocated(self%cell)) longest = time*self%cell%greatest()
+   end function space_mesh_time
 
    !> Count the node fields of contact.
    pure subroutine count_contact(self, tally)

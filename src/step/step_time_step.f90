@@ -136,7 +136,8 @@ contains
          dt = huge(dt)
          guard%rule = rule_signal
          guard%rate = rate
-         if (fastest > 0.0_wp) dt = scheme%method%cfl*space%grid%spacing/fastest
+         if (fastest > 0.0_wp) dt = scheme%method%cfl*space%grid%spacing &
+            /space%mesh_time(fastest)
          if (rate*dt > guard%bounds%strain_max) then
             dt = guard%bounds%strain_max/rate
             guard%rule = rule_strain

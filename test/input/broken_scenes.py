@@ -1,6 +1,39 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Faults of a scene that one change of a deck of broken_values makes; rows as there."""
 
+# A periodic cell that deforms, and what it does not go with.
+CELLS = [
+    ("cell", "type = 'periodic'", "type = 'slip'", 8,
+     "&cell: &cell needs periodic faces in all directions, and x has none; write &boundary face = 'all'"),
+    ("cell", "&time", "&method transfer = 'apic' /\n&time", 3,
+     "&method: &cell needs transfer = 'flip' or 'pic' or 'xpic' or 'fmpm', not 'apic'"),
+    ("cell", "&time", "&method quadrature = 'control' /\n&time", 3,
+     "&method: &cell needs quadrature = 'point' or 'lsd', not 'control'"),
+    ("cell", "&time", "&effects gravity = .true. /\n&time", 3,
+     "&effects: &cell does not go with gravity: a periodic cell has no bottom; remove it"),
+    ("cell", "&time", "&method split = .true. /\n&time", 3,
+     "&method: &cell does not go with split = .true.; remove it"),
+    ("cell", "&time", "&method paper = .true. /\n&time", 3,
+     "&method: &cell does not go with paper = .true.; remove it"),
+    ("cell", "&boundary", "&boundary region = 'all'  type = 'stick' /\n&boundary", 9,
+     "&cell: &cell does not go with rigid regions; remove one of the two"),
+    ("cell", "pressure = 1e6", "pressure = 1e6  packing = 'fcc'", 8,
+     "&cell: packing is for grains, with &grains and scree --grains; remove it"),
+    ("cell", "strain = 1", "strain = 1  quiet = 1e-3", 9,
+     "&stage: quiet is for grains, with &grains and scree --grains; remove it"),
+    ("cell", "&stage servo = 'z'  rate = 0 0 0 0 1 0  strain = 1 /\n", "", 8,
+     "&cell: there is no &stage: give at least one"),
+    ("cell", "strain = 1", "", 9, "&stage: the stage has no end: give strain or duration"),
+    ("cell", "rate = 0 0 0 0 1 0", "", 9, "&stage: strain needs a rate; without it give duration"),
+    ("cell", "pressure = 1e6", "", 9, "&stage: servo needs a pressure, here or in &cell"),
+    ("cell", "0 0 0 0 1 0", "0 0 0 1 0 0", 9, "&stage: rate has a component along a direction that the scene lacks;"),
+    ("cell", "servo = 'z'", "servo = 'yz'", 9, "&stage: servo = 'yz' holds a stress along y, which the scene lacks"),
+    ("cell", "&boundary face = 'all'", "&effects contact = .true. /\n&boundary face = 'all'", 9,
+     "&cell: &cell does not go with contact; remove one of the two"),
+    ("plain", "&body", "&output name = 'c'  kind = 'cell'  every = 1 /\n&body", 7,
+     "&output 'c': kind = 'cell' needs &cell and &stage; add them or remove this &output"),
+]
+
 # Twice, not at all, or against each other.
 CONTRADICTIONS = [
     ("plain", "density = 2700", "density = 2700 density = 7800", 4,
@@ -404,6 +437,7 @@ WARNINGS = [
      "&material 'high': detonation_speed = 8000 m/s, but the constants jwl_* have a detonation of 6927.81 m/s"),
     ("charge", "shape = 'plane'  point = 0 0 0  normal = 1 0 0", "point = 0.5 0 0.6", 11,
      "&detonation: lies outside of every explosive, more than a cell from the box around it; it lights what it sees"),
+    ("cell", "t_end = 1", "t_end = 0.5", 9, "&stage: ends at t = 1, after t_end; raise t_end to reach it"),
     ("plain", "density = 2700", "density = 2.7", 4,
      "&material 'metal': density = 2.7 kg/m3 is lighter than polystyrene; is &units missing?"),
     ("plain", "density = 2700", "density = 2.7e6", 4, "is heavier than osmium; is &units missing?"),

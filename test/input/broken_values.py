@@ -54,6 +54,17 @@ DECKS = {
 &body name = 'plate'  region = 'top'  material = 'metal' /
 &detonation shape = 'plane'  point = 0 0 0  normal = 1 0 0 /
 """,
+    "cell": """&run dimension = 'plane_strain' /
+&grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
+&time t_end = 1 /
+&material name = 'metal'  density = 2700  young = 70e9  poisson = 0.3 /
+&region name = 'all'  shape = 'box'  lo = 0 0 0  hi = 1 0.1 1 /
+&body name = 'one'  region = 'all'  material = 'metal' /
+&boundary face = 'all'  type = 'periodic' /
+&cell pressure = 1e6 /
+&stage servo = 'z'  rate = 0 0 0 0 1 0  strain = 1 /
+&output name = 'cell'  kind = 'cell'  every = 20 /
+""",
 }
 
 # Kinds of values.
@@ -338,7 +349,7 @@ UNKNOWN = [
     ("sand", "type = 'friction'", "type = 'frictional'", 9,
      "&boundary: type = 'frictional' is none of: outflow stick slip friction velocity"),
     ("sand", "kind = 'history'", "kind = 'histories'", 10,
-     "&output: kind = 'histories' is none of: particles slice grid history profile fragments gauge forces; did "
+     "&output: kind = 'histories' is none of: particles slice grid history profile fragments gauge forces cell; did "
      "you mean 'history'?"),
     ("shock", "system = 'mm-us-mg'", "system = 'mm-us-mg'  output_units = 'mm-us-kg'", 2,
      "&units: output_units = 'mm-us-kg' is none of: deck si cgs mm-ms-kg mm-ms-g cm-us-g mm-us-mg"),

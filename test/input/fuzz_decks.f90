@@ -152,7 +152,15 @@ contains
       again%most_points = setup%most_points
       again%command = setup%command
       call read_setup(again, error)
-      if (.not. allocated(error)) call build_setup(again, error)
+      if (.not. allocated(error)) then
+         ! a cell of grains has no scene
+         if (again%command%grains) then
+            call check_grains(again%deck)
+            call again%deck%verdict(error)
+         else
+            call build_setup(again, error)
+         end if
+      end if
       if (allocated(error)) then
          fault = "the echo is refused: "//error%message
          return

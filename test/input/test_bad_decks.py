@@ -19,7 +19,7 @@ import broken_scenes as scenes
 import broken_values as values
 
 OPTIONS = case.arguments(__doc__)
-TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS,
+TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS, scenes.CELLS,
           scenes.ORPHANS, scenes.NAMES, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
           scenes.INCLUDES, scenes.RARE, instruments.INSTRUMENTS]
 GOOD = values.DECKS["plain"]

@@ -15,7 +15,7 @@ import broken_values as values
 import case
 
 PAGE = (case.ROOT / "doc/guide/errors.md").read_text(encoding="utf-8")
-TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS,
+TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS, scenes.CELLS,
           scenes.NAMES, scenes.ORPHANS, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
           scenes.INCLUDES, scenes.WARNINGS]
 

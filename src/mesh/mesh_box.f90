@@ -6,7 +6,7 @@
 !! its edges (A. W. Lees, S. F. Edwards, J. Phys. C 5 (1972) 1921, in coordinates that move along);
 !! an edge that tilts by more than half of another one is replaced by the equivalent edge on the
 !! other side.
-module grains_box
+module mesh_box
    use base_kinds, only: wp
    implicit none
    private
@@ -16,9 +16,10 @@ module grains_box
    !> The cell. In two dimensions it is 1 m thick and the third edge never changes.
    type :: box_t
       integer :: dimension = 3                       !! 2 or 3
+      integer :: normal = 2                          !! Axis across which x is sheared
       real(wp) :: edges(3, 3) = 0.0_wp               !! (component, edge), upper triangular [m]
       real(wp) :: gradient(3, 3) = 0.0_wp            !! du_i/dx_j, upper triangular [1/s]
-      real(wp) :: strain = 0.0_wp                    !! Shear strain, integral of |du_x/dy| [1]
+      real(wp) :: strain = 0.0_wp                    !! Integral of |du_x/dy|, y the normal [1]
    contains
       procedure :: volume => box_volume              !! Its volume [m3]
       procedure :: heights => box_heights            !! Distances of its faces [m]
@@ -70,7 +71,7 @@ contains
       self%edges = matmul(dual, half)
       former = 0.5_wp*(former + self%edges)
       mean_dual = inverse(former)
-      self%strain = self%strain + abs(self%gradient(1, 2))*dt
+      self%strain = self%strain + abs(self%gradient(1, self%normal))*dt
    end subroutine box_advance
 
    !> Replace edges that tilt by more than half of a lower one. Coordinates change by
@@ -117,4 +118,4 @@ contains
       end do
       dual = dual/determinant(matrix)
    end function inverse
-end module grains_box
+end module mesh_box
