@@ -48,10 +48,7 @@ contains
       call read_materials(deck, simulation)
       call read_method(simulation%scheme%method, deck, stores_work(simulation%materials), &
          all_gases(simulation%materials))
-      do n = 1, size(simulation%materials)
-         if (allocated(simulation%materials(n)%viscosity)) &
-            simulation%materials(n)%viscosity%limited = simulation%scheme%method%limited
-      end do
+      call limit_viscosity(simulation)
       call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
       call read_grid(deck, simulation%space%grid)
       call set_crack_bands(deck, simulation)
@@ -97,6 +94,17 @@ contains
       call simulation%scheme%method%request(traits)
       call make_stores(simulation, traits)
    end subroutine set_up_scene
+
+   !> Let the artificial viscosity of all materials resist jumps only, if the method says so.
+   pure subroutine limit_viscosity(simulation)
+      type(simulation_t), intent(inout) :: simulation !! Materials and method are read
+      integer :: n
+
+      do n = 1, size(simulation%materials)
+         if (allocated(simulation%materials(n)%viscosity)) &
+            simulation%materials(n)%viscosity%limited = simulation%scheme%method%limited
+      end do
+   end subroutine limit_viscosity
 
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)

@@ -16,7 +16,8 @@ module step_diagnostics
    implicit none
    private
 
-   public :: find_unbalanced, watch_unbalanced, bounds_look_t, examine_bounds, examine_shapes, find_greatest, shapes_look_t
+   public :: bounds_look_t, examine_bounds, examine_shapes, find_greatest, find_unbalanced, &
+      shapes_look_t, watch_unbalanced
 
    integer, parameter, public :: measure_speed = 1   !! Square of the speed [m2/s2]
    integer, parameter, public :: measure_heat = 2    !! Carried energy per mass [J/kg]

@@ -5,7 +5,6 @@ module step_move_nodes
    use base_kinds, only: wp
    use mesh_packed_patch, only: move_packed_patches
    use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
-   use mesh_wall_sums, only: wall_push_t
    use omp_lib, only: omp_get_thread_num
    use step_dissipation, only: damps
    use step_dual_gradient, only: calm_tile, find_volumes, store_gradient
@@ -16,8 +15,8 @@ module step_move_nodes
    use step_simulation, only: clock_t, machine_t, reach_t, scheme_t, scratch_t, &
       simulation_effects_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use step_walls, only: apply_walls, hold_at_walls, record_push, record_stopped, &
-      record_unbalanced, record_walls, start_walls, stop_at_walls, walls_touch
+   use step_walls, only: constrain_tile, hold_at_walls, record_push, record_stopped, &
+      record_unbalanced, start_walls, stop_at_walls, walls_touch
    use transfer_scatter, only: motion_columns
    implicit none
    private
@@ -318,62 +317,6 @@ contains
             nodes%dual%middle)
       end associate
    end subroutine finish_tile
-
-   !> Impose the walls and record the work of walls and gravity. A tile records the part of its own
-   !! particles at each node, so that all parts add up to the node.
-   subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
-      type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
-      integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      real(wp), intent(in) :: mass(:)                !! (node) [kg]
-      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
-      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
-      real(wp) :: push(3, size(mass)), work(size(mass))
-      real(wp), allocatable :: brought(:, :), drag(:, :)
-      type(wall_push_t) :: each
-      logical :: keeps, ruled
-
-      ruled = walls_touch(simulation, tile)
-      if (.not. (ruled .or. allocated(simulation%effects%gravity))) return
-      push = 0.0_wp
-      work = 0.0_wp
-      keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own &
-         .and. allocated(field%nodes%work%taken)
-      if (keeps) field%nodes%work%taken(:, :, tile) = velocity
-      if (simulation%effects%damping > 0.0_wp) drag = -dt*simulation%effects%damping*velocity
-      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
-         damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
-            brought = velocity
-      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
-         allocated(scratch%ledger%walls%total)) then
-         call apply_walls(simulation, tile, dt, velocity, acceleration, push, work, each)
-         call record_walls(simulation%space, field, scratch%ledger, tile, each)
-      else if (ruled) then
-         call apply_walls(simulation, tile, dt, velocity, acceleration, push, work)
-      end if
-      if (allocated(brought)) call record_stopped(simulation%space, simulation%scheme, field, &
-         scratch%ledger, tile, &
-         velocity - brought, velocity + dt*acceleration)
-      if (keeps) field%nodes%work%taken(:, :, tile) = field%nodes%work%taken(:, :, tile) - velocity
-      if (tile > simulation%space%tiles%own .or. .not. dt > 0.0_wp) return
-      if (allocated(drag)) push = push + drag
-      if (allocated(simulation%effects%gravity)) then
-         push(1, :) = push(1, :) + dt*simulation%effects%gravity(1)
-         push(2, :) = push(2, :) + dt*simulation%effects%gravity(2)
-         push(3, :) = push(3, :) + dt*simulation%effects%gravity(3)
-      else if (.not. (ruled .or. allocated(drag))) then
-         return
-      end if
-      if (allocated(field%nodes%work%push)) then
-         ! contact and musl will change the velocities with which it works
-         field%nodes%work%push(:, :, tile) = push
-         return
-      end if
-      call record_push(simulation%space, field, scratch%ledger, tile, push, &
-         velocity + 0.5_wp*dt*acceleration, work)
-   end subroutine constrain_tile
 
    !> Record the work of boundaries and gravity on the nodes of a tile at the mean of the velocity
    !! before the step and the one that strains: with the strain of `musl` the stress works with this

@@ -109,7 +109,7 @@ module step_simulation
       type(ledger_t) :: ledger                       !! Sums of this thread
       type(stage_clock_t) :: laps                           !! Times of effects
       real(wp) :: fastest = 0.0_wp                   !! Fastest signal and motion [m/s]
-      !> Mass times acceleration of nodes in the last step, if a criterion asks for it [N]
+      !> Mass times acceleration of nodes in the last step, if a criterion needs it [N]
       type(exact_sum_t), allocatable :: unbalanced
       logical :: sound = .true.                      !! Are all particles in their bounds?
       logical :: retired = .false.                   !! Has one been taken out for leaving them?

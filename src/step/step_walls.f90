@@ -6,15 +6,15 @@ module step_walls
    use mesh_rigid, only: held_t
    use mesh_wall, only: wall_t
    use mesh_wall_sums, only: wall_push_t
-   use step_dissipation, only: record_damped
+   use step_dissipation, only: damps, record_damped
    use step_ledger, only: cross, external_work, impulse, ledger_t, torque
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
    implicit none
    private
 
-   public :: apply_walls, hold_at_walls, number_of_walls, record_push, record_stopped, &
-      record_unbalanced, record_walls, start_walls, stop_at_walls, take_held, walls_touch
+   public :: apply_walls, constrain_tile, hold_at_walls, number_of_walls, record_push, &
+      record_stopped, record_unbalanced, start_walls, stop_at_walls, take_held, walls_touch
 
    !> What walls do to nodes, in this order: forces, velocities that they hold, friction.
    integer, parameter :: forcing = 1, holding = 2, rubbing = 3, stages = 3
@@ -144,6 +144,61 @@ contains
       work = (1.0_wp - 0.5_wp*share)*dt*sum(acceleration*(free_velocity - velocity), dim=1)
    end subroutine apply_walls
 
+   !> Impose the walls and record the work of walls and gravity. A tile records the part of its own
+   !! particles at each node, so that all parts add up to the node.
+   subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(inout) :: field
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: mass(:)                !! (node) [kg]
+      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
+      real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
+      real(wp) :: push(3, size(mass)), work(size(mass))
+      real(wp), allocatable :: brought(:, :), drag(:, :)
+      type(wall_push_t) :: each
+      logical :: keeps, ruled
+
+      ruled = walls_touch(simulation, tile)
+      if (.not. (ruled .or. allocated(simulation%effects%gravity) .or. &
+         simulation%effects%damping > 0.0_wp)) return
+      push = 0.0_wp
+      work = 0.0_wp
+      keeps = ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own &
+         .and. allocated(field%nodes%work%taken)
+      if (keeps) field%nodes%work%taken(:, :, tile) = velocity
+      if (simulation%effects%damping > 0.0_wp) drag = -dt*simulation%effects%damping*velocity
+      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
+         damps(simulation%scheme%method, simulation%scheme%carries_energy) .and. .not. keeps) &
+            brought = velocity
+      if (ruled .and. dt > 0.0_wp .and. tile <= simulation%space%tiles%own .and. &
+         allocated(scratch%ledger%walls%total)) then
+         call apply_walls(simulation, tile, dt, velocity, acceleration, push, work, each)
+         call record_walls(simulation%space, field, scratch%ledger, tile, each)
+      else if (ruled) then
+         call apply_walls(simulation, tile, dt, velocity, acceleration, push, work)
+      end if
+      if (allocated(brought)) call record_stopped(simulation%space, simulation%scheme, field, &
+         scratch%ledger, tile, &
+         velocity - brought, velocity + dt*acceleration)
+      if (keeps) field%nodes%work%taken(:, :, tile) = field%nodes%work%taken(:, :, tile) - velocity
+      if (tile > simulation%space%tiles%own .or. .not. dt > 0.0_wp) return
+      if (allocated(drag)) push = push + drag
+      if (allocated(simulation%effects%gravity)) then
+         push(1, :) = push(1, :) + dt*simulation%effects%gravity(1)
+         push(2, :) = push(2, :) + dt*simulation%effects%gravity(2)
+         push(3, :) = push(3, :) + dt*simulation%effects%gravity(3)
+      end if
+      if (allocated(field%nodes%work%push)) then
+         ! contact and musl will change the velocities with which it works
+         field%nodes%work%push(:, :, tile) = push
+         return
+      end if
+      call record_push(simulation%space, field, scratch%ledger, tile, push, &
+         velocity + 0.5_wp*dt*acceleration, work)
+   end subroutine constrain_tile
+
    !> Number of walls: boundaries and their parts, and rigid regions.
    pure integer function number_of_walls(space) result(number)
       type(space_t), intent(in) :: space
@@ -245,8 +300,8 @@ contains
       end do
    end subroutine record_walls
 
-   !> Record the unbalanced force of the nodes of a tile: the part of its own particles in their mass
-   !! times acceleration. Equation (O.5) of doc/theory/instruments.md.
+   !> Record the unbalanced force of the nodes of a tile: the part of its own particles in their
+   !! mass times acceleration. Equation (O.5) of doc/theory/instruments.md.
    subroutine record_unbalanced(space, field, scratch, tile, acceleration)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
