@@ -19,7 +19,7 @@ module mesh_box
       integer :: normal = 2                          !! Axis across which x is sheared
       real(wp) :: edges(3, 3) = 0.0_wp               !! (component, edge), upper triangular [m]
       real(wp) :: gradient(3, 3) = 0.0_wp            !! du_i/dx_j, upper triangular [1/s]
-      real(wp) :: strain = 0.0_wp                    !! Integral of |du_x/dy|, y the normal [1]
+      real(wp) :: strain = 0.0_wp                    !! Integral of the sizes of shear rates [1]
    contains
       procedure :: volume => box_volume              !! Its volume [m3]
       procedure :: heights => box_heights            !! Distances of its faces [m]
@@ -71,7 +71,8 @@ contains
       self%edges = matmul(dual, half)
       former = 0.5_wp*(former + self%edges)
       mean_dual = inverse(former)
-      self%strain = self%strain + abs(self%gradient(1, self%normal))*dt
+      self%strain = self%strain + (abs(self%gradient(1, 2)) + abs(self%gradient(1, 3)) &
+         + abs(self%gradient(2, 3)))*dt
    end subroutine box_advance
 
    !> Replace edges that tilt by more than half of a lower one. Coordinates change by

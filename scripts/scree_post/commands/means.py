@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Means over time of a steady state, with standard errors.
 
-Of a table (history, gauge, forces) each column: mean, standard error, and the change between both
-halves, which is marked as a drift if it is more than three of its errors and 5 % of the mean. Of a
-series of grids each field in each cell: FIELD and FIELD_error in an image for ParaView. Errors are
-those of blocks of rows, the greatest over lengths of blocks, so correlated rows are no reason for
-small errors (H. Flyvbjerg, H. G. Petersen, J. Chem. Phys. 91 (1989) 461). Sums since the start, such
-as impulses, have no mean; take forces.
+Of a table (history, gauge, forces) each column: mean and standard error; a change between both
+halves of more than three of its errors and 5 % of the mean is marked as a drift. Of a series of
+grids each field in each cell: FIELD and FIELD_error in an image for ParaView. Errors are those of
+blocks of rows, the greatest over lengths of blocks (H. Flyvbjerg, H. G. Petersen, J. Chem. Phys.
+91 (1989) 461). Sums since the start, such as impulses, have no mean; take forces.
 """
 import os
 from pathlib import Path
@@ -20,8 +19,8 @@ from ..progress import Progress
 from ..quantity import quantity
 
 SUMMARY = "means over time with errors, of tables and of fields on the grid"
-EXAMPLES = ("means out/silo/silo_forces.csv --from 2s",
-            "means out/silo/silo_g.hdf.series --from 2s --out mean.hdf")
+EXAMPLES = ("means out/two_discs/two_discs_history.csv --from 1s",
+            "means out/two_discs/two_discs_history.csv --columns kinetic,internal --out means.csv")
 FEWEST = 4               # rows of a mean
 
 
