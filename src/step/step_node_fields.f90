@@ -36,6 +36,7 @@ module step_node_fields
       logical :: contact = .false.                   !! Bodies with velocity fields of their own
       logical :: filters = .false.                   !! Series of velocities
       logical :: later = .false.                     !! Is work recorded after the second mapping?
+      logical :: pressed = .false.                   !! Is that of contact found after it?
       integer :: extra = 0                           !! Columns of what is mapped again
       integer :: mean = 0                            !! Columns of sums for the mean stress
       logical :: differs = .false.                   !! Differences of stress
@@ -135,6 +136,7 @@ module step_node_fields
       real(wp), allocatable :: push(:, :, :) !! (3) What walls and gravity add to velocities [m/s]
       real(wp), allocatable :: taken(:, :, :) !! (3) What walls take of those before the step [m/s]
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
+      real(wp), allocatable :: pressed(:, :, :)      !! (3) Pushes of other bodies [kg m/s]
    contains
       procedure :: count => count_work
    end type work_nodes_t
@@ -259,6 +261,7 @@ contains
       call tally%add(self%push, merge(3, 0, needs%contact .or. needs%later))
       call tally%add(self%taken, merge(3, 0, needs%later))
       call tally%add(self%rubbed, merge(1, 0, needs%contact))
+      call tally%add(self%pressed, merge(3, 0, needs%pressed))
    end subroutine count_work
 
    !> Add patches of all tiles.
