@@ -64,15 +64,19 @@ contains
    end subroutine set_dependent_defaults
 
    !> Elastic bodies that push each other are strained with what their particles got: straining with
-   !! the nodes takes 3 to 5 % of their energy in a collision. See doc/theory/contact.md.
+   !! the nodes takes 3 to 5 % of their energy in a collision. Transfers that filter the velocities
+   !! lose more by it. See doc/theory/contact.md.
    subroutine set_contact_default(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
+      character(len=:), allocatable :: transfer
       logical :: acts, paper
       type(group_t) :: effects, group
 
       group = deck%group("method", 1)
       call group%get("paper", paper)
       if (paper .or. group%given("stress_update") .or. deck%count("body") < 2) return
+      call group%get("transfer", transfer)
+      if (all(transfer /= ["rflip", "aflip", "flip "])) return
       effects = deck%group("effects", 1)
       call effects%get("contact", acts)
       if (acts) call deck%set_default("method", 1, "stress_update", &
