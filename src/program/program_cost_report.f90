@@ -189,8 +189,7 @@ contains
          needs%energy = scheme%works
          needs%averages = method%averages()
          needs%repacks = scheme%repacks
-         needs%contact = allocated(effects%contact)
-         needs%pressed = needs%contact .and. rubs_later(scheme)
+         if (allocated(effects%contact)) needs%contact = merge(4, 1, rubs_later(scheme))
          needs%filters = method%transfer%sweeps() > 0
          needs%later = records_later(space, scheme, effects)
          if (needs%filters) needs%extra = 3

@@ -295,7 +295,7 @@ contains
    !> Columns of node fields that contact needs beside those of each velocity field.
    pure integer function contact_columns(contact, pressed) result(columns)
       type(contact_t), intent(in) :: contact
-      logical, intent(in) :: pressed                 !! Is its work found with velocities mapped again?
+      logical, intent(in) :: pressed                 !! Are the pushes kept for their work?
 
       type(node_tally_t) :: tally
       type(nodes_t) :: nodes
@@ -304,8 +304,7 @@ contains
       tally%nodes = 1
       call contact%count(tally)
       do field = 1, size(contact%law, 1)
-         call nodes%work%count(node_needs_t(contact=.true., pressed=pressed), &
-            tally)
+         call nodes%work%count(node_needs_t(contact=merge(4, 1, pressed)), tally)
       end do
       columns = int(tally%needed)
    end function contact_columns

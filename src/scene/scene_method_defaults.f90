@@ -65,7 +65,7 @@ contains
 
    !> Elastic bodies that push each other are strained with what their particles got: straining with
    !! the nodes takes 3 to 5 % of their energy in a collision. Transfers that filter the velocities
-   !! lose more by it. See doc/theory/contact.md.
+   !! lose more by it. Equation (C.8) of doc/theory/contact.md.
    subroutine set_contact_default(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
       character(len=:), allocatable :: transfer

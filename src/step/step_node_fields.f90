@@ -33,10 +33,10 @@ module step_node_fields
       logical :: energy = .false.                    !! Does some material carry internal energy?
       logical :: averages = .false.                  !! Strain of two velocities
       logical :: repacks = .false.                   !! Do nodes correct volumes?
-      logical :: contact = .false.                   !! Bodies with velocity fields of their own
+      !> Columns of the work of contact: 0 without it, 1 of its heat, 3 more if pushes are kept
+      integer :: contact = 0
       logical :: filters = .false.                   !! Series of velocities
       logical :: later = .false.                     !! Is work recorded after the second mapping?
-      logical :: pressed = .false.                   !! Is that of contact found after it?
       integer :: extra = 0                           !! Columns of what is mapped again
       integer :: mean = 0                            !! Columns of sums for the mean stress
       logical :: differs = .false.                   !! Differences of stress
@@ -258,10 +258,10 @@ contains
       type(node_needs_t), intent(in) :: needs
       type(node_tally_t), intent(inout) :: tally
 
-      call tally%add(self%push, merge(3, 0, needs%contact .or. needs%later))
+      call tally%add(self%push, merge(3, 0, needs%contact > 0 .or. needs%later))
       call tally%add(self%taken, merge(3, 0, needs%later))
-      call tally%add(self%rubbed, merge(1, 0, needs%contact))
-      call tally%add(self%pressed, merge(3, 0, needs%pressed))
+      call tally%add(self%rubbed, min(1, needs%contact))
+      call tally%add(self%pressed, max(0, needs%contact - 1))
    end subroutine count_work
 
    !> Add patches of all tiles.

@@ -20,7 +20,8 @@ Sliding block: gravity comes at once, and until shear waves have crossed the flo
 without slip, so its own time for friction is less than the 0.4 s. From 0.04 s on, four times that, it slides, and
 Newton's law for the whole block says that the place along the floor plus mu times that normal to it has the
 acceleration g (sin - mu cos), however it bounces: target 1e-3. Blocks that stick have at most the speed of free
-fall for the time of a pressure wave through their height, 1.4 % of that at the end. Bars of equal impedance hand over all of their
+fall for the time of a pressure wave through their height, 1.4 % of that at the end. Bars of equal impedance hand
+over all of their
 velocity: what is left is at most that of the one cell of a bar that lies at the surface, 2 %. Light on heavy comes back
 with all of its velocity: 2 % for the same reason on both ways. Bonds: the velocities of one body, or all of it if they
 break, within 2 %, one cell.
