@@ -8,6 +8,7 @@ module scene_contact
    use material_type, only: material_t
    use particle_fill, only: body_t
    use particle_store, only: store_t
+   use step_contact, only: rubs_later
    use step_method, only: position_of
    use step_node_fields, only: node_needs_t, node_tally_t, nodes_t
    use step_simulation, only: contact_t, simulation_t
@@ -292,8 +293,9 @@ contains
    end function store_name
 
    !> Columns of node fields that contact needs beside those of each velocity field.
-   pure integer function contact_columns(contact) result(columns)
+   pure integer function contact_columns(contact, pressed) result(columns)
       type(contact_t), intent(in) :: contact
+      logical, intent(in) :: pressed                 !! Are the pushes kept for their work?
 
       type(node_tally_t) :: tally
       type(nodes_t) :: nodes
@@ -302,7 +304,7 @@ contains
       tally%nodes = 1
       call contact%count(tally)
       do field = 1, size(contact%law, 1)
-         call nodes%work%count(node_needs_t(contact=.true.), tally)
+         call nodes%work%count(node_needs_t(contact=merge(4, 1, pressed)), tally)
       end do
       columns = int(tally%needed)
    end function contact_columns
@@ -316,7 +318,8 @@ contains
 
       associate (contact => simulation%effects%contact)
          text = "contact    "//number(size(contact%law, 1))//" velocity fields, each with node "// &
-            "fields and an exchange of its own, and "//number(contact_columns(contact))// &
+            "fields and an exchange of its own, and "//number(contact_columns(contact, &
+            rubs_later(simulation%scheme)))// &
             " numbers a node"//new_line("a")
          do b = 2, size(contact%law, 1)
             do a = 1, b - 1

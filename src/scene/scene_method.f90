@@ -78,7 +78,8 @@ contains
       call schema%text("method", "stress_update", &
          "after the step, before it, or after mapping the "// &
          "new velocities; or with the average of both maps, which keeps energy; default usl "// &
-         "with ddmp, musl with mpm", words="usl usf musl usavg")
+         "with ddmp, musl with mpm and where elastic bodies have contact", &
+         words="usl usf musl usavg")
       call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
          "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
          "between particles; default 0 where all material is elastic", &

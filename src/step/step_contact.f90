@@ -19,9 +19,9 @@ module step_contact
    implicit none
    private
 
-   public :: add_contact_heat, break_bonds, apply_contact
+   public :: add_contact_heat, apply_contact, break_bonds, find_later_heat, rubs_later
 
-   real(wp), parameter :: slack = 1.0e-3_wp          !! Gap that counts as none, in cells
+   real(wp), parameter :: slack = 1.0e-3_wp            !! Gap that counts as none, in cells
    real(wp), parameter :: bond_reach = 0.5_wp        !! Widest gap of a bond, in cells
    real(wp), parameter :: held = 0.5_wp              !! Share of the mass that must hold in a bond
 
@@ -39,6 +39,9 @@ contains
       do field = 1, size(simulation%fields)
          call ensure_patch(simulation%fields(field)%nodes%work%rubbed, 1, &
             simulation%space%grid%tile_nodes, simulation%space%tiles%all)
+         if (rubs_later(simulation%scheme)) &
+            call ensure_patch(simulation%fields(field)%nodes%work%pressed, 3, &
+            simulation%space%grid%tile_nodes, simulation%space%tiles%all)
       end do
       if (simulation%effects%contact%bonded) call ensure_broken(simulation%space, &
          simulation%effects)
@@ -52,6 +55,14 @@ contains
       !$omp end parallel do
       call simulation%machine%timer%stop(simulation%machine%phase%contact)
    end subroutine apply_contact
+
+   !> Is what contact takes found with the velocity that `musl` and `usavg` map again? If materials
+   !! carry internal energy, energy and work both use the velocities of the forces.
+   pure logical function rubs_later(scheme) result(later)
+      type(scheme_t), intent(in) :: scheme
+
+      later = scheme%method%remaps() .and. .not. scheme%carries_energy
+   end function rubs_later
 
    !> Allocate the bonds that break.
    subroutine ensure_broken(space, effects)
@@ -77,6 +88,8 @@ contains
 
       do field = 1, size(simulation%fields)
          simulation%fields(field)%nodes%work%rubbed(:, :, tile) = 0.0_wp
+         if (rubs_later(simulation%scheme)) &
+            simulation%fields(field)%nodes%work%pressed(:, :, tile) = 0.0_wp
       end do
       if (simulation%effects%contact%bonded) simulation%effects%contact%broken(:, :, tile) = .false.
       if (.not. simulation%effects%contact%meets(tile)) return
@@ -235,12 +248,47 @@ contains
                + total/(dt*mass(a))
             lost = lost - dot_product(total, nodes%motion%velocity(:, node, tile) &
                + 0.5_wp*dt*nodes%motion%acceleration(:, node, tile))
+            if (allocated(nodes%work%pressed)) nodes%work%pressed(:, node, tile) = total
          end associate
       end do
       do a = 1, size(who)
          fields(who(a))%nodes%work%rubbed(1, node, tile) = lost/sum(mass)
       end do
    end subroutine give_push
+
+   !> What contact takes, after particle velocities were mapped again: these, not the node
+   !! velocities, are what particles get of a push. Equation (C.7) of doc/theory/contact.md.
+   subroutine find_later_heat(simulation)
+      type(simulation_t), intent(inout) :: simulation !! Fields have pushes and their velocities
+      real(wp) :: began, lost, mass
+      integer :: tile, node, field
+
+      !$omp parallel do default(none) shared(simulation) &
+      !$omp private(began, lost, mass, tile, node, field) schedule(dynamic, 1)
+      do tile = 1, simulation%space%tiles%own
+         began = cost_clock(simulation%machine)
+         if (.not. simulation%effects%contact%meets(tile)) cycle
+         do node = 1, simulation%space%grid%tile_nodes
+            lost = 0.0_wp
+            mass = 0.0_wp
+            do field = 1, size(simulation%fields)
+               associate (nodes => simulation%fields(field)%nodes)
+                  if (.not. nodes%motion%mass(1, node, tile) > empty_mass) cycle
+                  mass = mass + nodes%motion%mass(1, node, tile)
+                  lost = lost - dot_product(nodes%work%pressed(:, node, tile), &
+                     0.5_wp*(nodes%motion%velocity(:, node, tile) + nodes%motion%strain(:, node, &
+                     tile)))
+               end associate
+            end do
+            if (.not. mass > 0.0_wp) cycle
+            do field = 1, size(simulation%fields)
+               simulation%fields(field)%nodes%work%rubbed(1, node, tile) = lost/mass
+            end do
+         end do
+         call record_cost(simulation%machine, tile, began)
+      end do
+      !$omp end parallel do
+   end subroutine find_later_heat
 
    !> Let the bonds of particles break whose nearest node broke in this step. The particles are at
    !! the positions at which they gave their masses to the nodes.

@@ -33,7 +33,8 @@ module step_node_fields
       logical :: energy = .false.                    !! Does some material carry internal energy?
       logical :: averages = .false.                  !! Strain of two velocities
       logical :: repacks = .false.                   !! Do nodes correct volumes?
-      logical :: contact = .false.                   !! Bodies with velocity fields of their own
+      !> Columns of the work of contact: 0 without it, 1 of its heat, 3 more if pushes are kept
+      integer :: contact = 0
       logical :: filters = .false.                   !! Series of velocities
       logical :: later = .false.                     !! Is work recorded after the second mapping?
       integer :: extra = 0                           !! Columns of what is mapped again
@@ -135,6 +136,7 @@ module step_node_fields
       real(wp), allocatable :: push(:, :, :) !! (3) What walls and gravity add to velocities [m/s]
       real(wp), allocatable :: taken(:, :, :) !! (3) What walls take of those before the step [m/s]
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
+      real(wp), allocatable :: pressed(:, :, :)      !! (3) Pushes of other bodies [kg m/s]
    contains
       procedure :: count => count_work
    end type work_nodes_t
@@ -256,9 +258,10 @@ contains
       type(node_needs_t), intent(in) :: needs
       type(node_tally_t), intent(inout) :: tally
 
-      call tally%add(self%push, merge(3, 0, needs%contact .or. needs%later))
+      call tally%add(self%push, merge(3, 0, needs%contact > 0 .or. needs%later))
       call tally%add(self%taken, merge(3, 0, needs%later))
-      call tally%add(self%rubbed, merge(1, 0, needs%contact))
+      call tally%add(self%rubbed, min(1, needs%contact))
+      call tally%add(self%pressed, max(0, needs%contact - 1))
    end subroutine count_work
 
    !> Add patches of all tiles.

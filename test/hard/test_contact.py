@@ -11,13 +11,17 @@ on; particles that are halved with the growth of another velocity field or with 
 stores in place of materials.
 
 Limits. Two elastic discs (cells of 0.025 m): the first force comes at most a tenth of a cell early, as particles count
-as cubes (doc/theory/contact.md), and at most half a cell late, the size of a particle. Energy: target 2 %; kinetic
-energy after the rebound: that of fine runs (test_two_discs.py) within the same 2 %. With the default both are known
-misses, held at a tenth of the energy: surfaces stop within a step, which loses energy between nodes and particles.
-Acceleration of a sliding block by its path: target 1e-3. With friction it is a known miss: the block comes without
-stress, and where it has lifted off there is no friction: an error of mu g cos times the time that a wave takes
-through its height, over the 0.4 s; limit 1.7 % of the acceleration. Blocks that stick have at most the speed of free
-fall for that time, 1.4 % of that at the end. Bars of equal impedance hand over all of their
+as cubes (doc/theory/contact.md), and at most half a cell late, the size of a particle. Energy: target 2 %, and 1 % with
+half the cells, as an impact of the layer of nodes that meets takes a part of the order of a cell; kinetic energy after
+the rebound: that of fine runs (test_two_discs.py) within the same. Half the cells miss 1 % by a little, and `usl`,
+which strains with what particles do not get, misses all: known, held at a tenth of the energy. What the books leave
+open with the heat of contact: half of the targets.
+Sliding block: gravity comes at once, and until shear waves have crossed the floor it falls along with the block
+without slip, so its own time for friction is less than the 0.4 s. From 0.04 s on, four times that, it slides, and
+Newton's law for the whole block says that the place along the floor plus mu times that normal to it has the
+acceleration g (sin - mu cos), however it bounces: target 1e-3. Blocks that stick have at most the speed of free
+fall for the time of a pressure wave through their height, 1.4 % of that at the end. Bars of equal impedance hand
+over all of their
 velocity: what is left is at most that of the one cell of a bar that lies at the surface, 2 %. Light on heavy comes back
 with all of its velocity: 2 % for the same reason on both ways. Bonds: the velocities of one body, or all of it if they
 break, within 2 %, one cell.
@@ -39,6 +43,7 @@ import tier    # noqa: E402
 TARGET, REBOUND = 0.02, 0.872          # energy of the discs; kinetic energy after the rebound in fine runs
 LAYER = 0.02                           # a cell of the bars over their length
 CROSSED = 0.2 / 36.7                   # time of a pressure wave through the height of the block [s]
+SETTLED = 0.039                        # four times the shear wave through the floor, 0.2 m at 19.6 m/s [s]
 CONTACT = "artificial_viscosity=.false.  contact=.true."
 FIELDS = "fields='identity','body','mass','velocity'  precision='double'"
 
@@ -115,31 +120,38 @@ FAST = """
 
 def discs(options, sheet):
     """Two elastic discs."""
-    for name, words in (("discs", ""), ("discs_musl", "stress_update='musl'")):
-        result = bodies.two_discs(options, name, words=words, effects=CONTACT)
+    for name, words, spacing in (("discs", "", 0.025), ("discs_fine", "", 0.0125),
+                                 ("discs_usl", "stress_update='usl'", 0.025)):
+        result = bodies.two_discs(options, name, words=words, spacing=spacing, effects=CONTACT)
         felt = result["time"][np.flatnonzero(result["kinetics"] < 1.0 - 1.0e-6)[0]]
-        early = (bodies.CONTACT - felt) * np.sqrt(0.08) / 0.025
+        early = (bodies.CONTACT - felt) * np.sqrt(0.08) / spacing
         sheet.above(f"{name}: cells felt late", -early, -0.1)
         sheet.below(f"{name}: cells felt early or late", early, 0.5)
+        target = TARGET * spacing / 0.025
         for label, value in (("total energy at the end", result["energy"]),
                              ("kinetic energy after the rebound, less that of fine runs", result["kinetic"] - REBOUND)):
-            if words:
-                sheet.below(f"{name}: {label}", value, TARGET)
+            if name == "discs":
+                sheet.below(f"{name}: {label}", value, target)
             else:
-                sheet.known(f"{name}: {label}", value, limit=0.1, target=TARGET)
+                sheet.known(f"{name}: {label}", value, limit=0.1, target=target)
+        history = result["run"].history
+        if not words:
+            sheet.below(f"{name}: energy that the books leave open",
+                        result["energy"] + history["dissipated"][-1] / history["kinetic"][0], 0.5 * target)
         sheet.below(f"{name}: momentum", result["momentum"], 1.0e-12)
 
 
-def block(options, name, law, angle, method="ddmp", words=""):
-    """Path and last velocity of a block on an incline, and the acceleration that fits its path."""
+def block(options, name, law, angle, friction=0.0, method="ddmp", words=""):
+    """Acceleration of a block on an incline along it plus friction times normal to it, and its last velocity."""
     along, down = float(10.0 * np.sin(np.radians(angle))), float(-10.0 * np.cos(np.radians(angle)))
     run = case.Case(options, name, SLIDE.format(method=method, words=words, along=along, down=down, law=law,
                                                 contact="contact=.true.", fields=FIELDS)).run("-q")
     times, places, speed = [], [], 0.0
     for time, snap in run.snapshots():
         here = snap.fields["body"] == 2
-        times.append(time)
-        places.append(snap.points[here, 0].mean())
+        if time > SETTLED:
+            times.append(time)
+            places.append(snap.points[here, 0].mean() + friction * snap.points[here, 2].mean())
         speed = np.average(snap.fields["velocity"][here, 0], weights=snap.fields["mass"][here])
     return 2.0 * np.polyfit(times, places, 2)[0], speed
 
@@ -151,12 +163,8 @@ def slides(options, sheet):
             ("rubs", "friction=0.2", 0.2, {}), ("slips", "law='frictionless'", 0.0, {}),
             ("rubs_gimp", "friction=0.2", 0.2, {"method": "mpm", "words": "basis='gimp'"})):
         exact = 10.0 * (sine - friction * cosine)
-        found, _ = block(options, name, law, 20.0, **words)
-        if friction:
-            sheet.known(f"{name}: error of the acceleration", found / exact - 1.0, target=1.0e-3,
-                        limit=friction * 10.0 * cosine / exact * CROSSED / 0.4)
-        else:
-            sheet.near(f"{name}: acceleration [m/s2]", found, exact, 1.0e-3)
+        found, _ = block(options, name, law, 20.0, friction=friction, **words)
+        sheet.near(f"{name}: acceleration [m/s2]", found, exact, 1.0e-3)
     for name, law in (("sticks", "friction=0.6"), ("stick_law", "law='stick'")):
         _, speed = block(options, name, law, 20.0)
         sheet.below(f"{name}: last velocity over that of free fall", abs(speed) / (10.0 * sine * 0.4), CROSSED / 0.4)
