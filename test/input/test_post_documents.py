@@ -73,6 +73,10 @@ def test_all(options):
         # other meshes differ; the package vtk need not be there
         if line.startswith("check ") and answer.returncode == report.NOT_RUN:
             report.skipped(f"the readers of VTK in '{line}'", "the package vtk is not installed")
+        # the short run has too few grains for a weak measure, which the command must say; it does all before
+        if line.startswith("grains ") and answer.returncode == 2 and "not above twice its error" in answer.stderr:
+            report.skipped(f"the block of '{line}'", "the small cell does not resolve the measure")
+            continue
         allowed = {"compare": (0, 1) if "coarse" in line else (0,), "check": (0, report.NOT_RUN)}
         assert answer.returncode in allowed.get(line.split()[0], (0,)) and not answer.stderr, (
             f"scree-post {line}: exit {answer.returncode} {answer.stderr}{answer.stdout[-300:]}")
