@@ -29,7 +29,7 @@ module io_deck_restart
 
    !> Keys that are not listed may not change: grid, dimension, bodies, material models,
    !! equations of state, keys that decide which fields particles have, and future keys.
-   type(rule_t), parameter :: rules(32) = [ &
+   type(rule_t), parameter :: rules(33) = [ &
       rule_t("run", changes_nothing, "title case deck_version"), &
       rule_t("units", changes_extent, "output_units"), &
       rule_t("time", changes_end, "t_end max_steps stop_when stop_value"), &
@@ -63,6 +63,7 @@ module io_deck_restart
       rule_t(rigid_region, changes_physics, "friction t_off temperature "// &
          group_added//" "//group_removed), &
       rule_t("contact", changes_physics, "friction bond_strength"), &
+      rule_t("inflow", changes_physics, "t_off"), &
       rule_t("grains", changes_physics, "friction restitution"), &
       rule_t("cell", changes_physics, "pressure skin"), &
       rule_t("stage", changes_physics, "*"), &

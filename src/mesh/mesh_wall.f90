@@ -19,9 +19,11 @@ module mesh_wall
       class(point_set_t), allocatable :: region      !! Where it is, if not everywhere
       type(motion_t) :: motion                       !! How it moves, and from when to when it acts
       logical :: acts = .true.                       !! Does it act now?
+      logical :: stays = .false.                     !! Is its motion that of the material alone?
       real(wp) :: shift(3) = 0.0_wp                  !! Displacement of the region so far [m]
    contains
       procedure :: advance => wall_advance           !! Set position and velocity at a time
+      procedure :: displacement => wall_displacement !! Of a region since it began
       procedure :: covers => wall_covers             !! Does it hold at a position now?
       procedure :: meets => wall_meets               !! Do its bounds overlap a box?
    end type wall_t
@@ -37,7 +39,7 @@ contains
 
       self%acts = self%motion%acts(time)
       ! a part of a boundary does not change its position
-      if (self%face == 0) self%shift = self%motion%shift(time)
+      if (self%face == 0) self%shift = self%displacement(time)
       associate (condition => self%condition)
          condition%velocity = self%motion%velocity(time - lag)
          condition%acceleration = 0.0_wp
@@ -45,6 +47,16 @@ contains
             - condition%velocity)/kick
       end associate
    end subroutine wall_advance
+
+   !> Displacement of a region at a time [m].
+   pure function wall_displacement(self, time) result(shift)
+      class(wall_t), intent(in) :: self
+      real(wp), intent(in) :: time                   !! [s]
+      real(wp) :: shift(3)
+
+      shift = 0.0_wp
+      if (.not. self%stays) shift = self%motion%shift(time)
+   end function wall_displacement
 
    !> Whether the wall acts now and holds at a position.
    pure logical function wall_covers(self, x) result(covers)

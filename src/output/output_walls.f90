@@ -201,9 +201,11 @@ contains
       do number = 1, size(way, 2)
          associate (rigid => simulation%space%rigid%wall(number))
             do n = 1, entries
-               way(:, number, n) = rigid%motion%shift(walls%time(n))
+               way(:, number, n) = rigid%displacement(walls%time(n))
             end do
             call name_part(walls, rigid, begin, finish, wall)
+            ! an inflow has no surface
+            if (rigid%stays) cycle
             ! what is in the box at some time, where it is at the start
             call flat_box(simulation%space%grid, low, high)
             low = low - maxval(way(:, number, :), dim=2)

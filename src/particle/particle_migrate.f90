@@ -8,6 +8,7 @@ module particle_migrate
    use mesh_grid, only: grid_t
    use mesh_hilbert, only: hilbert_key
    use mesh_tiles, only: tiles_t
+   use particle_inflow, only: fed_t
    use particle_place, only: find_place
    use particle_sort_store, only: sort_store
    use particle_sort_tile, only: many, row_packer_t, sort_tile, tile_sorter_t
@@ -33,18 +34,19 @@ contains
    !> Move every particle that left its tile to its new one, create tiles in empty space, remove
    !! empty tiles, and sort the particles of each tile. Particles that left the domain are removed;
    !! the balance must have recorded them before.
-   subroutine migrate(communicator, grid, boundary, tiles, stores)
+   subroutine migrate(communicator, grid, boundary, tiles, stores, fed)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
       type(tiles_t), intent(inout) :: tiles          !! The tiles of this rank
       type(store_t), intent(inout) :: stores(:)
+      type(fed_t), intent(in), optional :: fed(:)    !! Particles that enter, for any tiles
       type(newcomers_t), allocatable :: newcomers(:)
       integer(int64), allocatable :: messages(:, :), arrived(:)
       integer :: index
 
       allocate (newcomers(size(stores)))
-      call collect_leavers(communicator, grid, boundary, tiles, stores, newcomers, messages)
+      call collect_leavers(communicator, grid, boundary, tiles, stores, newcomers, messages, fed)
       if (communicator%size > 1) then
          call send_rows(communicator, tiles, messages, arrived)
          call receive_rows(stores, arrived, size(messages, 1), newcomers)
@@ -58,7 +60,7 @@ contains
 
    !> Extract the particles that left their tiles: those that stay on the rank become newcomers, the
    !! others messages.
-   subroutine collect_leavers(communicator, grid, boundary, tiles, stores, newcomers, messages)
+   subroutine collect_leavers(communicator, grid, boundary, tiles, stores, newcomers, messages, fed)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary
@@ -66,6 +68,7 @@ contains
       type(store_t), intent(inout) :: stores(:)
       type(newcomers_t), intent(inout) :: newcomers(:) !! (store) Particles that stay on the rank
       integer(int64), allocatable, intent(out) :: messages(:, :) !! (word, row) The others
+      type(fed_t), intent(in), optional :: fed(:)    !! Particles that enter
       integer(int64), allocatable :: more(:, :)
       logical, allocatable :: here(:)
       type(row_packer_t) :: packer
@@ -83,16 +86,18 @@ contains
             allocate (packer%rows(stores(index)%words(), n))
             packer%word = 0
             if (n > 0) call stores(index)%walk(packer)
-            allocate (come%key(n), come%cell(n), here(n))
+            allocate (come%key(n), come%cell(n))
             call find_destinations(grid, boundary, stores(index)%position, packer%particle, come)
-            do row = 1, n
+            if (present(fed)) call append_fed(grid, boundary, fed, index, packer%rows, come)
+            allocate (here(size(come%key)))
+            do row = 1, size(here)
                here(row) = tiles%owner(come%key(row)) == communicator%rank
             end do
             remote = count(.not. here)
             filled = size(messages, 2)
             allocate (more(words, filled + remote))
             more(:, :filled) = messages
-            do row = 1, n
+            do row = 1, size(here)
                if (here(row)) cycle
                filled = filled + 1
                more(:, filled) = 0
@@ -112,6 +117,38 @@ contains
          end associate
       end do
    end subroutine collect_leavers
+
+   !> Append the particles that enter a store to those that left their tiles.
+   subroutine append_fed(grid, boundary, fed, index, rows, come)
+      type(grid_t), intent(in) :: grid
+      type(boundary_t), intent(in) :: boundary
+      type(fed_t), intent(in) :: fed(:)
+      integer, intent(in) :: index                   !! Index of the store
+      integer(int64), allocatable, intent(inout) :: rows(:, :) !! (word, row) Fields
+      type(newcomers_t), intent(inout) :: come       !! Tiles and cells
+      integer(int64), allocatable :: longer(:, :), key(:)
+      integer, allocatable :: cell(:)
+      integer :: n, filled, row
+
+      do n = 1, size(fed)
+         if (fed(n)%store /= index .or. size(fed(n)%rows, 2) == 0) cycle
+         filled = size(come%key)
+         allocate (longer(size(rows, 1), filled + size(fed(n)%rows, 2)))
+         allocate (key(size(longer, 2)), cell(size(longer, 2)))
+         longer(:, :filled) = rows
+         longer(:, filled + 1:) = fed(n)%rows
+         key(:filled) = come%key
+         cell(:filled) = come%cell
+         do row = 1, size(fed(n)%rows, 2)
+            call find_destination(grid, boundary, [fed(n)%position(row, 1), &
+               fed(n)%position(row, 2), fed(n)%position(row, 3)], key(filled + row), &
+               cell(filled + row))
+         end do
+         call move_alloc(longer, rows)
+         call move_alloc(key, come%key)
+         call move_alloc(cell, come%cell)
+      end do
+   end subroutine append_fed
 
    !> Find the tiles and cells of the particles that left theirs.
    subroutine find_destinations(grid, boundary, position, particle, come)

@@ -22,6 +22,7 @@ module program_run_setup
    use scene_body_placement, only: check_elastic, check_placement, check_size, default_most_points
    use scene_deck_check, only: check_deck
    use scene_deck_schema, only: declare_deck
+   use scene_inflow, only: start_inflows
    use scene_particles, only: survey_t, take_survey
    use scene_regions, only: named_shape_t
    use scene_setup, only: set_up_scene
@@ -104,6 +105,8 @@ contains
          call setup%deck%verdict(error)
          return
       end if
+      if (allocated(setup%survey%key)) call start_inflows(setup%deck, setup%simulation, &
+         setup%bodies, setup%survey%key)
       if (allocated(setup%survey%key)) &
          call check_formulas(setup%deck, setup%simulation, setup%bodies, setup%survey%key)
       call read_limits(setup%deck, setup%limits)

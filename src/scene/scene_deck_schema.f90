@@ -10,6 +10,7 @@ module scene_deck_schema
    use scene_effects, only: declare_effects
    use scene_exact, only: declare_exact
    use scene_grid, only: declare_grid
+   use scene_inflow, only: declare_inflow
    use scene_load, only: declare_load
    use scene_method, only: declare_method
    use scene_parallel, only: declare_parallel
@@ -43,6 +44,7 @@ contains
       call declare_boundary(schema)
       call declare_contact(schema)
       call declare_load(schema)
+      call declare_inflow(schema)
       call declare_detonation(schema)
       call declare_exact(schema)
       call declare_parallel(schema)

@@ -8,6 +8,7 @@ module scene_particles
    use base_sort, only: sort_order
    use material_stages, only: effect_count, effect_names
    use material_type, only: material_t
+   use mesh_grid, only: grid_t
    use mesh_hilbert, only: hilbert_key
    use mesh_tiles, only: partition_keys, partition_scattered_keys
    use omp_lib, only: omp_get_max_threads
@@ -25,9 +26,8 @@ module scene_particles
    implicit none
    private
 
-   public :: body_of, distribute_particles, fill_simulation, first_step, make_stores, &
-      prepare_simulation, spin_bodies, &
-      survey_t, take_survey
+   public :: body_of, distribute_particles, fill_simulation, fill_store, first_step, make_stores, &
+      number_bodies, prepare_simulation, spin_bodies, survey_t, take_survey
 
    !> What the bodies will fill, known before there are particles.
    type :: survey_t
@@ -150,35 +150,56 @@ contains
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
       integer(int64), allocatable :: own(:), none(:)
-      integer(int64) :: next
-      integer :: index, body, tile
+      integer :: index
 
-      next = 1
-      do body = 1, size(bodies)
-         bodies(body)%first_identity = next
-         next = next + product(bodies(body)%sites(simulation%space%grid))
-      end do
+      call number_bodies(simulation%space%grid, bodies)
       call share_out_tiles(simulation, survey, own)
       allocate (none(0))
       call simulation%space%tiles%set(simulation%space%grid, own, none)
       do index = 1, size(simulation%stores)
-         associate (store => simulation%stores(index))
-            call store%remap([(0, tile=1, size(own))], simulation%space%grid%tile_cells)
-            call fill_bodies(simulation%space%grid, bodies, simulation%space%tiles%coordinate, &
-               index, store)
-            do tile = 1, size(own)
-               call start_tile(bodies, simulation%materials(index), tile, store)
-               call simulation%materials(index)%draw_strength(store%state, store%identity, &
-                  store%first(tile), store%first(tile) + store%count(tile) - 1)
-               if (any(bodies%energy > 0.0_wp .and. bodies%store == index) .or. &
-                  simulation%materials(index)%start_energy() > 0.0_wp) &
-                  call simulation%materials(index)%find_rest_stress(store%state, &
-                  store%first(tile), store%first(tile) + store%count(tile) - 1)
-            end do
-         end associate
+         call fill_store(simulation%space%grid, simulation%materials(index), bodies, &
+            simulation%space%tiles%coordinate(:, :size(own)), index, simulation%stores(index))
       end do
       call sort_particles(simulation)
    end subroutine fill_simulation
+
+   !> Give bodies their identities, one after another.
+   pure subroutine number_bodies(grid, bodies, next)
+      type(grid_t), intent(in) :: grid
+      type(body_t), intent(inout) :: bodies(:)
+      integer(int64), intent(out), optional :: next  !! The first that no body has
+      integer(int64) :: first
+      integer :: body
+
+      first = 1
+      do body = 1, size(bodies)
+         bodies(body)%first_identity = first
+         first = first + product(bodies(body)%sites(grid))
+      end do
+      if (present(next)) next = first
+   end subroutine number_bodies
+
+   !> Fill an empty store with the particles of its bodies in some tiles, in their first state.
+   subroutine fill_store(grid, material, bodies, coordinates, index, store)
+      type(grid_t), intent(in) :: grid
+      type(material_t), intent(in) :: material       !! That of the store
+      type(body_t), intent(in) :: bodies(:)          !! With their first identities
+      integer, contiguous, intent(in) :: coordinates(:, :) !! (3, tile) Tiles, counted from 0
+      integer, intent(in) :: index                   !! Index of the store
+      type(store_t), intent(inout) :: store
+      integer :: tile
+
+      call store%remap([(0, tile=1, size(coordinates, 2))], grid%tile_cells)
+      call fill_bodies(grid, bodies, coordinates, index, store)
+      do tile = 1, size(store%count)
+         call start_tile(bodies, material, tile, store)
+         call material%draw_strength(store%state, store%identity, &
+            store%first(tile), store%first(tile) + store%count(tile) - 1)
+         if (any(bodies%energy > 0.0_wp .and. bodies%store == index) .or. &
+            material%start_energy() > 0.0_wp) call material%find_rest_stress(store%state, &
+            store%first(tile), store%first(tile) + store%count(tile) - 1)
+      end do
+   end subroutine fill_store
 
    !> Cut the curve so that ranks get equal numbers of particles, and send each rank its tiles.
    subroutine share_out_tiles(simulation, survey, own)

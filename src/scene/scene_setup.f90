@@ -17,6 +17,7 @@ module scene_setup
    use scene_effects, only: read_effects
    use scene_exact, only: read_exact
    use scene_grid, only: check_periodic, coarsen, read_grid, tile_edge
+   use scene_inflow, only: read_inflows
    use scene_load, only: read_loads
    use scene_method, only: read_method
    use scene_particles, only: make_stores, prepare_simulation
@@ -71,6 +72,7 @@ contains
       if (.not. (deck%sound("region") .and. deck%sound("body") .and. deck%count("body") > 0)) return
       call read_bodies(deck, simulation, shapes, bodies)
       call read_walls(deck, simulation, shapes)
+      if (is_sound(deck)) call read_inflows(deck, simulation, bodies)
       ! errors in groups that the stores do not depend on, such as &time, hide nothing
       if (.not. is_sound(deck)) return
       call read_absorbing(deck, simulation, bodies)
@@ -109,9 +111,9 @@ contains
    !> True if no group has an error on which bodies and the fields of their particles depend.
    logical function is_sound(deck) result(sound)
       type(deck_t), intent(in) :: deck
-      character(len=10), parameter :: groups(14) = [character(len=10) :: "load", "run", "grid", &
+      character(len=10), parameter :: groups(15) = [character(len=10) :: "load", "run", "grid", &
          "method", "effects", "boundary", "material", "region", "body", "contact", "exact", &
-         "detonation", "cell", "stage"]
+         "detonation", "cell", "stage", "inflow"]
       integer :: n
 
       sound = .true.

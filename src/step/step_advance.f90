@@ -39,10 +39,11 @@ contains
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: dt_preferred           !! Time step, unless nodes move too far [s]
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: dt
+      real(wp) :: dt, began
       integer :: n
 
       dt = dt_preferred
+      began = simulation%clock%time
       if (allocated(simulation%effects%exact)) simulation%effects%exact%force_time = &
          simulation%clock%time
       if (allocated(simulation%effects%loads)) call set_loads(simulation%effects%loads, &
@@ -70,7 +71,7 @@ contains
       call finish_step(simulation, error)
       if (allocated(error)) return
       if (allocated(simulation%scheme%method%splitting)) call split_particles(simulation)
-      call sort_particles(simulation)
+      call sort_particles(simulation, began)
       if (allocated(simulation%space%cell)) call deform_cell(simulation)
    end subroutine advance
 

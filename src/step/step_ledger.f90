@@ -179,24 +179,32 @@ contains
       end do
    end subroutine ledger_record_lost
 
-   !> Record a particle that leaves or is removed.
-   subroutine ledger_record_particle(self, store, material, p, rows)
+   !> Record a particle that leaves or is removed, or one that enters as a negative loss.
+   subroutine ledger_record_particle(self, store, material, p, rows, enters)
       class(ledger_t), intent(inout) :: self
       type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
       integer, intent(in) :: p                       !! Its index
       integer, intent(in) :: rows(4) !! Entries for mass, momentum, energy, angular momentum
-      real(wp) :: energy(1), turn(3)
+      logical, intent(in), optional :: enters        !! Does it enter?
+      real(wp) :: energy(1), turn(3), mass_of_it
       integer :: k
 
       call material%stored_energy(store%state, p, p, energy)
-      call self%sums(rows(1))%add(store%state%mass(p))
+      mass_of_it = store%state%mass(p)
+      if (present(enters)) then
+         if (enters) then
+            mass_of_it = -mass_of_it
+            energy = -energy
+         end if
+      end if
+      call self%sums(rows(1))%add(mass_of_it)
       do k = 1, 3
-         call self%sums(rows(2) + k - 1)%add(store%state%mass(p)*store%velocity(p, k))
-         energy = energy + 0.5_wp*store%state%mass(p)*store%velocity(p, k)**2
+         call self%sums(rows(2) + k - 1)%add(mass_of_it*store%velocity(p, k))
+         energy = energy + 0.5_wp*mass_of_it*store%velocity(p, k)**2
       end do
       call self%sums(rows(3))%add(energy(1))
-      turn = store%state%mass(p)*cross([store%position(p, 1), store%position(p, 2), &
+      turn = mass_of_it*cross([store%position(p, 1), store%position(p, 2), &
          store%position(p, 3)], [store%velocity(p, 1), store%velocity(p, 2), store%velocity(p, 3)])
       do k = 1, 3
          call self%sums(rows(4) + k - 1)%add(turn(k))

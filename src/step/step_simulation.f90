@@ -20,6 +20,7 @@ module step_simulation
    use mesh_rigid, only: rigid_t
    use mesh_surface_load, only: surface_load_t
    use mesh_tiles, only: tiles_t
+   use particle_inflow, only: inflow_t
    use particle_store, only: store_t
    use step_bounds, only: guard_t
    use step_ledger, only: ledger_t
@@ -182,6 +183,7 @@ module step_simulation
       real(wp) :: damping = 0.0_wp                   !! Rate at which motion is damped [1/s]
       type(exact_case_t), allocatable :: exact       !! Exact solution, if one is known
       type(surface_load_t), allocatable :: loads(:)          !! Pressures and tractions on surfaces
+      type(inflow_t), allocatable :: inflows(:)      !! Material that enters
       !> (column, node, tile) Mass times rotation, and mass, at the corners of tiles [kg/s], [kg]
       real(wp), allocatable :: turn(:, :, :)
    contains

@@ -4,6 +4,7 @@
 module step_velocity_remap
    use base_kinds, only: wp
    use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use mesh_wall_sums, only: wall_push_t
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
    use step_dual_gradient, only: node_gradient
@@ -12,7 +13,7 @@ module step_velocity_remap
    use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use step_walls, only: record_push, take_held, walls_touch
+   use step_walls, only: record_push, record_walls, take_held, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
    use transfer_shape_data, only: shape_data_t, spare
@@ -132,6 +133,7 @@ contains
       real(wp) :: again(3, simulation%space%grid%tile_nodes), free(3, &
          simulation%space%grid%tile_nodes)
       real(wp) :: ended(3, simulation%space%grid%tile_nodes)
+      type(wall_push_t) :: each
 
       associate (grid => simulation%space%grid, nodes => field%nodes, &
          term => field%nodes%series%term(:, :, tile), transfer => simulation%scheme%method%transfer)
@@ -141,7 +143,14 @@ contains
          if (walls_touch(simulation, tile)) then
             ended = nodes%motion%velocity(:, :, tile) + dt*nodes%motion%acceleration(:, :, tile)
             free = again
-            call take_held(simulation, tile, nodes%motion%velocity(:, :, tile), again)
+            if (allocated(scratch%ledger%walls%total)) then
+               call take_held(simulation, tile, nodes%motion%velocity(:, :, tile), again, each)
+               ! the push below is recorded with the velocity at the end of the step
+               each%dt = 2.0_wp*dt
+               call record_walls(simulation%space, field, scratch%ledger, tile, each)
+            else
+               call take_held(simulation, tile, nodes%motion%velocity(:, :, tile), again)
+            end if
             free = again - free
             call record_push(simulation%space, field, scratch%ledger, tile, free, ended)
          end if

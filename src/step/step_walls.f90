@@ -14,7 +14,7 @@ module step_walls
    private
 
    public :: apply_walls, constrain_tile, hold_at_walls, number_of_walls, record_push, &
-      record_stopped, record_unbalanced, start_walls, stop_at_walls, take_held, walls_touch
+      record_stopped, record_unbalanced, record_walls, start_walls, stop_at_walls, take_held, walls_touch
 
    !> What walls do to nodes, in this order: forces, velocities that they hold, friction.
    integer, parameter :: forcing = 1, holding = 2, rubbing = 3, stages = 3
@@ -366,26 +366,54 @@ contains
 
    !> Take from a change of node velocities the components that walls held before the forces act,
    !! or changed: an orthogonal projection. Walls that hold a node in a step do so from its start.
-   pure subroutine take_held(simulation, tile, velocity, change)
+   pure subroutine take_held(simulation, tile, velocity, change, each)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) With walls, before [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
+      type(wall_push_t), intent(inout), optional :: each !! What each wall took, if wanted
       real(wp) :: moved(3, size(change, 2)), open(3, size(change, 2))
+      integer :: wall
 
       moved = velocity
       open = 1.0_wp
-      associate (coordinate => simulation%space%tiles%coordinate(:, tile))
-         call simulation%space%boundary%constrain(simulation%space%grid, coordinate, moved, open, &
-            at_end=.true.)
-         if (simulation%space%boundary%has_friction()) &
-            call simulation%space%boundary%hold_pressed(simulation%space%grid, coordinate, &
-               velocity, open)
-      end associate
+      if (present(each)) then
+         call each%begin(number_of_walls(simulation%space), 1.0_wp, 0.0_wp, moved, change)
+         if (allocated(simulation%space%boundary%wall)) then
+            do wall = 1, size(simulation%space%boundary%wall)
+               call close_components(simulation%space, tile, velocity, moved, open, wall)
+               call each%note(wall, moved, change*open)
+            end do
+         end if
+      else
+         call close_components(simulation%space, tile, velocity, moved, open)
+      end if
       change = change*open
-      if (allocated(simulation%space%rigid)) call simulation%space%rigid%take(tile, velocity, &
-         open, change)
+      if (.not. allocated(simulation%space%rigid)) return
+      call simulation%space%rigid%take(tile, velocity, open, change)
+      if (.not. present(each)) return
+      if (simulation%space%rigid%holds(tile)) call each%note_nodes( &
+         number_of_walls(simulation%space) - size(simulation%space%rigid%wall), &
+         simulation%space%rigid%held(tile)%node, simulation%space%rigid%held(tile)%wall, moved, &
+         change)
    end subroutine take_held
+
+   !> Close the components of velocities that boundaries hold, all boundaries or one.
+   pure subroutine close_components(space, tile, velocity, moved, open, only)
+      type(space_t), intent(in) :: space
+      integer, intent(in) :: tile
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) With walls, before [m/s]
+      real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) The same, held [m/s]
+      real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Gets 0 where they hold
+      integer, intent(in), optional :: only          !! Wall that acts; default: all
+
+      associate (coordinate => space%tiles%coordinate(:, tile))
+         call space%boundary%constrain(space%grid, coordinate, moved, open, at_end=.true., &
+            only=only)
+         if (space%boundary%has_friction()) call space%boundary%hold_pressed(space%grid, &
+            coordinate, velocity, open, only)
+      end associate
+   end subroutine close_components
 
    !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
    !! of which all that this share takes is recorded: so that much of it is no work. Equation (L.13)

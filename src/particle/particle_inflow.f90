@@ -1,0 +1,94 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> Material that flows into the domain: copies of the particles of a body follow each other at the
+!! length of the body, as the links of a chain do, and each particle enters where its position passes
+!! the plane behind the body. Equations (I.1) to (I.3) of doc/theory/inflow.md.
+!!
+!! What has entered follows from the time alone, so a restart needs nothing of it. A rank holds the
+!! particles of the tiles that it has counted; those that enter are sent to the owners of their tiles.
+module particle_inflow
+   use base_kinds, only: int64, wp
+   use mesh_grid, only: grid_t
+   use mesh_motion, only: motion_t
+   use particle_store, only: store_t
+   implicit none
+   private
+
+   public :: fed_t, inflow_t
+
+   !> An inflow.
+   type :: inflow_t
+      character(len=:), allocatable :: name          !! Name of its body
+      integer :: body = 0                            !! Index of its body
+      integer :: store = 1                           !! Index of its store
+      integer :: wall = 0                            !! Index of the rigid region that holds it
+      real(wp) :: mass_rate = 0.0_wp                 !! If given instead of a speed [kg/s]
+      type(motion_t) :: motion                       !! Velocity, and until when material enters
+      integer :: axis = 1                            !! Direction of the flow
+      real(wp) :: sense = 1.0_wp                     !! -1 = against the axis
+      real(wp) :: plane = 0.0_wp                     !! Where material enters, along the axis [m]
+      real(wp) :: length = 0.0_wp                    !! Of the body along the flow [m]
+      integer(int64) :: identities = 0               !! Added to an identity from copy to copy
+      type(store_t) :: pattern                       !! Particles in the tiles of the body
+      integer, allocatable :: particle(:)            !! (entry) Those of the body, in their first state
+      integer(int64), allocatable :: identity(:)     !! (entry) Their first identities
+      real(wp), allocatable :: origin(:)             !! (entry) Positions along the axis [m]
+   contains
+      procedure :: travel => inflow_travel           !! How far material has come
+      procedure :: enter => inflow_enter             !! Particles that enter in a step
+   end type inflow_t
+
+   !> Particles that enter a store, as rows of words.
+   type :: fed_t
+      integer :: store = 0                           !! Index of their store
+      real(wp), allocatable :: position(:, :)        !! (row, 3) [m]
+      integer(int64), allocatable :: rows(:, :)      !! (word, row) All fields
+   end type fed_t
+
+   real(wp), parameter :: inside = 1.0e-6_wp !! Of a cell: a particle that enters is beyond the plane
+
+contains
+
+   !> How far material has come at a time, (I.1) [m].
+   pure real(wp) function inflow_travel(self, time) result(way)
+      class(inflow_t), intent(in) :: self
+      real(wp), intent(in) :: time                   !! [s]
+      real(wp) :: shift(3)
+
+      shift = self%motion%shift(time)
+      way = self%sense*shift(self%axis)
+   end function inflow_travel
+
+   !> List the particles that enter between two times, and put them where they are at the end of
+   !! them. A step is shorter than the way through the body, so a particle enters once at most.
+   subroutine inflow_enter(self, grid, began, time, particle)
+      class(inflow_t), intent(inout) :: self
+      type(grid_t), intent(in) :: grid
+      real(wp), intent(in) :: began                  !! [s]
+      real(wp), intent(in) :: time                   !! [s]
+      integer, allocatable, intent(out) :: particle(:) !! Indices in the pattern
+      real(wp) :: before, now, depth, speed(3)
+      integer(int64) :: copy
+      integer :: n, p, filled
+
+      before = self%travel(began) - inside*grid%spacing
+      now = self%travel(time) - inside*grid%spacing
+      allocate (particle(size(self%origin)))
+      filled = 0
+      if (now > before) then
+         speed = self%motion%velocity(time)
+         do n = 1, size(self%origin)
+            depth = self%sense*(self%origin(n) - self%plane)
+            copy = floor((depth + now)/self%length, int64)
+            if (copy == floor((depth + before)/self%length, int64)) cycle
+            p = self%particle(n)
+            filled = filled + 1
+            particle(filled) = p
+            self%pattern%identity(p) = self%identity(n) + copy*self%identities
+            self%pattern%position(p, self%axis) = self%origin(n) + self%sense*(now &
+               + inside*grid%spacing - real(copy, wp)*self%length)
+            self%pattern%velocity(p, :) = speed
+         end do
+      end if
+      particle = particle(:filled)
+   end subroutine inflow_enter
+end module particle_inflow
