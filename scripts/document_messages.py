@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write doc/guide/messages/, a page for each row of doc/guide/errors.md, and link the rows to them.
+"""Write doc/guide/messages/, a page for each row of the tables of messages, and link the rows to them.
 
     python3 scripts/document_messages.py --scree build/bin/scree             write the pages
     python3 scripts/document_messages.py --scree build/bin/scree --check     exit code 1 if out of date
@@ -9,8 +9,8 @@ program is run on a wrong deck, and what it prints is shown. The deck is that of
 of test/input (broken_values.py, broken_scenes.py) with this message, unless scripts/messages holds
 another one (examples.py: decks; situations.py: commands, files and runs).
 
-A new message: write its row into errors.md without a link, run this script, look at the page.
-Only the standard library is needed.
+A new message: write its row into doc/guide/errors.md or errors_runs.md without a link, run this script, look at
+the page. Only the standard library is needed.
 """
 import argparse
 import os
@@ -24,7 +24,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 GUIDE = ROOT / "doc" / "guide"
-TABLE = GUIDE / "errors.md"
+TABLES = [GUIDE / "errors.md", GUIDE / "errors_runs.md"]
 PAGES = GUIDE / "messages"
 NOTES = ROOT / "scripts" / "messages"
 sys.path[:0] = [str(ROOT / "scripts" / "messages"), str(ROOT / "test" / "input")]
@@ -38,7 +38,7 @@ FAULTS = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CON
           scenes.RARE, scenes.WARNINGS]
 DECK = "scene.nml"
 CHECK = f"scree --check {DECK}"
-# In errors.md: the link, what stands behind it in the first cell, cause, remedy.
+# In a table: the link, what stands behind it in the first cell, cause, remedy.
 LINKED = re.compile(r"\| \[(`.+`)\]\(messages/([a-z0-9-]+)\.md\)(.*?) \| (.*) \| (.*) \|$")
 PLAIN = re.compile(r"\| ((?:`[^`]+`(?:, )?)+)(.*?) \| (.*) \| (.*) \|$")
 # What the run time library of a Debug build adds.
@@ -59,7 +59,7 @@ PROSE = {"at", "axis", "bodies", "body", "fields", "file", "law", "material", "n
          "solution", "type", "scale", "velocity", "stress", "spin"}
 
 class Row:
-    """A row of errors.md."""
+    """A row of a table."""
 
     def __init__(self, heading, messages, name, behind, cause, remedy):
         self.heading, self.name = heading, name
@@ -78,7 +78,7 @@ def name_of(messages):
 
 
 def linked(text):
-    """The text of errors.md with a link in each row."""
+    """The text of a table with a link in each row."""
     lines = []
     for line in text.splitlines():
         found = PLAIN.match(line)
@@ -90,7 +90,7 @@ def linked(text):
 
 
 def rows(text):
-    """Rows of errors.md, all with links."""
+    """Rows of a table, all with links."""
     heading, found = "", []
     for line in text.splitlines():
         if line.startswith("## "):
@@ -364,12 +364,13 @@ def page(row, runner, more, known):
 
 
 def documents(program):
-    """Texts by path: the table with its links, and all pages."""
-    table = linked(TABLE.read_text(encoding="utf-8"))
-    found, more, known = rows(table), notes(), keys()
+    """Texts by path: the tables with their links, and all pages."""
+    tables = {path: linked(path.read_text(encoding="utf-8")) for path in TABLES}
+    for path, table in tables.items():
+        if not 0 < len(rows(table)) == len(re.findall(r"^\| \[?`", table, re.M)):
+            raise ValueError(f"a row of {path.name} is no row of three cells")
+    found, more, known = [row for table in tables.values() for row in rows(table)], notes(), keys()
     names = [row.name for row in found]
-    if not 0 < len(found) == len(re.findall(r"^\| \[?`", table, re.M)):
-        raise ValueError(f"a row of {TABLE.name} is no row of three cells")
     twice = {name for name in names if names.count(name) > 1}
     if twice:
         raise ValueError(f"pages of two rows: {twice}; write the link of one by hand")
@@ -392,7 +393,7 @@ def documents(program):
 
         # most of the time goes into the start of message passing, which waits
         with ThreadPoolExecutor(4) as pool:
-            texts = {TABLE: table, **dict(pool.map(write, found))}
+            texts = {**tables, **dict(pool.map(write, found))}
     if faults:
         raise ValueError("\n\n".join(faults))
     return texts
@@ -400,9 +401,9 @@ def documents(program):
 
 def out_of_date(texts):
     """Files that are not as they should be, each with why."""
-    there = {path: path.read_text(encoding="utf-8") for path in [TABLE, *sorted(PAGES.glob("*"))]}
+    there = {path: path.read_text(encoding="utf-8") for path in [*TABLES, *sorted(PAGES.glob("*"))]}
     return ([f"{path.name} is missing" for path in texts if path not in there]
-            + [f"{path.name} belongs to no row of {TABLE.name}" for path in there if path not in texts]
+            + [f"{path.name} belongs to no row of a table" for path in there if path not in texts]
             + [f"{path.name} differs" for path in texts if path in there and there[path] != texts[path]])
 
 

@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Material that flows into the domain: copies of the particles of a body follow each other at the
-!! length of the body, as the links of a chain do, and each particle enters where its position passes
-!! the plane behind the body. Equations (I.1) to (I.3) of doc/theory/inflow.md.
+!! length of the body, and each particle enters where its position passes the plane behind the body.
+!! Equations (O.6) and (O.7) of doc/theory/instruments.md.
 !!
 !! What has entered follows from the time alone, so a restart needs nothing of it. A rank holds the
-!! particles of the tiles that it has counted; those that enter are sent to the owners of their tiles.
+!! particles of the tiles that it has counted; those that enter are sent to the owners of their
+!! tiles.
 module particle_inflow
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
@@ -29,7 +30,7 @@ module particle_inflow
       real(wp) :: length = 0.0_wp                    !! Of the body along the flow [m]
       integer(int64) :: identities = 0               !! Added to an identity from copy to copy
       type(store_t) :: pattern                       !! Particles in the tiles of the body
-      integer, allocatable :: particle(:)            !! (entry) Those of the body, in their first state
+      integer, allocatable :: particle(:)            !! (entry) Those of the body
       integer(int64), allocatable :: identity(:)     !! (entry) Their first identities
       real(wp), allocatable :: origin(:)             !! (entry) Positions along the axis [m]
    contains
@@ -44,11 +45,11 @@ module particle_inflow
       integer(int64), allocatable :: rows(:, :)      !! (word, row) All fields
    end type fed_t
 
-   real(wp), parameter :: inside = 1.0e-6_wp !! Of a cell: a particle that enters is beyond the plane
+   real(wp), parameter :: inside = 1.0e-6_wp !! Of a cell, least distance behind the plane
 
 contains
 
-   !> How far material has come at a time, (I.1) [m].
+   !> How far material has come at a time, d of (O.6) [m].
    pure real(wp) function inflow_travel(self, time) result(way)
       class(inflow_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]
@@ -58,8 +59,9 @@ contains
       way = self%sense*shift(self%axis)
    end function inflow_travel
 
-   !> List the particles that enter between two times, and put them where they are at the end of
-   !! them. A step is shorter than the way through the body, so a particle enters once at most.
+   !> List the particles that enter between two times by (O.7), and put them where they are at the
+   !! end of them. A step is shorter than the way through the body, so a particle enters at most
+   !! once.
    subroutine inflow_enter(self, grid, began, time, particle)
       class(inflow_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The group &inflow: bodies whose material goes on entering the domain where they are.
-!! Doc/theory/inflow.md.
+!! Equations (O.6) to (O.8) of doc/theory/instruments.md.
 module scene_inflow
    use base_deck, only: deck_t, group_t
    use base_exact_sum, only: exact_sum_t
@@ -163,7 +163,7 @@ contains
    end subroutine find_axis
 
    !> Hold the nodes around the body at the velocity of the flow: as far as its particles reach at
-   !! its sides and behind it, and to its front. (I.3)
+   !! its sides and behind it, and to its front, (O.8).
    subroutine hold_nodes(grid, body, inflow, simulation)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body
@@ -251,7 +251,7 @@ contains
          store = simulation%stores(inflow%store)
          call fill_store(grid, simulation%materials(inflow%store), bodies, tiles(:, :filled), &
             inflow%store, store)
-         own = [integer ::]
+         allocate (own(0))
          do n = 1, size(store%count)
             do p = store%first(n), store%first(n) + store%count(n) - 1
                if (store%identity(p) >= bodies(inflow%body)%first_identity .and. &

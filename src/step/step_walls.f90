@@ -14,7 +14,8 @@ module step_walls
    private
 
    public :: apply_walls, constrain_tile, hold_at_walls, number_of_walls, record_push, &
-      record_stopped, record_unbalanced, record_walls, start_walls, stop_at_walls, take_held, walls_touch
+      record_stopped, record_unbalanced, record_walls, start_walls, stop_at_walls, take_held, &
+      walls_touch
 
    !> What walls do to nodes, in this order: forces, velocities that they hold, friction.
    integer, parameter :: forcing = 1, holding = 2, rubbing = 3, stages = 3

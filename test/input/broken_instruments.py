@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Faults of gauges, forces and loads that one change of a deck of broken_values makes; rows as there."""
+"""Faults of gauges, forces, loads and inflows that one change of a deck of broken_values makes; rows as there."""
 
 GAUGE = "&output name = 'g' kind = 'gauge' every = 1 "
 LOAD = "&load name = 'l' "
+FLOW = "&inflow body = 'one' "
 
 INSTRUMENTS = [
     ("plain", "&time", f"{GAUGE} /\n&time", 3,
@@ -33,5 +34,15 @@ INSTRUMENTS = [
      "&load 'l': no region 'bal'; defined: ball; did you mean 'ball'?"),
     ("plain", "&time", f"{LOAD} pressure = 1 bodies = 'on' /\n&time", 3,
      "&load 'l': no body 'on'; defined: one; did you mean 'one'?"),
+    ("plain", "&time", "&inflow velocity = 1 0 0 /\n&time", 3, "&inflow: body must be given"),
+    ("plain", "&time", f"{FLOW} velocity = 1 0 1 /\n&time", 3,
+     "&inflow: the flow must be along x, y or z, such as velocity = 0, 0, -10; turn the scene so that it is"),
+    ("plain", "&time", f"{FLOW} velocity = 0 0 0 /\n&time", 3,
+     "&inflow: the flow must have a speed, and must not turn back at any time"),
+    ("plain", "&time", f"{FLOW} velocity = 1 0 0 mass_rate = -1 /\n&time", 3, "mass_rate = -1  <- must be > 0"),
+    ("plain", "&time", f"{FLOW} velocity = 1 0 0 /\n{FLOW} velocity = 1 0 0 /\n&time", 4,
+     "&inflow: 'one' has another &inflow; give each its own body"),
+    ("plain", "&time", f"{FLOW} velocity = 1 0 0 /\n&time", 3,
+     "&inflow: the cross-section of 'one' changes along the flow"),
     ("plain", "&time", "&effects damping = -1 /\n&time", 3, "&effects: damping = -1  <- must be >= 0"),
 ]

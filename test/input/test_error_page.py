@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # tiers: smoke
-"""The page of messages against the messages: each that the tests know is on it, and none is made up. The pages
+"""The pages of messages against the messages: each that the tests know is on it, and none is made up. The pages
 behind its rows are those of test_message_pages.
 
 Would catch a message that was reworded, or is new, and is not explained; and a row of the page that
@@ -14,7 +14,7 @@ import broken_scenes as scenes
 import broken_values as values
 import case
 
-PAGE = (case.ROOT / "doc/guide/errors.md").read_text(encoding="utf-8")
+PAGE = "".join((case.ROOT / f"doc/guide/{name}.md").read_text(encoding="utf-8") for name in ("errors", "errors_runs"))
 TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS, scenes.CELLS,
           scenes.NAMES, scenes.ORPHANS, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
           scenes.INCLUDES, scenes.WARNINGS]
@@ -68,7 +68,7 @@ class Page(unittest.TestCase):
             for row in table:
                 with self.subTest(row[4]):
                     self.assertTrue(any(one.search(row[4]) for one in patterns),
-                                    "not in doc/guide/errors.md")
+                                    "neither in doc/guide/errors.md nor in errors_runs.md")
 
 
 if __name__ == "__main__":

@@ -36,11 +36,11 @@ class Pages(unittest.TestCase):
 
     def test_what_is_out_of_date_is_seen(self):
         """Would catch a comparison that finds nothing."""
-        name, text = next((path, text) for path, text in self.texts.items() if path != messages.TABLE)
+        name, text = next((path, text) for path, text in self.texts.items() if path not in messages.TABLES)
         changed = {**self.texts, name: text + "more\n", messages.PAGES / "new.md": text}
         del changed[messages.PAGES / "expects-a-number.md"]
         self.assertEqual(set(messages.out_of_date(changed)), {
-            f"{name.name} differs", "new.md is missing", "expects-a-number.md belongs to no row of errors.md"})
+            f"{name.name} differs", "new.md is missing", "expects-a-number.md belongs to no row of a table"})
 
     def test_a_new_row(self):
         """Would catch a row that gets no link, or a link made anew where there is one."""
