@@ -24,6 +24,7 @@ module scene_setup
    use scene_points_clock, only: check_clocks
    use scene_regions, only: named_shape_t, read_shapes
    use scene_time, only: read_bounds
+   use scene_without_effect, only: warn_without_effect
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -95,6 +96,7 @@ contains
       end do
       call simulation%scheme%method%request(traits)
       call make_stores(simulation, traits)
+      if (.not. present(coarser)) call warn_without_effect(deck, simulation)
    end subroutine set_up_scene
 
    !> Let the artificial viscosity of all materials resist jumps only, if the method says so.

@@ -430,6 +430,21 @@ RARE = [
 
 # What is allowed but hardly meant: the same rows, with the warning.
 WARNINGS = [
+    ("plain", "&region", "&material name = 'spare'  density = 2700  young = 7e10  poisson = 0.3 /\n&region", 6,
+     "&material 'spare': no body is made of it; remove it, or use it"),
+    ("plain", "&time", "&effects damage = .true. /\n&time", 3,
+     "&effects: damage = .true. does nothing, as no material can fail; give one a damage_model or spall"),
+    ("plain", "&time", "&effects contact = .true. /\n&time", 3, "contact = .true. does nothing"),
+    ("plain", "&time", "&effects gravity = .true.  gravity_vector = 0 0 0 /\n&time", 3,
+     "gravity = .true. does nothing, as gravity_vector is 0"),
+    ("plain", "&time", "&boundary face = 'zlo'  type = 'stick'  t_on = 1 /\n&time", 3,
+     "&boundary: comes at t = 1 s and the run ends at 1.0e-5 s; it does nothing"),
+    ("plain", "&body", "&region name = 'far'  shape = 'sphere'  centre = 9 0 9  radius = 1 /\n"
+     "&boundary region = 'far'  type = 'stick' /\n&body", 8,
+     "the region 'far' lies outside of the grid and does not move; it does nothing"),
+    ("plain", "&time", "&load pressure = 0 /\n&time", 3, "&load: is 0; it does nothing"),
+    ("plain", "&time", "&load pressure = 1  times = 1 2  factors = 0 1 /\n&time", 3,
+     "&load: its factors are 0 until the end of the run; it does nothing"),
     ("charge", "&detonation shape = 'plane'  point = 0 0 0  normal = 1 0 0 /", "", 4,
      "&material 'high': is an explosive that no &detonation lights: it starts as hot products under their full "
      "pressure; write a &detonation with the point where it begins"),

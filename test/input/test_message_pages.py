@@ -55,7 +55,7 @@ class Pages(unittest.TestCase):
     def test_pages_say_more(self):
         """Would catch pages without an example, and such as nobody reads."""
         for path, text in self.texts.items():
-            if path == messages.TABLE:
+            if path in messages.TABLES:
                 continue
             with self.subTest(path.name):
                 lines = text.count("\n")
