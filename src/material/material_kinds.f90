@@ -6,7 +6,7 @@ module material_kinds
    implicit none
    private
 
-   public :: all_gases, is_fluid, stores_work, supports_any_shear
+   public :: all_gases, any_gas, is_fluid, is_gas, stores_work, supports_any_shear
 
 contains
 
@@ -39,10 +39,29 @@ contains
 
       yes = size(materials) > 0
       do index = 1, size(materials)
-         yes = yes .and. is_fluid(materials(index)) .and. materials(index)%carries_energy() .and. &
-            .not. materials(index)%reference_speed() > 0.0_wp
+         yes = yes .and. is_gas(materials(index)) .and. .not. allocated(materials(index)%burn)
       end do
    end function all_gases
+
+   !> True if some material is a gas, or an explosive whose products are one.
+   pure logical function any_gas(materials) result(yes)
+      type(material_t), intent(in) :: materials(:)   !! Those of the deck
+      integer :: index
+
+      yes = .false.
+      do index = 1, size(materials)
+         yes = yes .or. is_gas(materials(index))
+      end do
+   end function any_gas
+
+   !> Is a material a gas, or an explosive whose products are one: without strength, with an internal
+   !! energy, and without a pressure that holds it together where it has none?
+   pure logical function is_gas(material) result(yes)
+      type(material_t), intent(in) :: material
+
+      yes = is_fluid(material) .and. material%carries_energy() .and. &
+         (allocated(material%burn) .or. .not. material%reference_speed() > 0.0_wp)
+   end function is_gas
 
    !> True if all materials store the work of strain and give it back: no flow, failure or heat.
    pure logical function stores_work(materials) result(stored)

@@ -35,6 +35,7 @@ module particle_split
    type :: splitting_t
       real(wp) :: longest = huge(1.0_wp)             !! Greatest edge of a particle [cells]
       integer :: generations = 0                     !! Most splits from the start to a particle
+      logical :: gases = .false.                     !! Only particles of gases?
    end type splitting_t
 
    !> Copies particles to others.

@@ -24,6 +24,7 @@ module particle_store
       logical :: extent = .false.                     !! Half the edges of its box
       logical :: stretching = .false.                 !! These follow the stretch of the material
       logical :: domain = .false.                     !! Half the edges of its parallelepiped
+      logical :: splits = .false.                     !! Are long particles halved?
       logical :: affine = .false.                     !! Linear velocity field around it
       logical :: spin = .false.                       !! Rotation of the velocity around it
       logical :: averaged = .false.                   !! Half of a strain, applied in advance
@@ -38,6 +39,7 @@ module particle_store
       real(wp), allocatable :: position(:, :)         !! (particle, 3) [m]
       real(wp), allocatable :: velocity(:, :)         !! (particle, 3) [m/s]
       logical :: stretching = .false.                 !! Do boxes follow the stretch?
+      logical :: splits = .false.                     !! Are long particles halved?
       real(wp), allocatable :: extent(:, :)           !! (particle, 3) Half edges of its box [m]
       !> (particle, 9) Half edges of its parallelepiped, edge k in columns 3 k - 2 to 3 k [m]
       real(wp), allocatable :: domain(:, :)
@@ -96,6 +98,7 @@ contains
       if (traits%body) allocate (self%body(0))
       if (traits%extent) allocate (self%extent(0, 3))
       self%stretching = traits%extent .and. traits%stretching
+      self%splits = traits%splits
       if (traits%domain) allocate (self%domain(0, 9))
       if (traits%affine) allocate (self%affine(0, 9))
       if (traits%spin) allocate (self%spin(0, 3))

@@ -64,7 +64,10 @@ contains
       call declare_shocks(schema)
       call schema%logical("method", "split", "particles that have become long are halved, so "// &
          "that stretched material stays in one piece; default .true. where all material is "// &
-         "gas with normalised sums", default=".false.")
+         "gas with normalised sums, and for gases where there are some", default=".false.")
+      call schema%text("method", "split_what", "particles of which material are halved: of all, "// &
+         "or of gases and products of explosives alone", default="all", words="all gases", &
+         owner="split")
       call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
          default="0.55", range="> 0 <= 2", owner="split")
       call schema%integer("method", "split_max", "times that a particle and its parts are "// &
@@ -105,15 +108,16 @@ contains
    end subroutine declare_shocks
 
    !> Make the method from the deck.
-   subroutine read_method(method, deck, stored, gases)
+   subroutine read_method(method, deck, stored, gases, some_gas)
       type(method_t), intent(inout) :: method
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Does all material give back all work?
       logical, intent(in) :: gases                   !! Is all material a gas?
+      logical, intent(in) :: some_gas                !! Is some, or an explosive?
       type(group_t) :: group
       character(len=:), allocatable :: word, basis, quadrature
 
-      call set_method_defaults(deck, stored, gases)
+      call set_method_defaults(deck, stored, gases, some_gas)
       group = deck%group("run", 1)
       call group%get("method", word)
       group = deck%group("method", 1)
@@ -151,12 +155,15 @@ contains
    subroutine read_splitting(method, group)
       type(method_t), intent(inout) :: method
       type(group_t), intent(in) :: group             !! &method
+      character(len=:), allocatable :: word
       logical :: split
 
       call group%get("split", split)
       if (.not. split) return
       allocate (method%splitting)
       call group%get("split_at", method%splitting%longest)
+      call group%get("split_what", word)
+      method%splitting%gases = word == "gases"
       call group%get("split_max", method%splitting%generations)
    end subroutine read_splitting
 

@@ -18,10 +18,11 @@ contains
 
    !> Set the defaults of &method that depend on other keys and on the material, and refuse keys
    !! that do not go together.
-   subroutine set_method_defaults(deck, stored, gases)
+   subroutine set_method_defaults(deck, stored, gases, some_gas)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Does all material give back all work?
       logical, intent(in) :: gases                   !! Is all material a gas?
+      logical, intent(in) :: some_gas                !! Is some, or an explosive?
 
       call set_dependent_defaults(deck)
       call set_cell_defaults(deck)
@@ -30,7 +31,7 @@ contains
       call set_turn_default(deck)
       call check_unseen(deck)
       call check_normalise(deck)
-      if (gases) call set_split_default(deck)
+      if (some_gas) call set_split_default(deck, gases)
    end subroutine set_method_defaults
 
    !> Set the defaults that depend on other keys.
@@ -121,8 +122,9 @@ contains
 
    !> Gas expands without bound, and cells from which all particles have gone hold no volume. An
    !! exact solution needs whole particles.
-   subroutine set_split_default(deck)
+   subroutine set_split_default(deck, gases)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
+      logical, intent(in) :: gases                   !! Is all material a gas?
       character(len=:), allocatable :: normalise, solution
       type(group_t) :: group, exact
 
@@ -131,8 +133,9 @@ contains
       call group%get("normalise", normalise)
       exact = deck%group("exact")
       call exact%get("solution", solution)
-      if (normalise /= "none" .and. solution == "none") &
-         call deck%set_default("method", 1, "split", .true.)
+      if (normalise == "none" .or. solution /= "none") return
+      call deck%set_default("method", 1, "split", .true.)
+      if (.not. gases) call deck%set_default("method", 1, "split_what", "gases")
    end subroutine set_split_default
 
    !> Refuse a share of unseen velocities where no strain takes it.

@@ -6,6 +6,7 @@ module scene_particles
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp
    use base_sort, only: sort_order
+   use material_kinds, only: is_gas
    use material_stages, only: effect_count, effect_names
    use material_type, only: material_t
    use mesh_grid, only: grid_t
@@ -94,9 +95,10 @@ contains
    end subroutine name_phases
 
    !> Make empty stores for the materials, with the fields that they need.
-   subroutine make_stores(simulation, traits)
+   subroutine make_stores(simulation, several)
       type(simulation_t), intent(inout) :: simulation
-      type(traits_t), intent(in) :: traits !! Fields of particles besides those of materials
+      logical, intent(in) :: several                 !! Are there several bodies?
+      type(traits_t) :: traits
       integer :: index
 
       if (allocated(simulation%stores)) deallocate (simulation%stores)
@@ -106,6 +108,8 @@ contains
       simulation%scheme%carries_energy = .false.
       do index = 1, size(simulation%stores)
          associate (store => simulation%stores(index))
+            traits = traits_t(body=several)
+            call simulation%scheme%method%request(traits, is_gas(simulation%materials(index)))
             call simulation%materials(index)%allocate_state(store%state)
             call store%start(store_name(simulation%materials, index), &
                simulation%space%grid%tile_cells, &

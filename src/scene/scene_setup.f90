@@ -4,10 +4,9 @@
 module scene_setup
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
-   use material_kinds, only: all_gases, stores_work
+   use material_kinds, only: all_gases, any_gas, stores_work
    use material_record, only: read_record
    use particle_fill, only: body_t
-   use particle_store, only: traits_t
    use scene_absorbing, only: read_absorbing
    use scene_bodies, only: read_bodies
    use scene_boundary, only: read_boundaries, read_walls
@@ -44,12 +43,11 @@ contains
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
       type(named_shape_t), allocatable, intent(out) :: shapes(:)
       integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
-      type(traits_t) :: traits
       integer :: n
 
       call read_materials(deck, simulation)
       call read_method(simulation%scheme%method, deck, stores_work(simulation%materials), &
-         all_gases(simulation%materials))
+         all_gases(simulation%materials), any_gas(simulation%materials))
       call limit_viscosity(simulation)
       call read_bounds(deck, simulation%clock%guard%bounds, simulation%scheme%method%cfl)
       call read_grid(deck, simulation%space%grid)
@@ -89,13 +87,11 @@ contains
       if (.not. is_sound(deck)) return
       call check_clocks(deck, simulation, bodies, shapes)
       call prepare_simulation(simulation)
-      traits%body = size(bodies) > 1
       allocate (simulation%body_names(size(bodies)))
       do n = 1, size(bodies)
          simulation%body_names(n)%text = bodies(n)%name
       end do
-      call simulation%scheme%method%request(traits)
-      call make_stores(simulation, traits)
+      call make_stores(simulation, size(bodies) > 1)
       if (.not. present(coarser)) call warn_without_effect(deck, simulation)
    end subroutine set_up_scene
 

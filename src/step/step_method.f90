@@ -133,12 +133,15 @@ contains
    end function method_margin
 
    !> Request the fields that particles must carry.
-   pure subroutine method_request(self, traits)
+   pure subroutine method_request(self, traits, gas)
       class(method_t), intent(in) :: self
       type(traits_t), intent(inout) :: traits        !! Fields of the stores
+      logical, intent(in), optional :: gas           !! Are they those of a gas? Default: yes
 
       call self%basis%request(traits)
-      traits%domain = traits%domain .or. allocated(self%splitting)
+      traits%splits = allocated(self%splitting)
+      if (present(gas) .and. traits%splits) traits%splits = gas .or. .not. self%splitting%gases
+      traits%domain = traits%domain .or. traits%splits
       if (self%transfer%turning()) then
          traits%spin = .true.
       else

@@ -84,6 +84,7 @@ contains
       integer :: index
 
       do index = 1, size(stores)
+         if (.not. stores(index)%splits) cycle
          if (allocated(stores(index)%opening)) deallocate (stores(index)%opening)
          allocate (stores(index)%opening(size(stores(index)%home)))
       end do
@@ -386,7 +387,7 @@ contains
          if (method%transfer%affine() .and. strained(simulation, index) .and. .not. view%moved) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          call stretch_tile(store, tile, deformation%gradient)
-         if (allocated(method%splitting)) call find_opening(method%splitting, &
+         if (store%splits) call find_opening(method%splitting, &
             simulation%space%grid%spacing, store, tile, deformation%gradient, dt)
          if (view%moved .and. method%leapfrog) then
             call centre_backward(n, deformation%plane, deformation%gradient)
