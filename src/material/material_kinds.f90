@@ -54,8 +54,8 @@ contains
       end do
    end function any_gas
 
-   !> Is a material a gas, or an explosive whose products are one: without strength, with an internal
-   !! energy, and without a pressure that holds it together where it has none?
+   !> Is a material a gas, or an explosive whose products are one: without strength, with an
+   !! internal energy, and without a pressure that holds it together where it has none?
    pure logical function is_gas(material) result(yes)
       type(material_t), intent(in) :: material
 

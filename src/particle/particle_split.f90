@@ -70,7 +70,7 @@ contains
       halved = size(edge)
       allocate (gain(halved))
       if (halved == 0) return
-      if (allocated(store%opening)) then
+      if (has_opening(store)) then
          opening = store%opening(copier%from)
       else
          ! in the first step of a run that strains before the force, no edge has grown yet
@@ -106,6 +106,14 @@ contains
          end do
       end do
    end subroutine split_store
+
+   !> Has the step found how fast edges grow?
+   pure logical function has_opening(store) result(has)
+      type(store_t), intent(in) :: store
+
+      has = allocated(store%opening)
+      if (has) has = size(store%opening) > 0
+   end function has_opening
 
    !> Growth rates of the longest edges of the particles of a tile, for those that may be split.
    pure subroutine find_opening(splitting, spacing, store, tile, gradient, dt)

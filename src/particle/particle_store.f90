@@ -39,7 +39,6 @@ module particle_store
       real(wp), allocatable :: position(:, :)         !! (particle, 3) [m]
       real(wp), allocatable :: velocity(:, :)         !! (particle, 3) [m/s]
       logical :: stretching = .false.                 !! Do boxes follow the stretch?
-      logical :: splits = .false.                     !! Are long particles halved?
       real(wp), allocatable :: extent(:, :)           !! (particle, 3) Half edges of its box [m]
       !> (particle, 9) Half edges of its parallelepiped, edge k in columns 3 k - 2 to 3 k [m]
       real(wp), allocatable :: domain(:, :)
@@ -50,7 +49,8 @@ module particle_store
       real(wp), allocatable :: ahead(:, :)
       real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
       real(wp), allocatable :: reference(:, :) !! (particle, 3) Initial position, on request [m]
-      !> Rate at which the longest edge grows, from the strain of a step to its end only [1/s]
+      !> Rate at which the longest edge grows, from the strain of a step to its end only, else of size
+      !! 0; not allocated if long particles are not halved [1/s]
       real(wp), allocatable :: opening(:)
       type(material_state_t) :: state                 !! State of the constitutive laws
    contains
@@ -98,7 +98,7 @@ contains
       if (traits%body) allocate (self%body(0))
       if (traits%extent) allocate (self%extent(0, 3))
       self%stretching = traits%extent .and. traits%stretching
-      self%splits = traits%splits
+      if (traits%splits) allocate (self%opening(0))
       if (traits%domain) allocate (self%domain(0, 9))
       if (traits%affine) allocate (self%affine(0, 9))
       if (traits%spin) allocate (self%spin(0, 3))

@@ -65,7 +65,7 @@ contains
       call schema%logical("method", "split", "particles that have become long are halved, so "// &
          "that stretched material stays in one piece; default .true. where all material is "// &
          "gas with normalised sums, and for gases where there are some", default=".false.")
-      call schema%text("method", "split_what", "particles of which material are halved: of all, "// &
+      call schema%text("method", "split_what", "which particles are halved: of all material, "// &
          "or of gases and products of explosives alone", default="all", words="all gases", &
          owner="split")
       call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &

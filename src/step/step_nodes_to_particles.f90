@@ -84,8 +84,8 @@ contains
       integer :: index
 
       do index = 1, size(stores)
-         if (.not. stores(index)%splits) cycle
-         if (allocated(stores(index)%opening)) deallocate (stores(index)%opening)
+         if (.not. allocated(stores(index)%opening)) cycle
+         deallocate (stores(index)%opening)
          allocate (stores(index)%opening(size(stores(index)%home)))
       end do
    end subroutine ensure_opening
@@ -387,7 +387,7 @@ contains
          if (method%transfer%affine() .and. strained(simulation, index) .and. .not. view%moved) &
             call keep_affine(store, tile, 1.0_wp/dt, deformation%gradient)
          call stretch_tile(store, tile, deformation%gradient)
-         if (store%splits) call find_opening(method%splitting, &
+         if (allocated(store%opening)) call find_opening(method%splitting, &
             simulation%space%grid%spacing, store, tile, deformation%gradient, dt)
          if (view%moved .and. method%leapfrog) then
             call centre_backward(n, deformation%plane, deformation%gradient)

@@ -38,7 +38,7 @@ contains
       integer :: index, n
 
       do index = field%first_store, field%last_store
-         if (.not. simulation%stores(index)%splits) cycle
+         if (.not. allocated(simulation%stores(index)%opening)) cycle
          call find_full(simulation%space, simulation%scheme, simulation%machine, field, index, &
             full)
          call split_store(simulation%scheme%method%splitting, full, simulation%space%grid, &

@@ -12,7 +12,6 @@ program bench_block
    use law_elastic, only: law_elastic_t
    use particle_fill, only: body_t
    use particle_shape, only: box
-   use particle_store, only: traits_t
    use scene_particles, only: fill_simulation, first_step, make_stores, prepare_simulation, &
       survey_t, take_survey
    use step_advance, only: advance
@@ -23,7 +22,6 @@ program bench_block
    type(simulation_t) :: simulation
    type(body_t) :: bodies(1)
    type(survey_t) :: survey
-   type(traits_t) :: traits
    type(error_t), allocatable :: error
    integer :: cells, steps, step
    character(len=32) :: word, transfer
@@ -65,8 +63,7 @@ program bench_block
       material%eos%bulk = material%bulk
    end associate
    call prepare_simulation(simulation)
-   call simulation%scheme%method%request(traits)
-   call make_stores(simulation, traits)
+   call make_stores(simulation, .false.)
    call bodies(1)%shape%set(box([2.0_wp, 2.0_wp, 2.0_wp], spread(2.0_wp + real(cells, wp), 1, 3)))
    bodies(1)%density = 1.0_wp
    bodies(1)%per_cell = 2

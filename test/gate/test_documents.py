@@ -17,7 +17,8 @@ from pathlib import Path
 from sources import ROOT, lines_of, place, project_files
 
 LONGEST = 250
-WRITTEN = ROOT / "doc" / "guide" / "keys.md"   # by a script: as long as there are keys
+# by scripts: as long as there are keys and scenes
+WRITTEN = {ROOT / "doc" / "guide" / "keys.md", ROOT / "doc" / "gallery.md"}
 DOCUMENTS = project_files(".md")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 NAMED = re.compile(r"`((?:src|scripts|test|cmake|doc|input)/[a-z0-9_./]+)`")
@@ -66,7 +67,7 @@ class DocumentGate(unittest.TestCase):
     def test_length(self):
         self.none([f"{place(path, 1)} has {len(lines_of(path))} lines, limit {LONGEST}"
                    for path in DOCUMENTS
-                   if path != WRITTEN and len(lines_of(path)) > LONGEST])
+                   if path not in WRITTEN and len(lines_of(path)) > LONGEST])
 
     def test_links(self):
         offences, found = [], 0
