@@ -49,8 +49,8 @@ module particle_store
       real(wp), allocatable :: ahead(:, :)
       real(wp), allocatable :: bond(:)                !! 1 = bonds to other bodies hold, 0 = broken
       real(wp), allocatable :: reference(:, :) !! (particle, 3) Initial position, on request [m]
-      !> Rate at which the longest edge grows, from the strain of a step to its end only, else of size
-      !! 0; not allocated if long particles are not halved [1/s]
+      !> Rate at which the longest edge grows, from the strain of a step to its end only, else of
+      !! size 0; not allocated if long particles are not halved [1/s]
       real(wp), allocatable :: opening(:)
       type(material_state_t) :: state                 !! State of the constitutive laws
    contains
