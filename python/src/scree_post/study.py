@@ -82,7 +82,7 @@ def combinations(keys, base, case):
 
 def find_program(path):
     """The program: as named, of the environment, of this repository, or in the path."""
-    beside = Path(__file__).resolve().parents[2] / "build" / "bin" / "scree"
+    beside = Path(__file__).resolve().parents[3] / "build" / "bin" / "scree"
     for candidate in (path, None if path else os.environ.get("SCREE"), None if path else beside,
                       None if path else shutil.which("scree")):
         if candidate and os.access(candidate, os.X_OK) and os.path.isfile(candidate):
