@@ -12,7 +12,7 @@ All values are in SI, whatever units the files are in. Reading needs h5py and nu
 scree-post, which draws and compares, stands in scree_post.commands.
 """
 from .errors import EXIT_FILE, EXIT_USAGE, PostError, modules, readable, run
-from .files import (DIMENSIONS, History, Snapshot, history, series, series_file, snapshot,
+from scree.files import (DIMENSIONS, History, Snapshot, history, series, series_file, snapshot,
                     snapshot_time, text)
 from .look import pyplot, save, scaled
 

@@ -10,7 +10,8 @@ import signal
 import subprocess
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
-from pathlib import Path
+
+from scree.program import find_program
 
 from .errors import EXIT_USAGE, PostError
 from .progress import Progress
@@ -78,17 +79,6 @@ def combinations(keys, base, case):
             raise PostError(f"two combinations of values would share the folder {folder}",
                             EXIT_USAGE)
     return runs
-
-
-def find_program(path):
-    """The program: as named, of the environment, of this repository, or in the path."""
-    beside = Path(__file__).resolve().parents[3] / "build" / "bin" / "scree"
-    for candidate in (path, None if path else os.environ.get("SCREE"), None if path else beside,
-                      None if path else shutil.which("scree")):
-        if candidate and os.access(candidate, os.X_OK) and os.path.isfile(candidate):
-            return os.path.abspath(candidate)
-    raise PostError(f"no program {path}" if path else
-                    "no program scree was found; name it with --scree build/bin/scree")
 
 
 def stamp_of(run, deck, version):

@@ -7,7 +7,7 @@ import numpy as np
 from . import colour as colours
 from . import look
 from .errors import EXIT_USAGE, PostError, unknown
-from .files import snapshot
+from scree.files import snapshot
 from .quantity import quantity
 from .space import SpacePage
 from .view import Options, PlanePage, bounds, check_view, fields_for, matter

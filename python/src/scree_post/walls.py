@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import units as units_of
+from scree import units as units_of
 from .box import box_of
 from .errors import PostError, modules
-from .files import text
+from scree.files import text
 from .shape import mirror_faces
 
 # Colour and dash of a face by its type; rigid regions have the colour of their type too.

@@ -19,7 +19,7 @@ import scree_post
 
 from .errors import PostError
 from .quantity import quantity as number_with_unit
-from .units import summary_unit
+from scree.units import summary_unit
 
 AXES = {"x": 0, "y": 1, "z": 2}
 EXTENTS = ("length", "width", "radius", *(f"{side}_{axis}" for side in ("front", "back", "extent")

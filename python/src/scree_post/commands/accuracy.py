@@ -27,7 +27,7 @@ from .. import written as written_files
 from ..errors import EXIT_USAGE, PostError
 from ..quantity import quantity as number_with_unit
 from ..study import find_program, jobs_for, threads_of_a_run
-from ..units import deck_length
+from scree.units import deck_length
 
 SUMMARY = "how accurate a number of a deck is, and what more costs"
 EXAMPLES = ("accuracy input/taylor_copper/scene.nml --quantity length radius --factors 4,2,1",

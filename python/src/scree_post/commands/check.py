@@ -11,7 +11,7 @@ what h5py alone can check did agree.
 import os
 
 from ..errors import EXIT_DIFFERENT, modules
-from ..files import is_grid, series, series_file, snapshot
+from scree.files import is_grid, series, series_file, snapshot
 
 SUMMARY = "whether VTK, and so ParaView, reads the files as they were written"
 EXAMPLES = ("check out/two_discs",)

@@ -12,7 +12,7 @@ import os
 import numpy as np
 
 from ..errors import EXIT_DIFFERENT, EXIT_USAGE, PostError, unknown
-from ..files import history, history_file, series, series_file, snapshot
+from scree.files import history, history_file, series, series_file, snapshot
 from ..progress import Progress
 
 SUMMARY = "differences of two runs, particle by particle"

@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import look
 from ..errors import EXIT_USAGE, PostError
-from ..files import series, series_file, snapshot
+from scree.files import series, series_file, snapshot
 from ..fragment_table import COLUMNS, fragments_of
 from ..progress import Progress
 from ..quantity import quantity

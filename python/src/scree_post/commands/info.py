@@ -9,9 +9,9 @@ import os
 
 import numpy as np
 
-from .. import units as units_of
+from scree import units as units_of
 from ..errors import EXIT_USAGE, PostError, modules, readable
-from ..files import history, is_grid, series, snapshot, text
+from scree.files import history, is_grid, series, snapshot, text
 from ..progress import Progress
 from ..quantity import quantity
 

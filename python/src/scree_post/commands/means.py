@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import PostError
-from ..files import history, is_grid, readable, series
+from scree.files import history, is_grid, readable, series
 from ..grains.statistics import drift, drifts, mean_error
 from ..progress import Progress
 from ..quantity import quantity

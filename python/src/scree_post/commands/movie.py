@@ -8,7 +8,7 @@ import os
 
 from .. import film, view_options
 from ..errors import EXIT_USAGE, PostError
-from ..files import series, series_file
+from scree.files import series, series_file
 from ..progress import Progress
 from ..quantity import quantity
 from ..view import to_pixels

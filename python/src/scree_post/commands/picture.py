@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import look, view_options
 from ..errors import EXIT_USAGE, PostError
-from ..files import series, series_file
+from scree.files import series, series_file
 from ..quantity import quantity
 
 SUMMARY = "the particles of one time, coloured by a field"

@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import ledger_page, look
 from ..errors import EXIT_USAGE, PostError, unknown
-from ..files import history, history_file
+from scree.files import history, history_file
 
 SUMMARY = "columns of histories against time or each other"
 EXAMPLES = ("plot out/two_discs/two_discs_history.csv",

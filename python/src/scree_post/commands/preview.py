@@ -9,7 +9,7 @@ import os
 
 from .. import look, preview_page
 from ..errors import EXIT_USAGE, PostError
-from ..files import series, series_file, snapshot
+from scree.files import series, series_file, snapshot
 from ..quantity import quantity
 from ..view import check_view
 from ..view_options import camera

@@ -14,7 +14,7 @@ import numpy as np
 from .. import film, look
 from ..areal_density import checked, radiograph
 from ..errors import EXIT_DEFECT, EXIT_USAGE, PostError
-from ..files import series, series_file, snapshot
+from scree.files import series, series_file, snapshot
 from ..progress import Progress
 from ..quantity import in_unit
 from ..radiograph_page import Picture

@@ -17,10 +17,10 @@ import numpy as np
 
 from .. import look
 from ..errors import EXIT_DIFFERENT, EXIT_USAGE, PostError, readable, unknown
-from ..files import history
+from scree.files import history
 from ..study import (Run, Study, combinations, find_program, is_done, jobs_for, read_stamp, settings, short,
                       stamp_of, threads_of_a_run, version_of)
-from ..units import summary_unit
+from scree.units import summary_unit
 from ..written import EXTENTS, Written
 
 SUMMARY = "a deck for many values: table and plot of what came out"

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .. import units as units_of
+from scree import units as units_of
 from ..box import group_text
 from ..errors import PostError
-from ..files import history, open_file, readable, series
+from scree.files import history, open_file, readable, series
 
 COLUMNS = ("stage", "time", "strain", "rate_xx", "rate_yy", "rate_xy", "volume_fraction", "stress_xx", "stress_yy",
            "stress_xy")

@@ -3,9 +3,9 @@
 import numpy as np
 
 from .. import look
-from .. import units as units_of
+from scree import units as units_of
 from ..errors import PostError
-from ..files import open_file
+from scree.files import open_file
 
 WIDEST = 5.0             # line of the greatest forces [points]
 

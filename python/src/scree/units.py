@@ -1,19 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Units of the numbers in files: every number that scree-post reads becomes SI here.
+"""Units of the numbers in files: every number that is read becomes SI here.
 
 `output_units` of a deck lets snapshots, grids, slices and tables be in the units of another system.
 Data sets carry `unitSI` (one of their unit in SI) and `unitNameSI`, tables carry the unit in the
 heading of a column. Systems differ from SI by powers of ten only, so a number is multiplied or
 divided by an exact power of ten and is rounded once.
 """
+from __future__ import annotations
+
 import json
 import math
 import re
+from typing import Any, Callable, TypeVar
 
-from .errors import PostError
+from .errors import FileProblem, ScreeError
+
+Powers = tuple[float, ...]
+Numbers = TypeVar("Numbers")                             # a number or an array of numpy
 
 # Name: decimal exponent and powers of length, time, mass, temperature.
-SYMBOLS = {"m": (0, (1, 0, 0, 0)), "s": (0, (0, 1, 0, 0)), "kg": (0, (0, 0, 1, 0)),
+SYMBOLS: dict[str, tuple[int, Powers]] = {"m": (0, (1, 0, 0, 0)), "s": (0, (0, 1, 0, 0)), "kg": (0, (0, 0, 1, 0)),
            "K": (0, (0, 0, 0, 1)), "N": (0, (1, -2, 1, 0)), "J": (0, (2, -2, 1, 0)),
            "W": (0, (2, -3, 1, 0)), "Pa": (0, (-1, -2, 1, 0)), "deg": (0, (0, 0, 0, 0)),
            "cm": (-2, (1, 0, 0, 0)), "mm": (-3, (1, 0, 0, 0)), "ms": (-3, (0, 1, 0, 0)),
@@ -40,9 +46,9 @@ SUMMARY = ((r"(time|dt|wall_s|processor_s)", "s"),
            (r"speed_max", "m/s"))
 
 
-def parse(label):
+def parse(label: str) -> tuple[int, Powers] | None:
     """Decimal exponent to SI and powers of a unit such as mg/(mm us2), or None if it is unknown."""
-    exponent, powers, side = 0, [0.0] * 4, 1
+    exponent, powers, side = 0.0, [0.0] * 4, 1
     for slash, symbol, power in re.findall(r"(/)|([^\W\d_]+)(\d+\.?\d*)?", label):
         if slash:
             side = -1
@@ -58,14 +64,21 @@ def parse(label):
     return int(exponent), tuple(powers)
 
 
-def is_si(label):
+def powers_of(name: str) -> Powers | None:
+    """Powers of a unit, or None if it is unknown."""
+    found = parse(name)
+    return found[1] if found else None
+
+
+def is_si(label: str) -> bool:
     """Whether all symbols of a unit are those of SI."""
     return all(symbol in SI_SYMBOLS for symbol in re.findall(r"[^\W\d_]+", label))
 
 
-def built(powers):
+def built(powers: Powers) -> str:
     """A unit of SI from its powers."""
-    above, below = [], []
+    above: list[str] = []
+    below: list[str] = []
     for place in (2, 0, 1, 3):
         power = powers[place]
         if power:
@@ -78,7 +91,7 @@ def built(powers):
     return f"{label}/{below[0]}" if below else label
 
 
-def si_unit(label, column=""):
+def si_unit(label: str, column: str = "") -> tuple[str, int]:
     """Unit of SI that stands for a unit, and the decimal exponent of the way to it."""
     if is_si(label):
         return label, 0
@@ -87,54 +100,56 @@ def si_unit(label, column=""):
         return label, 0
     exponent, powers = found
     for pattern, name in BY_COLUMN:
-        if pattern.fullmatch(column) and parse(name)[1] == powers:
+        if pattern.fullmatch(column) and powers_of(name) == powers:
             return name, exponent
     for name in NAMES:
-        if parse(name)[1] == powers:
+        if powers_of(name) == powers:
             return name, exponent
     return built(powers), exponent
 
 
-def shifted(values, exponent):
+def shifted(values: Numbers, exponent: int) -> Numbers:
     """Numbers times a power of ten, rounded once."""
     if exponent == 0:
         return values
-    return values * 10.0 ** exponent if exponent > 0 else values / 10.0 ** -exponent
+    numbers: Any = values
+    result: Numbers = numbers * 10.0 ** exponent if exponent > 0 else numbers / 10.0 ** -exponent
+    return result
 
 
-def exponent_of(factor):
+def exponent_of(factor: float) -> int:
     """The decimal exponent of a power of ten as it is stored."""
     if not (factor > 0.0 and math.isfinite(factor)):
-        raise PostError(f"unitSI = {factor} is no factor between units")
+        raise FileProblem(f"unitSI = {factor} is no factor between units")
     exponent = round(math.log10(factor))
     if abs(factor / 10.0 ** exponent - 1.0) > 1.0e-9:
-        raise PostError(f"unitSI = {factor} is no power of ten")
+        raise FileProblem(f"unitSI = {factor} is no power of ten")
     return exponent
 
 
-def plain(value):
+def plain(value: Any) -> str:
     """A string from an attribute."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     return value.decode("utf-8", "replace").strip("\0 ") if isinstance(value, bytes) else str(value)
 
 
-def data_exponent(data):
+def data_exponent(data: Any) -> int:
     """Decimal exponent of the way of a data set, or of a group with `unitSI`, to SI."""
     return exponent_of(float(data.attrs.get("unitSI", 1.0)))
 
 
-def data_unit(data):
+def data_unit(data: Any) -> str:
     """Unit of SI of a data set."""
     return plain(data.attrs.get("unitNameSI", data.attrs.get("units", "1")))
 
 
-def data_si(data):
+def data_si(data: Any) -> Any:
     """Numbers of a data set in SI."""
     return shifted(data[...], data_exponent(data))
 
 
-def raw_time(handle):
+def raw_time(handle: Any) -> float | None:
     """The time that a file of particles or of the grid holds, in its own unit, or None."""
     group = handle["VTKHDF"]
     if "FieldData/TimeValue" in group:
@@ -143,13 +158,13 @@ def raw_time(handle):
     return float(group.attrs["Time"]) if "Time" in group.attrs else None
 
 
-def raw_time_unit(handle):
+def raw_time_unit(handle: Any) -> str:
     """The unit of the time of a file of particles as it stands there."""
     data = handle["VTKHDF"].get("FieldData/TimeValue")
     return "s" if data is None else plain(data.attrs.get("units", "s"))
 
 
-def time_exponent(handle):
+def time_exponent(handle: Any) -> int | None:
     """Decimal exponent of the times of a file, or None where it cannot be told.
 
     A file of the grid says its time in SI in /provenance and in its own unit in /VTKHDF: at the
@@ -165,29 +180,29 @@ def time_exponent(handle):
     return exponent_of(float(known) / own) if own != 0.0 and float(known) != 0.0 else None
 
 
-def time_si(handle):
+def time_si(handle: Any) -> float | None:
     """Time of a file [s], or None."""
     own = raw_time(handle)
     return None if own is None else float(shifted(own, time_exponent(handle) or 0))
 
 
-def series_exponent(files, opened):
+def series_exponent(files: list[str], opened: Callable[[str], Any]) -> int:
     """Decimal exponent of the times that a series lists: that of its files, the last ones first.
 
-    opened  opens a file, raises PostError or OSError if it cannot
+    opened  opens a file, raises ScreeError or OSError if it cannot
     """
     for file in reversed(files):
         try:
             with opened(file) as handle:
                 exponent = time_exponent(handle)
-        except (OSError, KeyError, PostError):
+        except (OSError, KeyError, ScreeError):
             continue
         if exponent is not None:
             return exponent
     return 0
 
 
-def summary_unit(name):
+def summary_unit(name: str) -> str:
     """Unit of a number of CASE.summary.json, empty where it has none."""
     name = name.rpartition(".")[2]
     for pattern, unit in SUMMARY:
@@ -196,12 +211,12 @@ def summary_unit(name):
     return ""
 
 
-def deck_length(deck_units):
+def deck_length(deck_units: object) -> str:
     """Unit of lengths in a deck, from the name in &units system."""
     return LENGTHS.get(str(deck_units).lower(), "m")
 
 
-def times_in(entries):
+def times_in(entries: str) -> list[tuple[float, str]]:
     """Pairs (time as it is written, name) of the entries of a .series file."""
     found = json.loads(entries)["files"]
     return [(float(entry["time"]), entry["name"]) for entry in found]
