@@ -26,10 +26,10 @@ SYMBOLS: dict[str, tuple[int, Powers]] = {"m": (0, (1, 0, 0, 0)), "s": (0, (0, 1
            "us": (-6, (0, 1, 0, 0)), "g": (-3, (0, 0, 1, 0)), "mg": (-6, (0, 0, 1, 0))}
 SI_SYMBOLS = ("m", "s", "kg", "K", "N", "J", "W", "Pa", "deg")
 # Preferred names in SI, by powers of length, time, mass, temperature.
-NAMES = ("m", "m2", "m3", "s", "kg", "K", "m/s", "m/s2", "1/s", "kg/m3", "Pa", "J", "J/kg", "W",
+NAMES = ("m", "m2", "m3", "s", "kg", "K", "m/s", "m/s2", "1/s", "kg/m3", "Pa", "N", "J", "J/kg", "W",
          "kg m/s", "kg m2/s", "J/(kg K)", "W/(m K)", "J/m2", "N/m")
 # Columns whose unit in SI is written otherwise than its powers alone would tell.
-BY_COLUMN = ((re.compile(r"torque_impulse_[xyz]"), "N m s"), (re.compile(r"impulse_[xyz]"), "N s"))
+BY_COLUMN = ((re.compile(r"torque_impulse_[xyz]"), "N m s"), (re.compile(r"(\w+_)?impulse_[xyz]"), "N s"))
 # Edge of a cell and the like, as a deck in this system writes them.
 LENGTHS = {"si": "m", "cgs": "cm", "mm-ms-kg": "mm", "mm-ms-g": "mm", "cm-us-g": "cm",
            "mm-us-mg": "mm"}
