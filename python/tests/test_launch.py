@@ -83,6 +83,17 @@ def test_physics_error(deck: Path, tmp_path: Path) -> None:
     assert caught.value.code == 4 and scree.open(caught.value.folder).exit_code == 4
 
 
+def test_messages_with_ranks(deck: Path, tmp_path: Path) -> None:
+    """Would catch the sentences of the program among those of mpiexec, and mpiexec's own errors that are left out."""
+    with pytest.raises(scree.DeckError) as caught:
+        scree.run(deck, {"grid.dy": 1}, outdir=tmp_path / "out", ranks=2, progress=False)
+    assert "unknown key 'dy'" in str(caught.value) and "mpiexec" not in str(caught.value)
+    rule = 70 * "-"
+    assert launch.without_mpiexec(["a", rule, "There are not enough slots", rule, "b", rule, "Primary job  terminated",
+                                   rule]) == ["a", "There are not enough slots", "b"]
+    assert launch.without_mpiexec(["a", rule, "cut"]) == ["a", "cut"]
+
+
 @pytest.mark.parametrize(("code", "kind", "text"), [
     ("echo 'internal error: sum' >&2; exit 5", scree.InternalError, "internal error: sum"),
     ("exit 7", scree.InternalError, "exit code 7 and printed no reason"),
@@ -138,6 +149,7 @@ def test_wall_limit_and_restart(tmp_path: Path) -> None:
     long = {"grid.dx": 0.1, "time.t_end": 500.0, "output[all].count": 1}
     with pytest.raises(scree.Interrupted, match="restart=True") as caught:
         scree.run(DECK, {**long, "time.wall_limit": "00:00:01"}, outdir=tmp_path, progress=False)
+    assert "wall_limit reached" in str(caught.value)
     stopped = scree.open(caught.value.folder).summary
     assert stopped["exit_code"] == 75 and stopped["steps"] > 0
     rest = scree.run(DECK, {**long, "time.t_end": 1.05e6 * stopped["time"]}, outdir=tmp_path, restart=True,
@@ -146,20 +158,33 @@ def test_wall_limit_and_restart(tmp_path: Path) -> None:
     assert rest.history["time"].is_monotonic_increasing and rest.history["time"].iloc[0] == 0.0
 
 
-def test_interrupt_of_the_keyboard(deck: Path, tmp_path: Path) -> None:
-    """Would catch an interrupt that leaves the program running, or without a checkpoint."""
-    code = (f"import scree; scree.run({str(deck)!r}, {{'grid.dx': 0.1, 'time.t_end': 5000.0, 'output[all].count': 1}}, "
-            f"outdir={str(tmp_path / 'out')!r})")
+def interrupt(call: str, folders: list[Path]) -> None:
+    """Interrupt a call in a Python of its own when its runs have begun; each has to leave a checkpoint."""
+    code = f"import scree; long = {{'grid.dx': 0.1, 'time.t_end': 5000.0, 'output[all].count': 1}}; {call}"
     child = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True)
     end = time.monotonic() + 60.0
-    while not (tmp_path / "out/tiny_p_000000.hdf").exists():
-        assert child.poll() is None and time.monotonic() < end, "the run does not begin"
+    while not all((folder / "tiny_p_000000.hdf").exists() for folder in folders):
+        assert child.poll() is None and time.monotonic() < end, "the runs do not begin"
         time.sleep(0.05)
     time.sleep(0.3)
     child.send_signal(signal.SIGINT)
     _, said = child.communicate(timeout=60)
     assert "KeyboardInterrupt" in said and child.returncode != 0
-    assert scree.open(tmp_path / "out").exit_code == 75 and list((tmp_path / "out").glob("tiny_chk_*.h5"))
+    for folder in folders:
+        assert scree.open(folder).exit_code == 75 and list(folder.glob("tiny_chk_*.h5"))
+
+
+def test_interrupt_of_the_keyboard(deck: Path, tmp_path: Path) -> None:
+    """Would catch an interrupt that leaves the program running, or without a checkpoint."""
+    interrupt(f"scree.run({str(deck)!r}, {{**long}}, outdir={str(tmp_path / 'out')!r})", [tmp_path / "out"])
+    interrupt(f"scree.run({str(deck)!r}, {{**long}}, outdir={str(tmp_path / 'two')!r}, ranks=2)", [tmp_path / "two"])
+
+
+def test_interrupt_of_a_sweep(deck: Path, tmp_path: Path) -> None:
+    """Would catch an interrupt that waits for the end of all runs, or begins those that wait."""
+    interrupt(f"scree.sweep({str(deck)!r}, 'time.cfl', [0.3, 0.2, 0.1], lambda run: 0.0, jobs=2, set=long, "
+              f"outdir={str(tmp_path / 'out')!r})", [tmp_path / "out/cfl_0.3", tmp_path / "out/cfl_0.2"])
+    assert not (tmp_path / "out/cfl_0.1").exists()
 
 
 def test_progress(deck: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,

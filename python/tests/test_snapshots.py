@@ -111,6 +111,15 @@ def test_pyvista(run: scree.Run) -> None:
     assert np.array_equal(cloud.point_data["velocity"], snap["velocity"])
 
 
+def test_missing_package(run: scree.Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Would catch a trace that does not say what to install."""
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(ImportError, match="pip install xarray"):
+        run.snapshots[0].to_xarray()
+    with pytest.raises(ImportError, match="pip install pyvista"):
+        run.snapshots[0].to_pyvista()
+
+
 def test_along(run: scree.Run) -> None:
     """Would catch particles beside the line, beyond its ends, or in the wrong order: compared with a search by hand."""
     snap = run.snapshots[-1]

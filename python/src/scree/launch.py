@@ -27,6 +27,7 @@ OPEN_MPI = {
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
 }
 HEAD = re.compile(r"^deck .*\bcase (.+?)  \d+ ranks x \d+ threads  results (.+)$")
+END = "ended "
 SHARE = re.compile(r"^ *[\d:d]+ +(\d+\.\d) % +(\d+) ")   # a line of progress: wall time, t/t_end, step
 
 
@@ -91,12 +92,35 @@ class Progress:
             self._bar.close()
 
 
+def stop(child: subprocess.Popen[str]) -> None:
+    """Let a run write a checkpoint and end."""
+    if child.poll() is None:
+        child.send_signal(signal.SIGUSR1)                # mpiexec hands this signal on, unlike SIGTERM
+
+
 def collect(stream: IO[str], lines: list[str]) -> None:
     """Read a stream to its end."""
     lines += [line.rstrip("\n") for line in stream]
 
 
-def communicate(words: list[str], environment: dict[str, str], progress: Progress) -> tuple[int, list[str], list[str]]:
+def without_mpiexec(messages: list[str]) -> list[str]:
+    """The messages without the blocks in which mpiexec of Open MPI repeats the exit code."""
+    rule = re.compile(r"-{60,}$")
+    kept: list[str] = []
+    block: list[str] | None = None
+    for line in messages:
+        if not rule.match(line):
+            (kept if block is None else block).append(line)
+        elif block is None:
+            block = []
+        else:
+            kept += [] if re.search(r"\bPrimary job\b|\bmpi(exec|run) detected\b", "\n".join(block)) else block
+            block = None
+    return kept + (block or [])
+
+
+def communicate(words: list[str], environment: dict[str, str], progress: Progress,
+                children: list[subprocess.Popen[str]]) -> tuple[int, list[str], list[str]]:
     """Exit code, lines and messages of the program. An interrupt lets it write a checkpoint before it is raised."""
     try:
         child = subprocess.Popen(words, env=environment, text=True, encoding="utf-8", errors="replace",
@@ -106,6 +130,7 @@ def communicate(words: list[str], environment: dict[str, str], progress: Progres
         raise FileProblem(f"cannot start {words[0]}: {error.strerror}") from error
     said: list[str] = []
     messages: list[str] = []
+    children.append(child)
     with child:
         assert child.stdout is not None and child.stderr is not None
         reader = threading.Thread(target=collect, args=(child.stderr, messages), daemon=True)
@@ -115,7 +140,7 @@ def communicate(words: list[str], environment: dict[str, str], progress: Progres
                 said.append(line.rstrip("\n"))
                 progress.line(line)
         except BaseException:
-            child.send_signal(signal.SIGUSR1)            # mpiexec hands this signal on, unlike SIGTERM
+            stop(child)
             for line in child.stdout:
                 said.append(line.rstrip("\n"))
             raise
@@ -135,7 +160,7 @@ def options_of(settings: Mapping[str, Any], case: str | None, outdir: str | os.P
 def run(deck: str | os.PathLike[str], set: Mapping[str, Any] | None = None, *, ranks: int = 1, threads: int = 1,
         outdir: str | os.PathLike[str] | None = None, case: str | None = None, progress: bool = True,
         restart: bool = False, overwrite: bool = False, program: str | os.PathLike[str] | None = None,
-        options: Iterable[str] = ()) -> Run:
+        options: Iterable[str] = (), _children: list[subprocess.Popen[str]] | None = None) -> Run:
     """Run a deck and return its results.
 
     deck       a file, or the text of a deck, which is written to OUTDIR/deck.nml
@@ -168,12 +193,14 @@ def run(deck: str | os.PathLike[str], set: Mapping[str, Any] | None = None, *, r
     bar = Progress(progress, case or file.stem)
     code: int | None = None
     try:
-        code, said, messages = communicate(words, {**os.environ, **OPEN_MPI, "OMP_NUM_THREADS": str(threads)}, bar)
+        code, said, messages = communicate(words, {**os.environ, **OPEN_MPI, "OMP_NUM_THREADS": str(threads)}, bar,
+                                           [] if _children is None else _children)
     finally:
         bar.end(code == 0)
     place = next((found for found in map(HEAD.match, said) if found), None)
     if code != 0:
-        raise error_of_run(code, messages, place.group(2) if place else "")
+        reasons = without_mpiexec(messages) or [line[len(END):].strip() for line in said if line.startswith(END)]
+        raise error_of_run(code, reasons, place.group(2) if place else "")
     if place is None:
         raise DeckError("the program ended without a run; its options leave nothing to compute:\n" + "\n".join(said))
     return Run(place.group(2), place.group(1))

@@ -2,6 +2,7 @@
 """Snapshots of particles: fields are read from the file when they are used."""
 from __future__ import annotations
 
+import importlib.util
 import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, overload
@@ -38,6 +39,12 @@ def components(name: str, values: NDArray[Any]) -> dict[str, NDArray[Any]]:
         return {name: values}
     names = component_names(name, values.shape[1])
     return {component: values[:, place] for place, component in enumerate(names)}
+
+
+def need_package(name: str) -> None:
+    """Raise an error that says how to install a package that is missing."""
+    if importlib.util.find_spec(name) is None:
+        raise ImportError(f"the package {name} is not installed: pip install {name}", name=name)
 
 
 class Snapshot:
@@ -217,6 +224,7 @@ class Snapshot:
 
     def to_xarray(self, names: Sequence[str] | None = None) -> xarray.Dataset:
         """Fields over the dimension `particle`; vectors and tensors have a dimension of components besides."""
+        need_package("xarray")
         import xarray
         data: dict[str, Any] = {"position": (("particle", "axis"), self.points, {"units": "m"})}
         coordinates: dict[str, Any] = {"axis": list(COMPONENTS[3]), "time": ((), self.time, {"units": "s"})}
@@ -233,6 +241,7 @@ class Snapshot:
 
     def to_pyvista(self, names: Sequence[str] | None = None) -> pyvista.PolyData:
         """Points with fields, to be drawn or filtered by pyvista."""
+        need_package("pyvista")
         import pyvista
         cloud = pyvista.PolyData(np.array(self.points))
         for name in self.names if names is None else names:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import re
+import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import DeckError, FileProblem, ScreeError
-from .launch import bar_is_seen, deck_value, is_text
+from .launch import bar_is_seen, deck_value, is_text, stop
 from .launch import run as run_deck
 from .results import Run
 
@@ -49,10 +50,13 @@ def sweep(deck: str | os.PathLike[str], key: str, values: Sequence[Any], measure
     if jobs < 1:
         raise ValueError("jobs must be at least 1")
 
+    children: list[subprocess.Popen[str]] = []
+
     def one(value: Any, folder: Path) -> dict[str, Any]:
         row: dict[str, Any] = {key: value, "folder": str(folder), "error": ""}
         try:
-            result = run_deck(deck, {**(set or {}), key: value}, outdir=folder, progress=False, **options)
+            result = run_deck(deck, {**(set or {}), key: value}, outdir=folder, progress=False, _children=children,
+                              **options)
         except (DeckError, FileProblem):
             raise
         except ScreeError as error:
@@ -69,6 +73,8 @@ def sweep(deck: str | os.PathLike[str], key: str, values: Sequence[Any], measure
                 rows.append(future.result())
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for child in children:
+                stop(child)
             raise
     table = pandas.DataFrame(rows)
     last = ["folder", "error"]
