@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# tiers: smoke
+# tiers: smoke, full
 # timeout: 600
 # cores: 2
 """The Python package in the folder python: its own tests by pytest, its style by ruff, its types by mypy, and that it
@@ -21,6 +21,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
+import tier    # noqa: E402
 
 FOLDER = case.ROOT / "python"
 
@@ -94,13 +95,16 @@ def installation(sheet, options):
 
 
 def main():
-    """All parts; those whose tools are missing are skipped."""
+    """All parts; those whose tools are missing are skipped. The tier smoke leaves out installation, types, and the
+    tests that start many runs."""
     options, sheet = case.arguments(__doc__), report.Report()
     dependencies(sheet)
-    installation(sheet, options)
     call(sheet, options, "ruff", "ruff", "check", "--no-cache", "--quiet", ".")
-    call(sheet, options, "mypy", "mypy", "--cache-dir", options.work / "mypy")
-    call(sheet, options, "pytest", "pytest", "-q", "--basetemp", options.work / "pytest")
+    if tier.NAME != "smoke":
+        installation(sheet, options)
+        call(sheet, options, "mypy", "mypy", "--cache-dir", options.work / "mypy")
+    call(sheet, options, "pytest", "pytest", "-q", "--basetemp", options.work / "pytest", *tier.choose(
+        smoke=[f"tests/test_{name}.py" for name in ("results", "snapshots", "plot")], full=[]))
     sheet.end()
 
 
