@@ -46,7 +46,9 @@ def test_default_folder(deck: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     """Would catch results that are looked for elsewhere than where the program puts them."""
     monkeypatch.chdir(tmp_path)
     run = scree.run(deck.name, progress=False)
-    assert run.case == "tiny" and run.summary["exit_code"] == 0 and (tmp_path / "out/tiny/tiny.log").exists()
+    assert run.case == "tiny" and (tmp_path / "out/tiny/tiny.log").exists()
+    monkeypatch.chdir("/")
+    assert run.summary["exit_code"] == 0 and len(run.snapshots) == 5
 
 
 def test_ranks_and_threads(run: scree.Run, tmp_path: Path) -> None:

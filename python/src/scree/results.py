@@ -75,7 +75,7 @@ class Run:
     """
 
     def __init__(self, folder: str | os.PathLike[str], case: str, stream: str = "") -> None:
-        self.folder, self.case = Path(folder), case
+        self.folder, self.case = Path(folder).absolute(), case   # also after a change of the working folder
         self.tables = Tables(self.folder, case)
         self._stream = stream
 
