@@ -37,6 +37,12 @@ def test_what_cannot_be_opened(run: scree.Run, tmp_path: Path) -> None:
     with pytest.raises(scree.FileProblem, match=r"several cases.*one.*two"):
         scree.open(tmp_path)
     assert scree.open(tmp_path / "two").case == "two"
+    for name in ("one_two.summary.json", "one_two_p.hdf.series", "one_two_p_000000.hdf"):
+        shutil.copy(run.folder / name.replace("one_two", "tiny"), tmp_path / name)
+    (tmp_path / "one_two_p.hdf.series").write_text('{"file-series-version": "1.0", "files": [{"name": '
+                                                   '"one_two_p_000000.hdf", "time": 0.0}]}', encoding="utf-8")
+    longer = scree.open(tmp_path / "one_two_p.hdf.series")
+    assert longer.case == "one_two" and len(longer.snapshots) == 1
     (tmp_path / "one.summary.json").write_text('{"half', encoding="utf-8")
     with pytest.raises(scree.FileProblem, match="cannot read"):
         _ = scree.open(tmp_path / "one").summary
