@@ -25,6 +25,7 @@ import time
 from pathlib import Path
 
 sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python/src"))
 
 import accuracy_front                                    # noqa: E402
 import accuracy_problems                                 # noqa: E402

@@ -43,8 +43,19 @@ find_compiler() {
    done
 }
 
+# Install the packages of the folder python as links, so that a change there needs no new
+# installation.
+link_packages() {
+   # until 0.1 the command scree-post was a distribution of its own
+   if compgen -G "${root}/build/venv/lib/python3*/site-packages/scree_post-*" > /dev/null; then
+      "${python}" -m pip uninstall --quiet --yes scree-post || return 1
+   fi
+   "${python}" -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
+      --editable "${root}/python"
+}
+
 # A folder that was copied or moved holds the Python environment of its old place: commands that
-# begin with its path, and a link to its scripts/scree_post. Bring them here; nothing is downloaded.
+# begin with its path, and links to its folder python. Bring them here; nothing is downloaded.
 renew_python() {
    local place="${root}/build/venv/place.stamp" bin="${root}/build/venv/bin"
    [[ -x "${python}" ]] || return 0
@@ -73,7 +84,7 @@ for path in folder.iterdir():
         continue
     path.write_bytes(head.encode() + b"\n".join(rest))
 END
-   "${python}" -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
-      --editable "${scripts}" || return 1
+   # an older environment lacks what builds the packages; it is made anew then
+   link_packages > /dev/null 2>&1 || return 1
    printf '%s\n' "${root}" > "${place}"
 }

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python/src")]
 from scree_bench import __version__, cases, command  # noqa: E402
 
 MAN = ROOT / "doc/man/scree-bench.1"

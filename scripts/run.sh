@@ -98,7 +98,7 @@ picture() {
       say "No pictures: scripts/setup.sh makes the Python environment that they need."
       return 0
    fi
-   PYTHONPATH="${scripts}" "${python}" -m scree_post "$1" "$2" --out "$3"
+   PYTHONPATH="${root}/python/src" "${python}" -m scree_post "$1" "$2" --out "$3"
    pictures+=("$3")
 }
 

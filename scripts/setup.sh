@@ -4,8 +4,8 @@
 #
 # Installs what is missing to build and run Scree on Debian 12, Ubuntu and their like: compiler,
 # CMake, Open MPI and parallel HDF5 from the system's packages (as root or with sudo), and a Python
-# environment for tests and pictures in build/venv, with the command scree-post in
-# build/venv/bin. If nothing is missing, nothing is downloaded.
+# environment for tests and pictures in build/venv, with the package scree and the command
+# scree-post in build/venv/bin. If nothing is missing, nothing is downloaded.
 #
 #   --no-python   leave out the Python environment
 #   --help        this text
@@ -142,9 +142,7 @@ setup_python() {
    say "Installing Python packages into build/venv"
    "${python}" -m pip install --quiet --disable-pip-version-check --requirement "${requirements}" \
       || stop_with 3 "pip could not install the packages of scripts/requirements.txt"
-   # Linked to scripts/scree_post, so that a change there needs no new installation.
-   "${python}" -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
-      --editable "${scripts}" || stop_with 3 "pip could not install scripts/scree_post"
+   link_packages || stop_with 3 "pip could not install the folder python"
    cp "${requirements}" "${stamp}"
    printf '%s\n' "${root}" > "${root}/build/venv/place.stamp"
 }

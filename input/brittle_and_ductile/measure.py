@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "test/support")]
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python/src"), str(ROOT / "test/support")]
 import scree_post                      # noqa: E402
 import taylor                          # noqa: E402
 from scree_scene import Study, Table   # noqa: E402

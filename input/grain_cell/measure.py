@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
 from scree_scene import Study, Table   # noqa: E402
 
 SHEAR, STRAIN = 2596.44, 0.100454      # G [Pa] and gamma_c of the material block

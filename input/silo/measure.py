@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
 from scree_scene import Study, Table  # noqa: E402
 
 GRAVITY, DENSITY, WIDTH, HEIGHT = 9.81, 1477.0, 0.1, 0.3     # of the deck: half the silo, height of the filling

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
 from scree_scene import Study, Table  # noqa: E402
 
 RADIUS, OFFSET, SPEED, DENSITY = 0.2, 0.3, 0.1, 1000.0         # of the deck: [m], [m], [m/s], [kg/m3]

@@ -58,12 +58,13 @@ class Clone:
         self.folder = options.work / "clone"
         shutil.rmtree(self.folder, ignore_errors=True)
         (self.folder / "build").mkdir(parents=True)
-        for name in ("input", "scripts", "doc", "test", "CMakeLists.txt"):
+        for name in ("input", "scripts", "python", "doc", "test", "CMakeLists.txt"):
             (self.folder / name).symlink_to(case.ROOT / name)
         (self.folder / "build/bin").symlink_to(options.scree.parent)
         (self.folder / "scene.nml").symlink_to(case.ROOT / "input/two_discs/scene.nml")
         self.environment = {**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1",
-                            "PYTHONDONTWRITEBYTECODE": "1", "PYTHONPATH": str(case.ROOT / "scripts")}
+                            "PYTHONDONTWRITEBYTECODE": "1",
+                            "PYTHONPATH": f"{case.ROOT / 'scripts'}{os.pathsep}{case.ROOT / 'python/src'}"}
 
     def run(self, words):
         """Exit code, and what was said."""

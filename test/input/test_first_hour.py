@@ -60,7 +60,7 @@ def main():
     names = folder / "bin"
     names.mkdir(parents=True)
     (names / "scree-post").write_text(
-        f'#!/bin/sh\nexport PYTHONPATH="{case.ROOT}/scripts" SCREE="{options.scree}"\n'
+        f'#!/bin/sh\nexport PYTHONPATH="{case.ROOT}/python/src" SCREE="{options.scree}"\n'
         f'exec "{sys.executable}" -m scree_post "$@"\n', encoding="utf-8")
     (names / "scree-post").chmod(0o755)
     places = (options.scree.parent, names, Path(sys.executable).parent)

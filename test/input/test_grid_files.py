@@ -38,7 +38,7 @@ class GridFiles(unittest.TestCase):
                 run.run("--quiet")
                 answer = subprocess.run(
                     [sys.executable, "-m", "scree_post", "check", run.path("_g.hdf.series")],
-                    cwd=case.ROOT / "scripts", text=True, capture_output=True)
+                    cwd=case.ROOT / "python/src", text=True, capture_output=True)
                 if answer.returncode == 77:
                     report.skip_part(self, "the package vtk is not installed")
                 self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)

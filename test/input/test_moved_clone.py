@@ -36,13 +36,15 @@ def main():
     first, second = options.work / "first", options.work / "zweiter Klon ü"
     for folder in (first, second):
         shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(case.ROOT / "scripts", first / "scripts", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("scripts", "python"):
+        shutil.copytree(case.ROOT / name, first / name, ignore=shutil.ignore_patterns("__pycache__"))
     code, said = run(sys.executable, "-m", "venv", first / "build" / "venv")
-    backend = importlib.util.find_spec("flit_core")
-    if code or backend is None:
-        report.skip_all(f"no environment can be made here, or flit_core is missing: {said[-200:]}")
+    backend = importlib.util.find_spec("hatchling")
+    if code or backend is None or importlib.util.find_spec("editables") is None:
+        report.skip_all(f"no environment can be made here, or hatchling or editables is missing: {said[-200:]}")
     (packages,) = (first / "build/venv/lib").glob("python3*/site-packages")
-    shutil.copytree(Path(backend.origin).parent, packages / "flit_core")
+    # What builds the package is that of this environment; links in a folder that is added so are not followed.
+    (packages / "builder.pth").write_text(f"{Path(backend.origin).parents[1]}\n", encoding="utf-8")
     code, said = renew(first)
     sheet.require(code == 0, f"the first environment: {said}")
     command = Path("build/venv/bin/scree-post")
@@ -54,7 +56,7 @@ def main():
     sheet.require(code == 0 and "scree-post" in said, f"the command of the copy starts: {said}")
     asks = "import scree_post; print(scree_post.__file__)"
     code, said = run(second / "build/venv/bin/python", "-c", asks)
-    sheet.require(code == 0 and said.strip() == str(second / "scripts/scree_post/__init__.py"), f"it imports {said}")
+    sheet.require(code == 0 and said.strip() == str(second / "python/src/scree_post/__init__.py"), f"it imports {said}")
     held = [path.name for path in (second / "build/venv/bin").iterdir()
             if path.is_file() and not path.is_symlink() and f"{first}/".encode() in path.read_bytes()]
     sheet.require(not held, f"commands with the path of the old place: {held}")

@@ -12,9 +12,9 @@ import re
 import sys
 
 sys.dont_write_bytecode = True
-SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
-sys.path.insert(0, SCRIPTS)
-sys.path.insert(0, os.path.join(SCRIPTS, "..", "test", "support"))
+PACKAGES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python", "src")
+sys.path.insert(0, PACKAGES)
+sys.path.insert(0, os.path.join(PACKAGES, "..", "..", "test", "support"))
 
 import h5py                                              # noqa: E402
 import numpy as np                                       # noqa: E402
@@ -241,7 +241,7 @@ def test_errors(work):
              ("radiograph", (f"{work}/gone.hdf.series", *out), 3, "gone.hdf"),
              ("radiograph", (f"{work}/line.hdf", *out), 2, "one-dimensional"),
              ("radiograph", (f"{work}/thin.hdf", *out), 3, "velocity"),
-             ("radiograph", (SCRIPTS, *out), 3, "no particle series"),
+             ("radiograph", (PACKAGES, *out), 3, "no particle series"),
              ("radiograph", (first, "--out", f"{work}/absent/a.png"), 3, "cannot write"),
              ("radiograph", (first, "--out", f"{work}/never.doc"), 2, ".png"),
              ("radiograph", (first, *out, "--movie", "a.avi"), 2, ".gif"),

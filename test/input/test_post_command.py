@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import case                                              # noqa: E402
 import report                                            # noqa: E402
 import tier                                              # noqa: E402
-from post_command import INPUT, SCRIPTS, call, process, run_cases, run_tests, series  # noqa: E402
+from post_command import INPUT, PACKAGES, call, process, run_cases, run_tests, series  # noqa: E402
 
 import h5py                                              # noqa: E402
 import numpy as np                                       # noqa: E402
@@ -305,7 +305,7 @@ def test_command(options):
     answer = process("--help")
     assert answer.returncode == 0 and not answer.stderr, answer.stderr
     from scree_post.commands import COMMANDS
-    there = {path.stem for path in (SCRIPTS / "scree_post" / "commands").glob("[a-z]*.py")}
+    there = {path.stem for path in (PACKAGES / "scree_post" / "commands").glob("[a-z]*.py")}
     assert there == set(COMMANDS), "a module without a word in the list, or the reverse"
     for name in COMMANDS:
         assert re.search(rf"^  {name} +\w", answer.stdout, re.M), f"{name} is not in the help"

@@ -389,7 +389,7 @@ def test_mistakes(options):
 def test_missing_packages(options):
     """A trace where pyvista or ffmpeg is not installed."""
     import importlib
-    from scree_post import errors
+    from scree import errors
     saved, which = importlib.import_module, film.shutil.which
 
     def without(name, *rest):

@@ -232,7 +232,7 @@ def previews(options, sheet, run):
     folder.mkdir(parents=True)
     drawer = folder / "bin"
     drawer.mkdir()
-    (drawer / "scree-post").write_text(f"#!/bin/sh\nPYTHONPATH='{post_command.SCRIPTS}' exec '{os.sys.executable}' "
+    (drawer / "scree-post").write_text(f"#!/bin/sh\nPYTHONPATH='{post_command.PACKAGES}' exec '{os.sys.executable}' "
                                        "-m scree_post \"$@\"\n", encoding="utf-8")
     (drawer / "scree-post").chmod(0o755)
     shutil.copy(options.scree, drawer / "scree")         # without build/venv beside it

@@ -18,7 +18,7 @@ from pathlib import Path
 import case
 
 OPTIONS = case.arguments(__doc__)
-sys.path.insert(0, str(case.ROOT / "scripts"))
+sys.path[:0] = [str(case.ROOT / "scripts"), str(case.ROOT / "python/src")]
 from scree_bench import cases, command, machine, measure, result, tables  # noqa: E402
 from scree_post.errors import PostError  # noqa: E402
 

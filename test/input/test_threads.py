@@ -19,7 +19,7 @@ from pathlib import Path
 
 import case
 
-sys.path.insert(0, str(case.ROOT / "scripts"))
+sys.path.insert(0, str(case.ROOT / "python/src"))
 from scree_post import study  # noqa: E402
 
 OPTIONS = case.arguments(__doc__)

@@ -55,7 +55,7 @@ def main():
         sheet.require(len(lists) == 2, f"particles and nodes: {lists}")
         for series in lists:
             answer = subprocess.run([python, "-m", "scree_post", "check", series], capture_output=True, text=True,
-                                    check=False, cwd=case.ROOT / "scripts")
+                                    check=False, cwd=case.ROOT / "python/src")
             print(f"{package}: {series.name}: {answer.stdout.strip()}")
             sheet.require(answer.returncode == 0, f"{package}: {series.name}: {answer.stdout}{answer.stderr}")
     if not tried:

@@ -64,7 +64,7 @@ def main():
     sheet.require(len(series) == 2, "two series")
     for path in series:
         answer = subprocess.run([sys.executable, "-m", "scree_post", "check", path],
-                                cwd=case.ROOT / "scripts", stdout=subprocess.PIPE,
+                                cwd=case.ROOT / "python/src", stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT, text=True)
         print(answer.stdout.strip()[-400:])
         if answer.returncode == report.NOT_RUN:

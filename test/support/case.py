@@ -117,8 +117,8 @@ class Case:
 
 
 def post():
-    """The package scree_post of scripts/, which knows the formats of all files."""
-    folder = str(ROOT / "scripts")
+    """The package scree_post of python/src/, which knows the formats of all files."""
+    folder = str(ROOT / "python/src")
     if folder not in sys.path:
         sys.path.insert(0, folder)
     import scree_post

@@ -20,8 +20,8 @@ from types import SimpleNamespace
 import case
 import tier
 
-SCRIPTS = case.ROOT / "scripts"
-sys.path.insert(0, str(SCRIPTS))
+PACKAGES = case.ROOT / "python/src"
+sys.path.insert(0, str(PACKAGES))
 INPUT = case.ROOT / "input"
 # Small runs: options of the program by the folder of their results.
 RUNS = {
@@ -60,7 +60,7 @@ def call(*words, folder="/"):
 def process(*words, folder="/"):
     """The same in a process of its own and without a display."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
-    environment["PYTHONPATH"] = str(SCRIPTS)
+    environment["PYTHONPATH"] = str(PACKAGES)
     return subprocess.run([sys.executable, "-m", "scree_post", *map(str, words)], cwd=folder,
                           env=environment, text=True, capture_output=True, check=False)
 

@@ -18,6 +18,7 @@ import case    # noqa: E402
 import report  # noqa: E402
 
 case.post()
+sys.path.insert(0, str(case.ROOT / "scripts"))
 import accuracy_cost      # noqa: E402
 import accuracy_front     # noqa: E402
 import accuracy_problems  # noqa: E402

@@ -49,7 +49,7 @@ def tool(options, *words):
     answer = subprocess.run([sys.executable, "-m", "scree_post", "accuracy", *map(str, words),
                              "--scree", options.scree, "--work", options.work / "runs"], cwd=options.work,
                             env={**case.os.environ, "OMP_NUM_THREADS": "1",
-                                 "PYTHONPATH": str(case.ROOT / "scripts")}, capture_output=True, text=True)
+                                 "PYTHONPATH": str(case.ROOT / "python/src")}, capture_output=True, text=True)
     return answer.returncode, answer.stdout, answer.stderr
 
 

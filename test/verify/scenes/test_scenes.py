@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / "test/support"), str(ROOT / "scripts")]
+sys.path[:0] = [str(ROOT / "test/support"), str(ROOT / "scripts"), str(ROOT / "python/src")]
 import case         # noqa: E402
 import gallery      # noqa: E402
 import report       # noqa: E402

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs decks of the material point code Scree and reads, draws and compares what it writes.
+
+    import scree
+    run = scree.run("scene.nml", set={"grid.dx": 0.05})        # or scree.open("out/scene")
+    run.history["kinetic"], run.history.attrs["units"]["kinetic"]
+    run.snapshots[-1]["velocity"]
+    scree.plot.field(run.snapshots[-1], "pressure").savefig("pressure.png")
+
+All values are in SI, whatever units the files are in. Modules are imported when a name is used, so that the commands of
+scree_post start fast.
+"""
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from . import plot as plot
+    from .errors import DeckError, FileProblem, InternalError, Interrupted, PhysicsError, ScreeError
+    from .launch import run
+    from .program import find_program
+    from .results import Run, Tables, read_table
+    from .results import open_run as open
+    from .snapshot import Snapshot, Snapshots
+    from .study import sweep
+
+__version__ = "0.1.0"
+__all__ = ["DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Run", "ScreeError", "Snapshot",
+           "Snapshots", "Tables", "find_program", "open", "plot", "read_table", "run", "sweep"]
+
+_MODULES = {
+    "errors": ("DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "ScreeError"),
+    "launch": ("run",), "program": ("find_program",), "results": ("Run", "Tables", "open_run", "read_table"),
+    "snapshot": ("Snapshot", "Snapshots"), "study": ("sweep",),
+}
+_HOME = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "open":                                   # open within this package is that of Python
+        name = "open_run"
+    if name in _HOME:
+        return getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
+    if name == "plot":
+        return importlib.import_module(f"{__name__}.plot")
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

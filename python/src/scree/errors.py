@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Errors: of files that are read, and of runs by the exit code of the program."""
+from __future__ import annotations
+
+import difflib
+import importlib
+import os
+from collections.abc import Iterable
+from typing import Any
+
+EXIT_DIFFERENT = 1       # a comparison or a study found something
+EXIT_USAGE = 2           # command line or deck wrong
+EXIT_FILE = 3            # file missing, unreadable, or not what was expected
+EXIT_PHYSICS = 4         # the computation failed
+EXIT_DEFECT = 5          # a result contradicts itself, or the program is wrong
+EXIT_STOPPED = 75        # stopped with a checkpoint
+
+
+class ScreeError(Exception):
+    """A message for the user and the exit code that goes with it.
+
+    `messages` holds the lines that the program printed, if the error is that of a run, and `folder` its results.
+    """
+
+    default = EXIT_FILE
+
+    def __init__(self, message: str, code: int | None = None, messages: Iterable[str] = (),
+                 folder: str = "") -> None:
+        super().__init__(message)
+        self.code = self.default if code is None else code
+        self.messages = tuple(messages)
+        self.folder = folder
+
+
+class DeckError(ScreeError):
+    """The deck or an option is wrong; nothing was computed."""
+
+    default = EXIT_USAGE
+
+
+class FileProblem(ScreeError):
+    """A file is missing, damaged or cannot be written, or results of an earlier run are in the way."""
+
+    default = EXIT_FILE
+
+
+class PhysicsError(ScreeError):
+    """The computation failed: a particle left its bounds, or the time step fell below its limit."""
+
+    default = EXIT_PHYSICS
+
+
+class InternalError(ScreeError):
+    """The program ended in a way that it should not; please report it."""
+
+    default = EXIT_DEFECT
+
+
+class Interrupted(ScreeError):
+    """The run stopped with a checkpoint: call it again with restart=True."""
+
+    default = EXIT_STOPPED
+
+
+BY_CODE: dict[int, type[ScreeError]] = {
+    EXIT_USAGE: DeckError, EXIT_FILE: FileProblem, EXIT_PHYSICS: PhysicsError, EXIT_STOPPED: Interrupted}
+
+
+def error_of_run(code: int, messages: Iterable[str], folder: str = "") -> ScreeError:
+    """The error for an exit code of the program other than 0; its text is what the program printed."""
+    lines = [line for line in messages if line.strip()]
+    kind = BY_CODE.get(code, InternalError)
+    text = "\n".join(lines) or f"scree ended with exit code {code} and printed no reason"
+    if kind is Interrupted:
+        text += "\nthe run stopped with a checkpoint: call scree.run again with the same arguments and restart=True"
+    if kind is FileProblem and "--overwrite" in text:
+        text += "\nin Python: overwrite=True, restart=True, or another outdir or case"
+    if code < 0:
+        text += f"\nscree was killed by signal {-code}"
+    return kind(text, code, lines, folder)
+
+
+def modules(*names: str) -> list[Any]:
+    """Import what a command needs, with one clear line if it is not installed."""
+    try:
+        return [importlib.import_module(name) for name in names]
+    except ImportError as error:
+        raise ScreeError(
+            f"Python package '{error.name}' is missing; scripts/setup.sh installs it in "
+            "build/venv, then use build/venv/bin/scree-post"
+        ) from error
+
+
+def nearest(name: object, known: Iterable[object]) -> str:
+    """A hint at the closest name and a list of all names."""
+    words = [str(word) for word in known]
+    near = difflib.get_close_matches(str(name), words, 1, 0.5)
+    hint = f"; did you mean '{near[0]}'?" if near else ""
+    return f"{hint} (there are: {', '.join(words) or 'none'})"
+
+
+def unknown(kind: str, name: object, known: Iterable[object], where: str = "",
+            code: int = EXIT_USAGE) -> ScreeError:
+    """An error for a name that there is not: the nearest one, and all there are."""
+    place = f"{where}: " if where else ""
+    return ScreeError(f"{place}no {kind} '{name}'{nearest(name, known)}", code)
+
+
+def readable(path: str) -> str:
+    """The path itself if it is a file that can be read."""
+    if not os.path.exists(path):
+        folder, name = os.path.split(path)
+        folder = folder or "."
+        near: list[str] = []
+        if os.path.isdir(folder):
+            near = difflib.get_close_matches(name, os.listdir(folder), 1, 0.7)
+        raise FileProblem(f"no such file: {path}"
+                          + (f"; did you mean {os.path.join(folder, near[0])}?" if near else ""))
+    if os.path.isdir(path):
+        raise FileProblem(f"{path} is a folder, a file is wanted")
+    if not os.access(path, os.R_OK):
+        raise FileProblem(f"no permission to read {path}")
+    return path

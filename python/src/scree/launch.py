@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Running the program: options, progress, and errors by its exit code."""
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import IO, Any
+
+from .errors import DeckError, FileProblem, error_of_run
+from .program import find_program
+from .results import Run
+
+# Open MPI refuses root and more ranks than cores unless told otherwise, and would bind all threads of a rank to one
+# core.
+OPEN_MPI = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+    "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+}
+HEAD = re.compile(r"^deck .*\bcase (.+?)  \d+ ranks x \d+ threads  results (.+)$")
+END = "ended "
+SHARE = re.compile(r"^ *[\d:d]+ +(\d+\.\d) % +(\d+) ")   # a line of progress: wall time, t/t_end, step
+
+
+def deck_value(value: Any) -> str:
+    """The text of a value in a deck: numbers, words, .true. and .false., and lists with commas."""
+    if hasattr(value, "tolist"):                         # of numpy
+        value = value.tolist()
+    if isinstance(value, bool):
+        return ".true." if value else ".false."
+    if isinstance(value, (list, tuple)):
+        return ",".join(deck_value(part) for part in value)
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def is_text(deck: str | os.PathLike[str]) -> bool:
+    """Whether a deck is given as its text."""
+    return isinstance(deck, str) and "\n" in deck and "&" in deck
+
+
+def deck_file(deck: str | os.PathLike[str], outdir: str | os.PathLike[str] | None) -> Path:
+    """The file of a deck; a deck that is given as text becomes OUTDIR/deck.nml."""
+    if not is_text(deck):
+        return Path(deck)
+    if outdir is None:
+        raise ValueError("a deck that is given as text needs outdir")
+    path = Path(outdir) / "deck.nml"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(str(deck), encoding="utf-8")
+    except OSError as error:
+        raise FileProblem(f"cannot write {path}: {error.strerror}") from error
+    return path
+
+
+def bar_is_seen() -> bool:
+    """Whether somebody sees a bar: on a terminal and in a notebook."""
+    return "ipykernel" in sys.modules or sys.stderr.isatty()
+
+
+class Progress:
+    """A bar of tqdm that follows what the program prints."""
+
+    def __init__(self, shown: bool, label: str) -> None:
+        self._bar: Any = None
+        if shown and bar_is_seen():
+            from tqdm.auto import tqdm
+            self._bar = tqdm(total=100.0, desc=label, bar_format="{desc} {percentage:3.0f} % |{bar}| {elapsed}"
+                             " < {remaining}{postfix}")
+
+    def line(self, text: str) -> None:
+        """A line of the program."""
+        found = SHARE.match(text)
+        if self._bar is not None and found:
+            self._bar.set_postfix_str(f"step {found.group(2)}", refresh=False)
+            self._bar.update(float(found.group(1)) - self._bar.n)
+
+    def end(self, done: bool) -> None:
+        """The program has ended."""
+        if self._bar is not None:
+            if done:
+                self._bar.update(self._bar.total - self._bar.n)
+            self._bar.close()
+
+
+def stop(child: subprocess.Popen[str]) -> None:
+    """Let a run write a checkpoint and end."""
+    if child.poll() is None:
+        child.send_signal(signal.SIGUSR1)                # mpiexec hands this signal on, unlike SIGTERM
+
+
+def collect(stream: IO[str], lines: list[str]) -> None:
+    """Read a stream to its end."""
+    lines += [line.rstrip("\n") for line in stream]
+
+
+def without_mpiexec(messages: list[str]) -> list[str]:
+    """The messages without the blocks in which mpiexec of Open MPI repeats the exit code."""
+    rule = re.compile(r"-{60,}$")
+    kept: list[str] = []
+    block: list[str] | None = None
+    for line in messages:
+        if not rule.match(line):
+            (kept if block is None else block).append(line)
+        elif block is None:
+            block = []
+        else:
+            kept += [] if re.search(r"\bPrimary job\b|\bmpi(exec|run) detected\b", "\n".join(block)) else block
+            block = None
+    return kept + (block or [])
+
+
+def communicate(words: list[str], environment: dict[str, str], progress: Progress,
+                children: list[subprocess.Popen[str]]) -> tuple[int, list[str], list[str]]:
+    """Exit code, lines and messages of the program. An interrupt lets it write a checkpoint before it is raised."""
+    try:
+        child = subprocess.Popen(words, env=environment, text=True, encoding="utf-8", errors="replace",
+                                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                 start_new_session=True)
+    except OSError as error:
+        raise FileProblem(f"cannot start {words[0]}: {error.strerror}") from error
+    said: list[str] = []
+    messages: list[str] = []
+    children.append(child)
+    with child:
+        assert child.stdout is not None and child.stderr is not None
+        reader = threading.Thread(target=collect, args=(child.stderr, messages), daemon=True)
+        reader.start()
+        try:
+            for line in child.stdout:
+                said.append(line.rstrip("\n"))
+                progress.line(line)
+        except BaseException:
+            stop(child)
+            for line in child.stdout:
+                said.append(line.rstrip("\n"))
+            raise
+        finally:
+            child.wait()
+            reader.join()
+    return child.returncode, said, messages
+
+
+def options_of(settings: Mapping[str, Any], case: str | None, outdir: str | os.PathLike[str] | None) -> list[str]:
+    """Options of the program for settings and names."""
+    words = [word for key, value in settings.items() for word in ("--set", f"{key}={deck_value(value)}")]
+    words += ["--case", case] if case else []
+    return words + (["--outdir", os.fspath(outdir)] if outdir is not None else [])
+
+
+def run(deck: str | os.PathLike[str], set: Mapping[str, Any] | None = None, *, ranks: int = 1, threads: int = 1,
+        outdir: str | os.PathLike[str] | None = None, case: str | None = None, progress: bool = True,
+        restart: bool = False, overwrite: bool = False, program: str | os.PathLike[str] | None = None,
+        options: Iterable[str] = (), _children: list[subprocess.Popen[str]] | None = None) -> Run:
+    """Run a deck and return its results.
+
+    deck       a file, or the text of a deck, which is written to OUTDIR/deck.nml
+    set        values of keys, such as {"grid.dx": 0.5, "body[ball].velocity": (0, 0, 1)}
+    ranks      MPI ranks, started with mpiexec if there are several
+    threads    threads of each rank
+    outdir     folder of the results, out/CASE by default
+    case       prefix of the files, by default as the deck says
+    progress   show a bar on a terminal and in a notebook
+    restart    continue from the newest checkpoint
+    overwrite  remove the results of an earlier run of this case
+    program    by default SCREE of the environment, build/bin/scree beside this package, or scree in PATH
+    options    further options of the program
+
+    Raises DeckError, FileProblem, PhysicsError, InternalError or Interrupted, with the messages of the program as text
+    and in `messages`. Interrupted means that a checkpoint was written: call again with restart=True. An interrupt of
+    the keyboard also lets the program write a checkpoint.
+    """
+    if ranks < 1 or threads < 1:
+        raise ValueError("ranks and threads must be at least 1")
+    words = [find_program(program), *options_of(set or {}, case, outdir), *options]
+    words += (["--restart"] if restart else []) + (["--overwrite"] if overwrite else [])
+    file = deck_file(deck, outdir)
+    words.append(os.fspath(file))
+    if ranks > 1:
+        mpiexec = shutil.which("mpiexec")
+        if not mpiexec:
+            raise FileProblem("mpiexec, which starts several ranks, was not found in PATH")
+        words = [mpiexec, "-n", str(ranks), *words]
+    bar = Progress(progress, case or file.stem)
+    code: int | None = None
+    try:
+        code, said, messages = communicate(words, {**os.environ, **OPEN_MPI, "OMP_NUM_THREADS": str(threads)}, bar,
+                                           [] if _children is None else _children)
+    finally:
+        bar.end(code == 0)
+    place = next((found for found in map(HEAD.match, said) if found), None)
+    if code != 0:
+        reasons = without_mpiexec(messages) or [line[len(END):].strip() for line in said if line.startswith(END)]
+        raise error_of_run(code, reasons, place.group(2) if place else "")
+    if place is None:
+        raise DeckError("the program ended without a run; its options leave nothing to compute:\n" + "\n".join(said))
+    return Run(place.group(2), place.group(1))

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Figures of matplotlib: histories, fields of particles, and fields along a line.
+
+    figure = scree.plot.field(run.snapshots[-1], "pressure")
+    figure.savefig("pressure.png")
+
+The functions return a Figure and draw into `axes` if given. Numbers are in SI with a power of ten in the unit, so that
+axes are readable. Colours and colour maps can be told apart with any colour vision.
+"""
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from .errors import nearest
+from .results import Run
+from .snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+# Okabe and Ito (2008).
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
+SEQUENTIAL, DIVERGING = "viridis", "PuOr_r"
+PREFIXES = {-9: "n", -6: "µ", -3: "m", 3: "k", 6: "M", 9: "G"}
+PREFIXED = ("m", "s", "J", "Pa", "N", "W")               # units that take prefixes
+ENERGIES = ("kinetic", "internal", "total")
+
+
+def readable_unit(size: float, unit: str) -> tuple[float, str]:
+    """Factor and unit for numbers of this size, such as (1e-6, "MPa")."""
+    if not (size > 0.0 and math.isfinite(size)) or unit == "":
+        return 1.0, unit
+    exponent = 3 * math.floor(math.log10(size) / 3.0 + 1.0e-9)
+    if exponent == 0:
+        return 1.0, unit
+    if unit in PREFIXED and exponent in PREFIXES and not (unit in ("m", "s") and exponent > 0):
+        return 10.0 ** -exponent, PREFIXES[exponent] + unit
+    if exponent == 3 or unit in ("m", "s", "K"):
+        return 1.0, unit
+    return 10.0 ** -exponent, f"$10^{{{exponent}}}$" + ("" if unit == "1" else f" {unit}")
+
+
+def label(name: str, unit: str) -> str:
+    """Label of an axis: words and the unit in brackets."""
+    words = name.replace("_", " ")
+    return words if unit in ("", "1") else f"{words} [{unit}]"
+
+
+def largest(values: Iterable[float] | NDArray[np.floating]) -> float:
+    """The greatest size of finite numbers, 0 if there are none."""
+    sizes = np.abs(np.asarray(values, dtype=np.float64))
+    return float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
+
+
+def canvas(axes: Axes | None) -> tuple[Figure, Axes]:
+    """The axes to draw into and their figure."""
+    if axes is None:
+        import matplotlib.pyplot
+        axes = matplotlib.pyplot.figure(figsize=(6.4, 4.4), layout="constrained").add_subplot()
+    axes.spines[["top", "right"]].set_visible(False)
+    figure = cast("Figure", axes.figure)
+    return figure, axes
+
+
+def history(runs: Run | Sequence[Run], columns: str | Sequence[str] = ENERGIES, table: str = "history") -> Figure:
+    """Columns of a table over time, a panel for each unit; several runs share the panels.
+
+    `table` is a name in `run.tables`, such as "gauge" or "forces".
+    """
+    import matplotlib.pyplot
+    several = [runs] if isinstance(runs, Run) else list(runs)
+    names = [columns] if isinstance(columns, str) else list(columns)
+    tables = [run.history if table == "history" else run.tables[table] for run in several]
+    panels: dict[str, list[str]] = {}
+    for name in names:
+        for one in tables:
+            if name not in one:
+                raise KeyError(f"no column '{name}' in the table {table}{nearest(name, one.columns)}")
+        panels.setdefault(tables[0].attrs["units"][name], []).append(name)
+    figure = matplotlib.pyplot.figure(figsize=(6.4, 1.2 + 2.6 * len(panels)), layout="constrained")
+    cells = figure.subplots(len(panels), 1, squeeze=False, sharex=True)
+    factor_time, unit_time = readable_unit(max(largest(one["time"]) for one in tables), "s")
+    for axes, (unit, group) in zip(cells[:, 0], panels.items()):
+        canvas(axes)
+        factor, shown = readable_unit(max(largest(one[name]) for one in tables for name in group), unit)
+        for place, name in enumerate(group):
+            for line, (run, one) in enumerate(zip(several, tables)):
+                axes.plot(factor_time * one["time"], factor * one[name], color=COLOURS[place % len(COLOURS)],
+                          linestyle=("-", "--", ":", "-.")[line % 4],
+                          label=name.replace("_", " ") + (f", {run.case}" if len(several) > 1 else ""))
+        axes.set_ylabel(label(group[0] if len(group) == 1 else "", shown).strip())
+        if len(group) * len(several) > 1:
+            axes.legend(frameon=False)
+    cells[-1, 0].set_xlabel(label("time", unit_time))
+    return figure
+
+
+def limits_of(values: NDArray[np.floating], limits: tuple[float, float] | None) -> tuple[float, float]:
+    """Ends of the colour bar: as given, or the least and the greatest number, symmetric if the sign changes."""
+    if limits is not None:
+        return limits
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return 0.0, 1.0
+    low, high = float(finite.min()), float(finite.max())
+    if low < 0.0 < high and min(-low, high) > 0.05 * max(-low, high):
+        return -max(-low, high), max(-low, high)
+    return low, high if high > low else low + (abs(low) or 1.0)
+
+
+def field(snapshot: Snapshot, name: str, *, axes: Axes | None = None, limits: tuple[float, float] | None = None,
+          colour_map: str | None = None, mirror: bool = True) -> Figure:
+    """Particles of a run in two dimensions, coloured by a field and drawn as squares of their volume.
+
+    `name` is a field, a component such as stress_zz, or a vector, whose length is shown. `limits` are the ends of the
+    colour bar in SI. Axisymmetric runs show both halves of their plane unless `mirror` is False. Colours are those of a
+    diverging map where the numbers change their sign. In one dimension the field is drawn over x.
+    """
+    if snapshot.dimension == "3d":
+        raise ValueError("a run in three dimensions: use snapshot.along with plot.line, snapshot.to_pyvista, or the "
+                         "command scree-post picture")
+    values = snapshot[name].astype(np.float64)
+    if values.ndim == 2:
+        if values.shape[1] != 3:
+            raise ValueError(f"{name} is a tensor: choose a component, such as {name}_xx")
+        values = np.linalg.norm(values, axis=1)
+    figure, axes = canvas(axes)
+    low, high = limits_of(values, limits)
+    factor, unit = readable_unit(max(abs(low), abs(high)), snapshot.unit(name))
+    factor_length, unit_length = readable_unit(largest(snapshot.points), "m")
+    factor_time, unit_time = readable_unit(snapshot.time, "s")
+    axes.set_title(f"{factor_time * snapshot.time:.4g} {unit_time}")
+    across = factor_length * snapshot["x"]
+    if snapshot.dimension == "1d":
+        axes.plot(across, factor * values, ".", color=COLOURS[0])
+        axes.set_xlabel(label("x", unit_length))
+        axes.set_ylabel(label(name, unit))
+        return figure
+    from matplotlib.collections import PolyCollection
+    up, half = factor_length * snapshot["z"], 0.5 * factor_length * snapshot.size()
+    colours = factor * values
+    if snapshot.dimension == "axisymmetric" and mirror:
+        across, up, half, colours = (np.concatenate(pair) for pair in (
+            (-across, across), (up, up), (half, half), (colours, colours)))
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    squares = PolyCollection(np.stack([across, up], axis=1)[:, None] + half[:, None, None] * corners, array=colours,
+                             cmap=colour_map or (DIVERGING if low < 0.0 < high else SEQUENTIAL),
+                             edgecolors="face", linewidths=0.5)
+    squares.set_clim(factor * low, factor * high)
+    axes.add_collection(squares)
+    axes.autoscale_view()
+    axes.set_aspect("equal")
+    axes.set_xlabel(label("radius" if snapshot.dimension == "axisymmetric" else "x", unit_length))
+    axes.set_ylabel(label("z", unit_length))
+    finite = colours[np.isfinite(colours)]
+    beyond = (bool((finite < factor * low).any()), bool((finite > factor * high).any()))
+    figure.colorbar(squares, ax=axes, label=label(name, unit),
+                    extend={(True, True): "both", (True, False): "min", (False, True): "max"}.get(beyond, "neither"))
+    return figure
+
+
+def line(snapshot: Snapshot, names: str | Sequence[str], start: Sequence[float], end: Sequence[float], *,
+         width: float | None = None, axes: Axes | None = None) -> Figure:
+    """Fields of one unit over the distance along a line, such as a stress; see `Snapshot.along`."""
+    table = snapshot.along(start, end, names, width)
+    units, columns = table.attrs["units"], [name for name in table.columns if name != "distance"]
+    if len({units[name] for name in columns}) > 1:
+        raise ValueError(f"fields of several units: {', '.join(columns)}; draw each by itself")
+    if table.empty:
+        raise ValueError("no particle is near the line: set width, or other ends")
+    figure, axes = canvas(axes)
+    factor, unit = readable_unit(max(largest(table[name]) for name in columns), units[columns[0]])
+    factor_length, unit_length = readable_unit(largest(table["distance"]), "m")
+    for place, name in enumerate(columns):
+        axes.plot(factor_length * table["distance"], factor * table[name], ".-", linewidth=0.8, markersize=4,
+                  color=COLOURS[place % len(COLOURS)], label=name.replace("_", " "))
+    axes.set_xlabel(label("distance", unit_length))
+    axes.set_ylabel(label(columns[0] if len(columns) == 1 else "", unit).strip())
+    if len(columns) > 1:
+        axes.legend(frameon=False)
+    factor_time, unit_time = readable_unit(snapshot.time, "s")
+    axes.set_title(f"{factor_time * snapshot.time:.4g} {unit_time}")
+    return figure

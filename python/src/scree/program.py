@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The program scree: where it is."""
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+from .errors import FileProblem
+
+
+def beside_package() -> list[Path]:
+    """Places of the program in the tree that holds this package: of a repository, or of an installation."""
+    parents = Path(__file__).resolve().parents           # ROOT/python/src/scree, PLACE/share/scree/python/src/scree
+    places = [parents[3] / "build" / "bin" / "scree"]
+    return places + ([parents[5] / "bin" / "scree"] if len(parents) > 5 else [])
+
+
+def find_program(path: str | os.PathLike[str] | None = None) -> str:
+    """The program: as named, of the environment (SCREE), of this tree, or in PATH."""
+    candidates: list[str | os.PathLike[str] | None]
+    candidates = [path] if path else [os.environ.get("SCREE"), *beside_package(), shutil.which("scree")]
+    for candidate in candidates:
+        if candidate and os.access(candidate, os.X_OK) and os.path.isfile(candidate):
+            return os.path.abspath(candidate)
+    raise FileProblem(f"no program {path}" if path else
+                      "no program scree was found; name it with --scree build/bin/scree or in the "
+                      "environment variable SCREE")

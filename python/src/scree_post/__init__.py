@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reading what Scree writes: snapshot series, snapshots and time histories.
+
+    import scree_post
+    for time, file in scree_post.series("out/case/case_p.hdf.series"):
+        snap = scree_post.snapshot(file)
+        print(time, snap.points.shape, snap.fields["mass"].sum(), snap.units["mass"])
+    table = scree_post.history("out/case/case_history.csv")
+    table["kinetic"], table.units["kinetic"]
+
+All values are in SI, whatever units the files are in. Reading needs h5py and numpy only; the command
+scree-post, which draws and compares, stands in scree_post.commands.
+"""
+from .errors import EXIT_FILE, EXIT_USAGE, PostError, modules, readable, run
+from scree.files import (DIMENSIONS, History, Snapshot, history, series, series_file, snapshot,
+                    snapshot_time, text)
+from .look import pyplot, save, scaled
+
+__version__ = "0.1.0"
+__all__ = ["DIMENSIONS", "EXIT_FILE", "EXIT_USAGE", "History", "PostError", "Snapshot", "history",
+           "modules", "pyplot", "readable", "run", "save", "scaled", "series", "series_file",
+           "snapshot", "snapshot_time", "text"]

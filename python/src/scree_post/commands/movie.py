@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A film of a series: the particles of all times, coloured by a field.
+
+Window and colours are the same on all pages. An .mp4 is written with ffmpeg, a .gif without; with
+--out NAME.png the pages become pictures NAME_000000.png and so on.
+"""
+import os
+
+from .. import film, view_options
+from ..errors import EXIT_USAGE, PostError
+from scree.files import series, series_file
+from ..progress import Progress
+from ..quantity import quantity
+from ..view import to_pixels
+
+SUMMARY = "a film of all times, .mp4 or .gif"
+EXAMPLES = ("movie out/two_discs --colour pressure --out discs.mp4",
+            "movie out/debris_cloud --colour velocity.z --range 0 7km/s --from 2us --out cloud.gif",
+            "movie out/debris_cloud_3d --turn 90 --hide-failed --out turning.mp4")
+
+
+def add_arguments(parser):
+    """The options."""
+    add = parser.add_argument
+    add("source", metavar="SERIES", help="CASE_p.hdf.series or out/CASE")
+    add("--out", metavar="FILE", help="film (.mp4, .gif) or .png for numbered pictures; default "
+        "CASE_FIELD.mp4 beside the series")
+    add("--from", type=quantity, dest="begin", metavar="T", help="first time, such as 2us")
+    add("--to", type=quantity, dest="end", metavar="T", help="last time")
+    add("--every", type=int, default=1, metavar="N", help="every n-th snapshot (1)")
+    add("--rate", type=int, default=10, help="pictures a second (10)")
+    add("--turn", type=float, default=0.0, metavar="DEG", help="3-D: turn the camera over the film")
+    view_options.add_arguments(parser)
+
+
+def choose(frames, arguments):
+    """The snapshots of the film."""
+    if arguments.every < 1 or arguments.rate < 1:
+        raise PostError("--every and --rate must be above 0", EXIT_USAGE)
+    times = [time for time, _ in frames]
+    begin = times[0] if arguments.begin is None else arguments.begin
+    end = times[-1] if arguments.end is None else arguments.end
+    slack = 1.0e-9 * max(abs(times[0]), abs(times[-1]))
+    frames = [(time, file) for time, file in frames if begin - slack <= time <= end + slack]
+    if not frames:
+        raise PostError(f"no snapshot from {begin:g} to {end:g} s; the series has {times[0]:g} to "
+                        f"{times[-1]:g} s", EXIT_USAGE)
+    return frames[::arguments.every]
+
+
+def run(arguments):
+    """Read, draw, encode."""
+    source = series_file(arguments.source)
+    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
+    out = arguments.out or os.path.join(
+        os.path.dirname(source) or ".", f"{stem}_{arguments.colour.replace('.', '_')}.mp4")
+    frames = choose(series(source), arguments)
+    film.check_film(out)
+    page = view_options.pages(arguments, view_options.sample(frames))
+
+    def drawn():
+        with Progress(len(frames), "drawing") as progress:
+            for number, (_, file) in enumerate(frames):
+                share = number / max(1, len(frames) - 1)
+                yield to_pixels(page.draw(view_options.read(file, arguments), share), arguments.dpi)
+                progress.step()
+
+    written = film.encode(drawn(), out, arguments.rate)
+    print(f"wrote {written[0]}" + (f" to {written[-1]}" if len(written) > 1 else "")
+          + f", {len(frames)} pages from {frames[0][0]:.6g} to {frames[-1][0]:.6g} s")
+    return 0

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Synthetic flash radiographs of a run.
+
+The areal density along a line of sight is what a flash X-ray shows. Three rows are drawn for each
+frame: the film (transmission exp(-mu * areal density)), the areal density on a log scale, and the
+particles by body, failed matter in a lighter tint. Flight is to the right. Particles of an
+axisymmetric run are rings, seen from the side; mirror planes of a 3-D run are completed.
+"""
+import math
+import os
+
+import numpy as np
+
+from .. import film, look
+from ..areal_density import checked, radiograph
+from ..errors import EXIT_DEFECT, EXIT_USAGE, PostError
+from scree.files import series, series_file, snapshot
+from ..progress import Progress
+from ..quantity import in_unit
+from ..radiograph_page import Picture
+
+SUMMARY = "what a flash X-ray would see, as page and as film"
+EXAMPLES = ("radiograph out/debris_cloud",
+            "radiograph out/debris_cloud --time 5 10 20",
+            "radiograph out/debris_cloud --last --unit g/cm2 --movie cloud.gif")
+FIELDS = ("mass", "volume", "velocity", "body", "failed", "damage")
+
+
+def add_arguments(parser):
+    """The options."""
+    add = parser.add_argument
+    add("source", metavar="SERIES_OR_SNAPSHOT",
+        help="CASE_p.hdf.series, CASE_p_000012.hdf or out/CASE")
+    add("--out", metavar="PNG",
+        help="picture (.png, .pdf, .svg); default CASE_radiograph.png beside the series")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--time", type=in_unit("us"), nargs="+", metavar="T",
+                       help="nearest snapshots, in us or with a unit: 5us, 2ms")
+    which.add_argument("--last", action="store_true", help="the last snapshot only")
+    which.add_argument("--frames", type=int, default=4, metavar="N", help="number of frames (4)")
+    add("--axis", choices=("x", "y"), default="y", help="line of sight (y); 3-D only")
+    add("--pixel", type=in_unit("mm"), metavar="L",
+        help="size of a pixel, in mm or with a unit; default: 700 over the cloud")
+    add("--mu", type=float, metavar="MU", help="absorption [m2/kg]; default: chosen for contrast")
+    add("--unit", choices=("kg/m2", "g/cm2"), default="kg/m2",
+        help="of the areal density (kg/m2)")
+    add("--view", type=in_unit("mm"), nargs=4, metavar=("ZLO", "ZHI", "VLO", "VHI"),
+        help="part to show, in mm or with a unit")
+    add("--title", help="default: the title of the run")
+    add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
+    add("--movie", metavar="FILE", help="also a film of all snapshots, .gif or .mp4")
+    add("--rate", type=int, default=10, help="pictures a second of the film (10)")
+
+
+def check_arguments(arguments):
+    """What the parser cannot check."""
+    for name in ("pixel", "mu", "frames", "dpi", "rate"):
+        value = getattr(arguments, name)
+        if value is not None and not (math.isfinite(value) and value > 0):
+            raise PostError(f"--{name} must be above 0", EXIT_USAGE)
+    view = arguments.view
+    if view and not (view[0] < view[1] and view[2] < view[3]):
+        raise PostError("--view wants ZLO < ZHI and VLO < VHI", EXIT_USAGE)
+    if arguments.movie:
+        film.check_film(arguments.movie, "--movie")
+
+
+def choose(frames, arguments):
+    """The snapshots asked for: by time, the last, or a number of them spread evenly over time."""
+    times = np.array([time for time, _ in frames])
+    if arguments.last:
+        return frames[-1:]
+    wanted = arguments.time
+    if wanted is None:
+        count = arguments.frames
+        wanted = [times[0] + (times[-1] - times[0]) * k / count for k in range(1, count + 1)]
+    nearest = {int(np.argmin(np.abs(times - time))) for time in wanted}
+    return [frames[index] for index in sorted(nearest)]
+
+
+def flight(snap):
+    """+1 if the matter flies towards larger z, -1 if its momentum points the other way."""
+    mass, velocity = checked(snap)
+    momentum = mass * velocity[:, 2]
+    return -1.0 if momentum.sum() < -0.01 * np.abs(momentum).sum() else 1.0
+
+
+def default_pixel(snap):
+    """A pixel [m] of which about 700 cover the longer side of the cloud, rounded to two digits."""
+    if len(snap.points) == 0:
+        return 1.0e-3
+    extent = float(np.ptp(snap.points, axis=0).max()) or 1.0e-3
+    return float(f"{extent / 700.0:.1e}")
+
+
+def movie(frames, make, title, options, arguments):
+    """A film of all snapshots, each page in the ranges of the last one."""
+    ends = Picture([make(frames[0][1]), make(frames[-1][1])], title, options).common()
+
+    def pages():
+        with Progress(len(frames), "drawing") as progress:
+            for _, file in frames:
+                figure = Picture([make(file)], title, options, ends).draw()
+                figure.set_dpi(100)
+                figure.canvas.draw()
+                yield np.asarray(figure.canvas.buffer_rgba()).copy()
+                look.pyplot().close(figure)
+                progress.step()
+
+    for path in film.encode(pages(), arguments.movie, arguments.rate):
+        print(f"wrote {path}")
+
+
+def table(frames):
+    """What was drawn, and the mass in the picture beside that of the particles."""
+    clock, second = look.scaled(max(abs(frame.time) for frame in frames), "s")
+    metres, length = look.scaled(max((abs(frame.front) for frame in frames
+                                      if math.isfinite(frame.front)), default=0.0), "m")
+    print(f"{f'time [{second}]':>10} {f'front [{length}]':>11} {'speed [m/s]':>12} "
+          f"{'particles [kg]':>15} {'image [kg]':>13} {'difference':>11}")
+    for frame in frames:
+        print(f"{clock * frame.time:10.3f} {metres * frame.front:11.3f} {frame.speed:12.1f} "
+              f"{frame.mass:15.8e} "
+              f"{frame.sigma.sum() * frame.pixel ** 2:13.6e} {frame.mass_error:11.1e}")
+
+
+def run(arguments):
+    """Read, project, draw, and print a table of what was drawn."""
+    check_arguments(arguments)
+    source = series_file(arguments.source)
+    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
+    out = arguments.out or os.path.join(os.path.dirname(source) or ".", f"{stem}_radiograph.png")
+    frames = series(source)
+    last = snapshot(frames[-1][1], FIELDS)
+    pixel = arguments.pixel or default_pixel(last)
+    options = {"mu": arguments.mu, "unit": arguments.unit, "towards": flight(last),
+               "view": arguments.view}
+    title = arguments.title or last.title
+
+    def make(file):
+        return radiograph(snapshot(file, FIELDS), pixel, arguments.axis, options["towards"])
+
+    look.check_picture(out)
+    chosen = [make(file) for _, file in choose(frames, arguments)]
+    table(chosen)
+    look.save(Picture(chosen, title, options).draw(), out, arguments.dpi)
+    print(f"wrote {out}")
+    if arguments.movie:
+        movie(frames, make, title, options, arguments)
+    worst = max(frame.mass_error for frame in chosen)
+    if worst > 1.0e-6:
+        raise PostError(f"the image misses the mass of the particles by {worst:.1e}", EXIT_DEFECT)
+    return 0

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Walls of a run: faces of the box with their types, and rigid regions, from CASE_walls.hdf."""
+import os
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from scree import units as units_of
+from .box import box_of
+from .errors import PostError, modules
+from scree.files import text
+from .shape import mirror_faces
+
+# Colour and dash of a face by its type; rigid regions have the colour of their type too.
+STYLES = {"outflow": ("#9a9a9a", (0, (1, 2))), "symmetry": ("#0072b2", (0, (6, 2, 1, 2))),
+          "slip": ("#111111", "-"), "stick": ("#8c510a", "-"), "friction": ("#b3311b", "-"),
+          "periodic": ("#009e73", (0, (5, 2))), "velocity": ("#cc79a7", "-"),
+          "absorbing": ("#e69f00", (0, (4, 2)))}
+BODY = "#c9c9c9"                                         # inside of rigid regions
+
+
+@dataclass
+class Wall:
+    """A face of the box, a part of one, or a rigid region."""
+
+    name: str                                            # of the face or the region
+    kind: str                                            # type of boundary
+    face: int                                            # 1 to 6, 0 = rigid region
+    begin: float                                         # it is there from then on [s]
+    end: float                                           # and gone from then on [s]
+    cells: list = field(default_factory=list)            # corners (n, 3) of each piece [m]
+    times: object = None                                 # of the shifts [s]
+    shifts: object = None                                # (time, 3) [m]
+
+    def acts(self, time):
+        """Whether it is there."""
+        return self.begin <= time < self.end
+
+    def shift(self, time):
+        """Way since the start [m]."""
+        if self.times is None:
+            return np.zeros(3)
+        return np.array([np.interp(time, self.times, self.shifts[:, k]) for k in range(3)])
+
+    @property
+    def label(self):
+        """What it is, in words."""
+        return f"{self.name}: {self.kind}"
+
+
+def walls_file(snap):
+    """The file of walls beside a snapshot, or an empty text."""
+    case = snap.provenance.get("case", "")
+    path = os.path.join(os.path.dirname(snap.file) or ".", f"{case}_walls.hdf")
+    return path if case and os.path.exists(path) else ""
+
+
+def read_walls(path):
+    """All walls of a file."""
+    (h5py,) = modules("h5py")
+    try:
+        with h5py.File(path, "r") as handle:
+            group, table = handle["VTKHDF"], handle["walls"]
+            points = units_of.data_si(group["Points"]).astype("f8")
+            offsets, owner = group["Offsets"][...], group["CellData/wall"][...]
+            begin, end = (units_of.data_si(table[name]) for name in ("begin", "end"))
+            walls = [Wall(str(text(name)), str(text(kind)), int(face), float(first), float(last))
+                     for name, kind, face, first, last in zip(
+                         table["name"][...].tolist(), table["type"][...].tolist(),
+                         table["face"][...], begin, end)]
+            for cell, number in enumerate(owner):
+                walls[number - 1].cells.append(points[offsets[cell]:offsets[cell + 1]])
+            if "time" in table:
+                times = units_of.data_si(table["time"])
+                shifts = units_of.data_si(table["shift"]).reshape(len(times), len(walls), 3)
+                for number, wall in enumerate(walls):
+                    if wall.face == 0:
+                        wall.times, wall.shifts = times, shifts[:, number]
+    except (OSError, KeyError, IndexError, ValueError) as error:
+        raise PostError(f"cannot read {path}: damaged, or no file of walls") from error
+    return walls
+
+
+def walls_of(snap):
+    """The walls of the run of a snapshot; none for runs that wrote no file of them."""
+    path = walls_file(snap)
+    return read_walls(path) if path else []
+
+
+def images(pieces, snap):
+    """Pieces (m, n, 3) with their mirror images at the planes at which a model is completed."""
+    box = box_of(snap)
+    for axis, face in mirror_faces(snap):
+        plane = box.low if face == "lo" else box.high
+        plane = 0.0 if plane is None else float(plane[axis])
+        turned = pieces.copy()
+        turned[..., axis] = 2.0 * plane - turned[..., axis]
+        pieces = np.concatenate([pieces, turned])
+    if snap.dimension == "axisymmetric":
+        pieces = np.concatenate([pieces, pieces * (-1.0, 1.0, 1.0)])
+    return pieces
+
+
+def at_time(wall, snap, mirror, time):
+    """Pieces (m, n, 3) of a wall at a time [m]; none while it is not there."""
+    if not wall.cells or not wall.acts(time):
+        return np.zeros((0, 2, 3))
+    pieces = np.stack(wall.cells) + wall.shift(time)
+    return images(pieces, snap) if mirror else pieces
+
+
+def is_seen(wall, mirror):
+    """Whether a picture of a run shows a wall: open faces are none, and where the model is completed
+    its planes of symmetry lie inside of it."""
+    return wall.kind != "outflow" and not (mirror and wall.kind == "symmetry" and wall.face)
+
+
+def outlines(segments):
+    """Closed lines (n, 2) from segments (m, 2, 2) whose ends have the same bits."""
+    ends = {}
+    for row, pair in enumerate(segments):
+        for point in pair:
+            ends.setdefault(tuple(point), []).append(row)
+    unused, loops = set(range(len(segments))), []
+    while unused:
+        row = unused.pop()
+        start, here = (tuple(point) for point in segments[row])
+        loop = [start, here]
+        while here != start:
+            following = next((other for other in ends[here] if other in unused), None)
+            if following is None:
+                break
+            unused.discard(following)
+            first, last = (tuple(point) for point in segments[following])
+            here = last if first == here else first
+            loop.append(here)
+        loops.append(np.array(loop))
+    return loops
+
+
+def draw_plane(axes, walls, snap, options, metres, everything=False):
+    """Walls in the plane of a run: rigid regions filled, faces as lines by their type.
+
+    Faces that are no obstacle are drawn with `everything` only.
+    """
+    from matplotlib.collections import LineCollection
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+    drawn = []
+    for wall in walls:
+        colour, dash = STYLES.get(wall.kind, STYLES["slip"])
+        pieces = at_time(wall, snap, options.mirror, snap.time)[:, :, [0, 2]] * metres
+        if not len(pieces) or not everything and not is_seen(wall, options.mirror):
+            continue
+        drawn.append(wall)
+        if wall.face == 0:
+            loops = [loop for loop in outlines(pieces) if len(loop) > 3]
+            if not loops:
+                continue
+            codes = np.concatenate([[Path.MOVETO] + [Path.LINETO] * (len(loop) - 1)
+                                    for loop in loops])
+            axes.add_patch(PathPatch(Path(np.concatenate(loops), codes), facecolor=BODY,
+                                     edgecolor=colour, linewidth=1.2, hatch="////", zorder=0.9))
+        else:
+            thin = wall.kind in ("symmetry", "outflow", "periodic", "absorbing")
+            axes.add_collection(LineCollection(pieces, colors=colour, linestyles=[dash],
+                                               linewidths=1.2 if thin else 2.4, zorder=2.5))
+    return drawn

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke, full
+# timeout: 600
+# cores: 2
+"""The Python package in the folder python: its own tests by pytest, its style by ruff, its types by mypy, and that it
+can be installed.
+
+Would catch what the tests in python/tests catch, a function without types, a module that an installation lacks, and
+a dependency that is imported and not listed, or listed in scripts/requirements.txt with another range.
+"""
+
+import ast
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import case    # noqa: E402
+import report  # noqa: E402
+import tier    # noqa: E402
+
+FOLDER = case.ROOT / "python"
+
+
+def call(sheet, options, what, *words):
+    """Run a tool of Python in the folder of the package."""
+    if not importlib.util.find_spec(words[0]):
+        sheet.skipped(what, f"{words[0]} is not installed; scripts/setup.sh installs it")
+        return
+    answer = subprocess.run([sys.executable, "-m", *map(str, words)], cwd=FOLDER, text=True, check=False,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                            env={**os.environ, **case.OPEN_MPI, "SCREE": str(options.scree),
+                                 "PYTHONPATH": str(FOLDER / "src"), "PYTHONDONTWRITEBYTECODE": "1"})
+    print(answer.stdout[-6000:], flush=True)
+    sheet.require(answer.returncode == 0, f"{what}: exit code {answer.returncode}")
+
+
+def names_and_ranges(text):
+    """Requirements by name, such as {"numpy": ">=1.24,<3"}."""
+    return dict(re.findall(r"^\s*\"?([\w-]+)(?:\[\w+\])?([<>=][^\"\n]*)\"?,?$", text, re.M))
+
+
+def dependencies(sheet):
+    """What the package imports is listed, with the ranges of scripts/requirements.txt."""
+    project = (FOLDER / "pyproject.toml").read_text(encoding="utf-8")
+    listed = names_and_ranges(re.search(r"^dependencies = \[(.*?)^\]", project, re.M | re.S).group(1))
+    sheet.above("dependencies", len(listed), 4)
+    everything = names_and_ranges((case.ROOT / "scripts/requirements.txt").read_text(encoding="utf-8"))
+    different = {name: text for name, text in listed.items() if everything.get(name) != text}
+    sheet.require(not different, f"other ranges in scripts/requirements.txt: {different}")
+    optional = set(re.findall(r"\"([\w-]+)>", re.search(r"^\[project.optional-dependencies\](.*?)^\[", project,
+                                                         re.M | re.S).group(1)))
+    if sys.version_info < (3, 10):
+        sheet.skipped("imports", "this Python does not list its own modules")
+        return
+    own = {"scree", "scree_post", "PIL", "numpy.typing"}  # Pillow comes with matplotlib
+    for path in sorted((FOLDER / "src").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else \
+                [node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
+            for name in {name.partition(".")[0] for name in names} - own - set(sys.stdlib_module_names):
+                known = name.replace("_", "-") in set(listed) | optional
+                sheet.require(known, f"{path.relative_to(FOLDER)} imports {name}, which python/pyproject.toml lacks")
+
+
+def installation(sheet, options):
+    """The package can be installed, and needs nothing of the repository then."""
+    if not importlib.util.find_spec("hatchling"):
+        sheet.skipped("installation", "hatchling is not installed; scripts/setup.sh installs it")
+        return
+    place = options.work / "place"
+    shutil.rmtree(place, ignore_errors=True)
+    answer = subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
+                             "--disable-pip-version-check", "--target", place, FOLDER], text=True, check=False,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    sheet.require(answer.returncode == 0, f"pip: {answer.stdout}")
+    code = ("import importlib, pathlib, pkgutil, scree, scree_post\n"
+            "place = pathlib.Path(scree.__file__).parent\n"
+            "names = [entry.name for entry in pkgutil.iter_modules([str(place)])]\n"
+            "[importlib.import_module('scree.' + name) for name in names]\n"
+            "print(place, (place / 'py.typed').exists(), *names)")
+    answer = subprocess.run([sys.executable, "-c", code], cwd=options.work, text=True, check=False,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                            env={**os.environ, "PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"})
+    there = sorted(path.stem for path in (FOLDER / "src/scree").glob("[a-z]*.py"))
+    sheet.require(answer.returncode == 0 and answer.stdout.split() == [str(place / "scree"), "True", *there],
+                  f"the installed package: {answer.stdout}")
+    sheet.require((place / "bin/scree-post").exists(), "the command scree-post is installed")
+    rests = [str(path) for name in ("build", "dist", "*.egg-info") for path in FOLDER.rglob(name)]
+    sheet.require(not rests, f"the installation leaves files in the sources: {rests}")
+
+
+def main():
+    """All parts; those whose tools are missing are skipped. The tier smoke leaves out installation, types, and the
+    tests that start many runs."""
+    options, sheet = case.arguments(__doc__), report.Report()
+    dependencies(sheet)
+    call(sheet, options, "ruff", "ruff", "check", "--no-cache", "--quiet", ".")
+    if tier.NAME != "smoke":
+        installation(sheet, options)
+        call(sheet, options, "mypy", "mypy", "--cache-dir", options.work / "mypy")
+    call(sheet, options, "pytest", "pytest", "-q", "--basetemp", options.work / "pytest", *tier.choose(
+        smoke=[f"tests/test_{name}.py" for name in ("results", "snapshots", "plot")], full=[]))
+    sheet.end()
+
+
+if __name__ == "__main__":
+    main()
