@@ -23,7 +23,7 @@ module particle_split
    public :: find_opening, generation_of, half_of, root_of, shares_of_halves, split_store, &
       splitting_t
 
-   integer, parameter :: root_bits = 40              !! Lower bits: the identity of the first whole
+   integer, parameter, public :: root_bits = 40      !! Lower bits: the identity of the first whole
    integer, parameter, public :: most_generations = 20 !! That the upper bits can hold
 
    !> Greatest fraction of the internal energy of a gas that a split may take: the pressure keeps

@@ -17,6 +17,7 @@ module scene_inflow
    use particle_fill, only: body_t
    use particle_inflow, only: inflow_t
    use particle_shape, only: box
+   use particle_split, only: root_bits
    use particle_store, only: store_t
    use scene_dimension, only: check_plane
    use scene_motion_table, only: read_motion_table
@@ -216,14 +217,36 @@ contains
             call measure_pattern(deck, deck%group("inflow", n), simulation, bodies(inflow%body), &
                inflow, mass)
             if (.not. deck%sound("inflow")) cycle
-            if (.not. inflow%mass_rate > 0.0_wp) cycle
-            inflow%motion%steady = 0.0_wp
-            inflow%motion%steady(inflow%axis) = inflow%sense*inflow%mass_rate*inflow%length/mass
-            bodies(inflow%body)%velocity = inflow%motion%steady
-            simulation%space%rigid%wall(inflow%wall)%motion = inflow%motion
+            if (inflow%mass_rate > 0.0_wp .and. mass > 0.0_wp) then
+               inflow%motion%steady = 0.0_wp
+               inflow%motion%steady(inflow%axis) = inflow%sense*inflow%mass_rate*inflow%length/mass
+               bodies(inflow%body)%velocity = inflow%motion%steady
+               simulation%space%rigid%wall(inflow%wall)%motion = inflow%motion
+            end if
+            if (inflow%length > 0.0_wp) call check_identities(deck, deck%group("inflow", n), &
+               simulation, inflow)
          end associate
       end do
    end subroutine start_inflows
+
+   !> Halves have a part of each identity for themselves, so those of all copies must leave it free.
+   subroutine check_identities(deck, group, simulation, inflow)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(group_t), intent(in) :: group             !! The &inflow
+      type(simulation_t), intent(in) :: simulation
+      type(inflow_t), intent(in) :: inflow           !! With its length
+      type(group_t) :: time
+      real(wp) :: finish
+
+      if (.not. allocated(simulation%scheme%method%splitting)) return
+      time = deck%group("time", 1)
+      call time%get("t_end", finish)
+      if ((inflow%travel(finish)/inflow%length + 2.0_wp)*real(inflow%identities, wp) < &
+         2.0_wp**root_bits) return
+      call deck%complain(group, "more particles would enter until t_end than split = .true. can "// &
+         "number; write split = .false. in &method, a longer body, or a grid of fewer cells", &
+         "velocity")
+   end subroutine check_identities
 
    !> The particles of a body in the tiles of this rank.
    subroutine make_pattern(simulation, bodies, keys, inflow)
