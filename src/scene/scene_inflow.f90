@@ -243,8 +243,8 @@ contains
       call time%get("t_end", finish)
       if ((inflow%travel(finish)/inflow%length + 2.0_wp)*real(inflow%identities, wp) < &
          2.0_wp**root_bits) return
-      call deck%complain(group, "more particles would enter until t_end than split = .true. can "// &
-         "number; write split = .false. in &method, a longer body, or a grid of fewer cells", &
+      call deck%complain(group, "more particles would enter until t_end than split = .true. "// &
+         "can number; write split = .false. in &method, a longer body, or a grid of fewer cells", &
          "velocity")
    end subroutine check_identities
 
