@@ -138,6 +138,18 @@ def test_nothing_computed(deck: Path, tmp_path: Path) -> None:
         scree.run(deck, outdir=tmp_path, options=["--help"], progress=False)
 
 
+def test_text_of_other_results(tmp_path: Path) -> None:
+    """Would catch a deck that is replaced beside the results that it made."""
+    scree.run(LINE, outdir=tmp_path, progress=False)
+    with pytest.raises(scree.FileProblem, match="overwrite=True"):
+        scree.run(LINE.replace("-500", "-400"), outdir=tmp_path, progress=False)
+    assert (tmp_path / "deck.nml").read_text(encoding="utf-8") == LINE
+    with pytest.raises(scree.FileProblem, match="already"):
+        scree.run(LINE, outdir=tmp_path, progress=False)
+    run = scree.run(LINE.replace("-500", "-400"), outdir=tmp_path, overwrite=True, progress=False)
+    assert run.deck["body"]["velocity"][0] == -400.0
+
+
 def test_text_needs_a_folder() -> None:
     """Would catch a deck that is written into the folder of the user."""
     with pytest.raises(ValueError, match="outdir"):

@@ -47,8 +47,9 @@ def is_text(deck: str | os.PathLike[str]) -> bool:
     return isinstance(deck, str) and "\n" in deck and "&" in deck
 
 
-def deck_file(deck: str | os.PathLike[str], outdir: str | os.PathLike[str] | None) -> Path:
-    """The file of a deck; a deck that is given as text becomes OUTDIR/deck.nml."""
+def deck_file(deck: str | os.PathLike[str], outdir: str | os.PathLike[str] | None, overwrite: bool) -> Path:
+    """The file of a deck; a deck that is given as text becomes OUTDIR/deck.nml, where no other one is unless
+    `overwrite` is true."""
     if not is_text(deck):
         return Path(deck)
     if outdir is None:
@@ -56,6 +57,8 @@ def deck_file(deck: str | os.PathLike[str], outdir: str | os.PathLike[str] | Non
     path = Path(outdir) / "deck.nml"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        if path.exists() and not overwrite and path.read_text(encoding="utf-8") != deck:
+            raise FileProblem(f"{path} holds another deck: replace it by overwrite=True, or choose another outdir")
         path.write_text(str(deck), encoding="utf-8")
     except OSError as error:
         raise FileProblem(f"cannot write {path}: {error.strerror}") from error
@@ -183,7 +186,7 @@ def run(deck: str | os.PathLike[str], set: Mapping[str, Any] | None = None, *, r
         raise ValueError("ranks and threads must be at least 1")
     words = [find_program(program), *options_of(set or {}, case, outdir), *options]
     words += (["--restart"] if restart else []) + (["--overwrite"] if overwrite else [])
-    file = deck_file(deck, outdir)
+    file = deck_file(deck, outdir, overwrite)
     words.append(os.fspath(file))
     if ranks > 1:
         mpiexec = shutil.which("mpiexec")
