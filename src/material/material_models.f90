@@ -45,6 +45,7 @@ module material_models
       procedure :: start => models_start             !! Initial state of particles
       procedure :: draw_strength => models_draw_strength       !! Random strength of particles
       procedure :: start_energy => models_start_energy !! Internal energy at the start
+      procedure :: starts_with_energy => models_starts_with_energy !! True if it has some then
       procedure :: is_gas_of_explosive => models_is_gas_of_explosive !! Products of a detonation
       procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
       procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress
@@ -130,7 +131,8 @@ contains
 
       state%stress(first:last, :) = 0.0_wp
       if (allocated(state%viscous_pressure)) state%viscous_pressure(first:last) = 0.0_wp
-      if (allocated(state%energy)) state%energy(first:last) = self%start_energy()
+      if (allocated(state%energy)) state%energy(first:last) = &
+         self%start_energy(temperature)
       if (allocated(state%burn_time)) state%burn_time(first:last) = burnt_before
       if (allocated(state%temperature)) state%temperature(first:last) = temperature
       if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = 0.0_wp
@@ -152,13 +154,28 @@ contains
       if (allocated(state%failed)) state%failed(first:last) = 0
    end subroutine models_start
 
-   !> Internal energy of material at the start [J/kg]: an explosive holds its chemical energy.
-   pure real(wp) function models_start_energy(self) result(energy)
+   !> Internal energy of material at the start [J/kg]: an explosive holds its chemical energy, a
+   !! table has an energy for each temperature.
+   pure real(wp) function models_start_energy(self, temperature) result(energy)
       class(models_t), intent(in) :: self
+      real(wp), optional, intent(in) :: temperature  !! Used if the material has one [K]
 
       energy = 0.0_wp
-      if (allocated(self%eos)) energy = self%eos%start_energy()
+      if (.not. allocated(self%eos)) return
+      if (allocated(self%heat)) then
+         energy = self%eos%start_energy(temperature)
+      else
+         energy = self%eos%start_energy()
+      end if
    end function models_start_energy
+
+   !> True if material at rest has an energy, and with it perhaps a pressure.
+   pure logical function models_starts_with_energy(self) result(does)
+      class(models_t), intent(in) :: self
+
+      does = .false.
+      if (allocated(self%eos)) does = self%eos%starts_with_energy()
+   end function models_starts_with_energy
 
    !> True for the products of an explosive, which neither melt nor have strength.
    pure logical function models_is_gas_of_explosive(self) result(is_gas)

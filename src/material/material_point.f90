@@ -47,7 +47,7 @@ contains
       self%state%volume = self%volume
       self%state%mass = chain%density*self%volume
       call chain%start(self%state, 1, 1, self%temperature)
-      if (chain%start_energy() > 0.0_wp) call chain%find_rest_stress(self%state, 1, 1)
+      if (chain%starts_with_energy()) call chain%find_rest_stress(self%state, 1, 1)
       self%deformation%gradient = 0.0_wp
       self%deformation%wave_speed(1) = chain%signal_speed(self%state, 1, 1)
       select case (self%path)
@@ -202,10 +202,11 @@ contains
             call point%start(chain)
             point%state%volume = point%volume*ratio
             if (allocated(point%state%energy)) point%state%energy = &
-               chain%start_energy() + 0.5_wp*speed**2
+               chain%start_energy(point%temperature) + 0.5_wp*speed**2
             call chain%find_rest_stress(point%state, 1, 1)
             pressure = -sum(point%state%stress(1, 1:3))/3.0_wp
-            if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then
+            ! A table has no pressure where it ends, which counts as too dense.
+            if (.not. pressure*(1.0_wp - ratio) <= chain%density*speed**2) then
                low = ratio
             else
                high = ratio

@@ -367,17 +367,29 @@ contains
       if (allocated(self%voids)) &
          deformation%voids%old_temperature(:last - first + 1) = state%temperature(first:last)
       if (allocated(self%voids)) call self%voids%to_solid_volumes(state, deformation, first, last)
-      deformation%gruneisen(:last - first + 1) = 0.0_wp
-      if (allocated(self%eos)) call self%eos%find_gruneisen(state, deformation, first, last)
-      call heat_particles(first, last, self%heat%specific_heat, plastic_share, &
-         deformation%gruneisen, state%mass, state%volume, deformation%old_volume, &
-         deformation%pressure, deformation%pressure_floor, deformation%plastic_work, &
-         deformation%viscous_work, state%temperature)
+      if (has_temperature(self)) then
+         call self%eos%find_temperature(state, first, last)
+      else
+         deformation%gruneisen(:last - first + 1) = 0.0_wp
+         if (allocated(self%eos)) call self%eos%find_gruneisen(state, deformation, first, last)
+         call heat_particles(first, last, self%heat%specific_heat, plastic_share, &
+            deformation%gruneisen, state%mass, state%volume, deformation%old_volume, &
+            deformation%pressure, deformation%pressure_floor, deformation%plastic_work, &
+            deformation%viscous_work, state%temperature)
+      end if
       if (.not. allocated(self%voids)) return
       state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
       call expand_grains(first, last, self%voids%expansion, state%temperature, &
          deformation%voids%old_temperature, state%solid_fraction)
    end subroutine update_temperature
+
+   !> True if the equation of state gives the temperature.
+   pure logical function has_temperature(self) result(has)
+      class(chain_t), intent(in) :: self
+
+      has = .false.
+      if (allocated(self%eos)) has = self%eos%gives_temperature()
+   end function has_temperature
 
    !> True if a particle has failed and keeps no stress.
    pure logical function gone(self, state, particle) result(is_gone)

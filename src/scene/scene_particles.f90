@@ -171,7 +171,7 @@ contains
                call simulation%materials(index)%draw_strength(store%state, store%identity, &
                   store%first(tile), store%first(tile) + store%count(tile) - 1)
                if (any(bodies%energy > 0.0_wp .and. bodies%store == index) .or. &
-                  simulation%materials(index)%start_energy() > 0.0_wp) &
+                  simulation%materials(index)%starts_with_energy()) &
                   call simulation%materials(index)%find_rest_stress(store%state, &
                   store%first(tile), store%first(tile) + store%count(tile) - 1)
             end do
