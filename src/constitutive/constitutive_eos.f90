@@ -98,14 +98,16 @@ contains
    end function eos_fault
 
    !> Take the text of the file that belongs to the equation of state, before its keys are read.
-   subroutine eos_take_file(self, text, path, group, fault)
+   subroutine eos_take_file(self, text, path, group, fault, doubt)
       class(eos_t), intent(inout) :: self
       character(len=*), intent(in) :: text                     !! Content of the file
       character(len=*), intent(in) :: path                     !! For messages
       type(group_t), intent(in) :: group                       !! &material
       character(len=:), allocatable, intent(out) :: fault      !! What is wrong; empty if nothing
+      character(len=:), allocatable, intent(out) :: doubt      !! What may be; empty if nothing
 
       fault = ""
+      doubt = ""
    end subroutine eos_take_file
 
    !> True if the keys of the equation of state give the bulk modulus.

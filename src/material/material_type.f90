@@ -64,9 +64,10 @@ contains
       type(group_t), intent(in) :: group             !! Its &material
       character(len=*), intent(in) :: table          !! Text of the file
       character(len=*), intent(in) :: path           !! For messages
-      character(len=:), allocatable :: fault
+      character(len=:), allocatable :: fault, doubt
 
-      call material%eos%take_file(table, path, group, fault)
+      call material%eos%take_file(table, path, group, fault, doubt)
+      if (len(doubt) > 0) call deck%warn(group, "eos_table: "//doubt, "eos_table")
       if (len(fault) > 0) call deck%complain(group, "eos_table: "//fault, "eos_table")
    end subroutine take_table
 

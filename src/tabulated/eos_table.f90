@@ -20,6 +20,10 @@ module eos_table
 
    public :: eos_table_t
 
+   !> Inconsistency of a table from which on the user is warned. The interpolation of steep curves
+   !! between few nodes makes some of it.
+   real(wp), parameter :: most_inconsistent = 0.02_wp
+
    !> Equation of state of a table.
    type, extends(eos_t) :: eos_table_t
       type(state_table_t) :: table                   !! Its values
@@ -57,21 +61,27 @@ contains
    end subroutine table_declare
 
    !> Make the table from the text of its file, and check that it holds the reference state.
-   subroutine table_take_file(self, text, path, group, fault)
+   subroutine table_take_file(self, text, path, group, fault, doubt)
       class(eos_table_t), intent(inout) :: self
       character(len=*), intent(in) :: text           !! Content of the file
       character(len=*), intent(in) :: path           !! For messages
       type(group_t), intent(in) :: group             !! &material
       character(len=:), allocatable, intent(out) :: fault !! Empty if there is none
+      character(len=:), allocatable, intent(out) :: doubt !! Empty if there is none
       type(error_t), allocatable :: error
       real(wp) :: density, temperature
 
       fault = ""
+      doubt = ""
       call read_states(text, path, self%table, error)
       if (allocated(error)) then
          fault = error%message
          return
       end if
+      if (self%table%worst > most_inconsistent) doubt = "pressure and energy of the table '"// &
+         path//"' do not belong together: rho**2 de/drho and p - T dp/dT differ by "// &
+         brief(self%table%worst)//" of the bulk modulus at "//brief(self%table%worst_density)// &
+         " kg/m3, "//brief(self%table%worst_temperature)//" K"
       if (.not. (group%known("density") .and. group%known("table_temperature"))) return
       call group%get("density", density)
       call group%get("table_temperature", temperature)
