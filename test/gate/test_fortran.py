@@ -22,7 +22,8 @@ ARROWS = {
     "mesh": {"base"},
     "constitutive": {"base"},
     "explosive": {"base", "constitutive"},
-    "material": {"base", "constitutive", "explosive"},
+    "tabulated": {"base", "constitutive"},
+    "material": {"base", "constitutive", "explosive", "tabulated"},
     "particle": {"base", "mesh", "constitutive", "material"},
     "transfer": {"base", "mesh", "particle"},
     "io": {"base", "mesh", "constitutive", "particle"},
@@ -34,8 +35,9 @@ ARROWS["scene"] = set(ARROWS)
 ARROWS["output"] = set(ARROWS)
 ARROWS["grains"] = {"base", "mesh", "constitutive", "particle", "io"}
 ARROWS["program"] = set(ARROWS)
-# Families of modules whose names begin otherwise than their folder. The products of explosives stand beside their burn.
-FAMILIES = {"law": {"constitutive"}, "eos": {"constitutive", "explosive"}, "damage": {"constitutive"},
+# Families of modules whose names begin otherwise than their folder. The products of explosives stand beside their burn,
+# the table of states beside its reading.
+FAMILIES = {"law": {"constitutive"}, "eos": {"constitutive", "explosive", "tabulated"}, "damage": {"constitutive"},
             "basis": {"transfer"}, "velocity": {"transfer"}, "quadrature": {"ddmp"}, "stream": {"output"},
             "boundary": {"mesh"}}
 # Dummy arguments that need no docstring, as type and name say all: derived types, and these names.
