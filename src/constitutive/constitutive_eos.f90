@@ -31,7 +31,7 @@ module constitutive_eos
       procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
       procedure :: gives_temperature => eos_gives_temperature !! True if the state has one by it
       procedure :: find_temperature => eos_find_temperature !! Temperature, if it gives it
-      procedure :: starts_with_energy => eos_starts_with_energy !! True if matter has some at rest
+      procedure :: starts_with_energy => eos_starts_with_energy !! True if material has some at rest
       procedure :: start_energy => eos_start_energy  !! Energy of the reference state
       procedure :: report => eos_report              !! What the user should know of it
       procedure :: fault_of_state => eos_fault_of_state !! Why a state has no pressure

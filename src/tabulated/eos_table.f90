@@ -13,7 +13,7 @@ module eos_table
    use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_state, only: deformation_t, material_state_t
-   use tabulated_states, only: most_lanes, place_lanes_t, state_table_t
+   use tabulated_states, only: most_lanes, cell_lanes_t, state_table_t
    use tabulated_text, only: read_states
    implicit none
    private
@@ -52,10 +52,10 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = table"
 
-      call schema%text("material", "eos_table", "file of the equation of state, relative to the "// &
-         "deck: lines of density, temperature, pressure and energy in SI units", owner=owner)
-      call schema%real("material", "table_temperature", "temperature of the reference state: of "// &
-         "the bulk modulus, and of bodies at the start without &effects thermal", unit="K", &
+      call schema%text("material", "eos_table", "file of the equation of state, relative to "// &
+         "the deck: lines of density, temperature, pressure and energy in SI units", owner=owner)
+      call schema%real("material", "table_temperature", "temperature of the reference state: "// &
+         "of the bulk modulus, and of bodies at the start without &effects thermal", unit="K", &
          default="293", range=">= 0", owner=owner)
       call schema%require("material", "eos_table")
    end subroutine table_declare
@@ -133,13 +133,13 @@ contains
       type(deformation_t), intent(inout) :: deformation !! Step of the range
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      type(place_lanes_t) :: lanes
+      type(cell_lanes_t) :: lanes
       integer :: begin
 
       do begin = first, last, most_lanes
          call gather(begin, min(begin + most_lanes - 1, last), state%mass, state%volume, &
             state%energy, lanes)
-         call self%table%find_places(lanes)
+         call self%table%find_cells(lanes)
          call self%table%interpolate(lanes, begin - first, deformation%pressure, &
             deformation%wave_speed)
       end do
@@ -152,7 +152,7 @@ contains
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
       real(wp), contiguous, intent(in) :: energy(:)  !! (store) [J/kg]
-      type(place_lanes_t), intent(inout) :: lanes
+      type(cell_lanes_t), intent(inout) :: lanes
       integer :: l
 
       lanes%count = last - first + 1
@@ -170,13 +170,13 @@ contains
       real(wp), intent(in) :: energy                 !! [J/kg]
       real(wp), intent(out) :: pressure              !! [Pa]
       real(wp), intent(out) :: square                !! Of the sound speed [m2/s2]
-      type(place_lanes_t) :: lanes
+      type(cell_lanes_t) :: lanes
       real(wp) :: found(1), speed(1)
 
       lanes%count = 1
       lanes%density(1) = density
       lanes%energy(1) = energy
-      call eos%table%find_places(lanes)
+      call eos%table%find_cells(lanes)
       call eos%table%interpolate(lanes, 0, found, speed)
       pressure = found(1)
       square = speed(1)
@@ -195,13 +195,13 @@ contains
       type(material_state_t), intent(inout) :: state !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      type(place_lanes_t) :: lanes
+      type(cell_lanes_t) :: lanes
       integer :: begin
 
       do begin = first, last, most_lanes
          call gather(begin, min(begin + most_lanes - 1, last), state%mass, state%volume, &
             state%energy, lanes)
-         call self%table%find_places(lanes)
+         call self%table%find_cells(lanes)
          call self%table%find_temperatures(lanes, begin - 1, state%temperature)
       end do
    end subroutine table_find_temperature
@@ -234,7 +234,8 @@ contains
       energy = self%table%energy_of(self%density, warmth)
    end function table_start_energy
 
-   !> What the table covers, its pressure in the reference state, and how far it is from thermodynamics.
+   !> What the table covers, its pressure in the reference state, and its
+   !! inconsistency.
    function table_report(self) result(text)
       class(eos_table_t), intent(in) :: self
       character(len=:), allocatable :: text

@@ -10,7 +10,7 @@ module tabulated_states
    implicit none
    private
 
-   public :: place_lanes_t, state_table_t
+   public :: cell_lanes_t, state_table_t
 
    integer, parameter, public :: most_lanes = 64     !! States that are looked up together
 
@@ -27,15 +27,15 @@ module tabulated_states
       real(wp) :: worst_temperature = 0.0_wp         !! In the middle of that cell [K]
    contains
       procedure :: complete => states_complete       !! Sound speeds and inconsistency
-      procedure :: find_places => states_find_places !! Cells of states, and where in them
+      procedure :: find_cells => states_find_cells !! Cells of states, and where in them
       procedure :: interpolate => states_interpolate !! Pressure and sound speed there
       procedure :: find_temperatures => states_find_temperatures !! Temperatures there
       procedure :: energy_of => states_energy_of     !! Of a density and a temperature
       procedure :: energy_range => states_energy_range !! Least and greatest at a density
    end type state_table_t
 
-   !> States that are looked up together, and their places.
-   type :: place_lanes_t
+   !> States that are looked up together, and their cells.
+   type :: cell_lanes_t
       integer :: count = 0                           !! States in use
       real(wp) :: density(most_lanes)                !! (in) [kg/m3]
       real(wp) :: energy(most_lanes)                 !! (in) [J/kg]
@@ -43,7 +43,7 @@ module tabulated_states
       integer :: column(most_lanes)                  !! Temperature below it
       real(wp) :: across(most_lanes)                 !! Share of the next density [1]
       real(wp) :: along(most_lanes)                  !! Share of the next temperature [1]
-   end type place_lanes_t
+   end type cell_lanes_t
 
    !> Shares may leave their cell by so much at the edge of the table: rounding.
    real(wp), parameter :: slack = 1.0e-9_wp
@@ -73,8 +73,8 @@ contains
    !> Square of the sound speed at a node from differences of second order. Equation (E.17).
    pure real(wp) function square_at(self, i, j) result(square)
       class(state_table_t), intent(in) :: self
-      integer, intent(in) :: i                       !! Which density
-      integer, intent(in) :: j                       !! Which temperature
+      integer, intent(in) :: i                       !! Index in the densities
+      integer, intent(in) :: j                       !! Index in the temperatures
       real(wp) :: pressure_slope, energy_slope, heating, capacity
       integer :: n, k
 
@@ -93,7 +93,7 @@ contains
    pure real(wp) function slope(x, y, place) result(derivative)
       real(wp), intent(in) :: x(:)                   !! Ascending
       real(wp), intent(in) :: y(:)                   !! Values there
-      integer, intent(in) :: place                   !! Which node
+      integer, intent(in) :: place                   !! Node of the derivative
       real(wp) :: first, second, curvature
       integer :: middle
 
@@ -138,20 +138,20 @@ contains
 
    !> Cells of states by bisection, all states together, and the shares in them. A state outside has
    !! shares below 0 or above 1 in a cell at the edge. Equations (E.15) and (E.16).
-   pure subroutine states_find_places(self, lanes)
+   pure subroutine states_find_cells(self, lanes)
       class(state_table_t), intent(in) :: self
-      type(place_lanes_t), intent(inout) :: lanes    !! Densities and energies in, places out
+      type(cell_lanes_t), intent(inout) :: lanes    !! Densities and energies in, cells out
 
       call find_rows(lanes%count, size(self%density), self%density, lanes)
       call find_columns(lanes%count, size(self%temperature), self%energy, lanes)
-   end subroutine states_find_places
+   end subroutine states_find_cells
 
    !> Last density that is not above that of each state, and the share of the next one.
    pure subroutine find_rows(count, nodes, axis, lanes)
       integer, intent(in) :: count                   !! States
       integer, intent(in) :: nodes                   !! Densities of the table
       real(wp), contiguous, intent(in) :: axis(:)    !! [kg/m3]
-      type(place_lanes_t), intent(inout) :: lanes
+      type(cell_lanes_t), intent(inout) :: lanes
       integer :: stride, next, l
 
       lanes%row(:count) = 1
@@ -177,7 +177,7 @@ contains
       integer, intent(in) :: count                   !! States
       integer, intent(in) :: nodes                   !! Temperatures of the table
       real(wp), contiguous, intent(in) :: energy(:)  !! (node) [J/kg]
-      type(place_lanes_t), intent(inout) :: lanes    !! With rows and shares of densities
+      type(cell_lanes_t), intent(inout) :: lanes    !! With rows and shares of densities
       real(wp) :: low, high
       integer :: stride, next, k, l
 
@@ -212,11 +212,11 @@ contains
       end do
    end function first_stride
 
-   !> Pressure and square of the sound speed of states whose places are known. Outside of the table
+   !> Pressure and square of the sound speed of states whose cells are known. Outside of the table
    !! both are not numbers, at which a run stops and names the particle.
    pure subroutine states_interpolate(self, lanes, offset, pressure, square)
       class(state_table_t), intent(in) :: self
-      type(place_lanes_t), intent(in) :: lanes       !! Places of the states
+      type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
       integer, intent(in) :: offset                  !! The results of lane l go to offset + l
       real(wp), contiguous, intent(inout) :: pressure(:) !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: square(:)   !! Of the sound speed (range) [m2/s2]
@@ -227,7 +227,7 @@ contains
 
    !> Values of states between those of nodes.
    pure subroutine mix_nodes(lanes, nodes, offset, value, mixed)
-      type(place_lanes_t), intent(in) :: lanes       !! Places of the states
+      type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
       integer, intent(in) :: nodes                   !! Temperatures of the table
       integer, intent(in) :: offset                  !! The result of lane l goes to offset + l
       real(wp), contiguous, intent(in) :: value(:)   !! (node)
@@ -248,10 +248,10 @@ contains
       end do
    end subroutine mix_nodes
 
-   !> Temperatures of states whose places are known.
+   !> Temperatures of states whose cells are known.
    pure subroutine states_find_temperatures(self, lanes, offset, temperature)
       class(state_table_t), intent(in) :: self
-      type(place_lanes_t), intent(in) :: lanes       !! Places of the states
+      type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
       integer, intent(in) :: offset                  !! The result of lane l goes to offset + l
       real(wp), contiguous, intent(inout) :: temperature(:) !! (store) [K]
       integer :: l
@@ -283,7 +283,7 @@ contains
    pure real(wp) function energy_at(self, density, j) result(energy)
       class(state_table_t), intent(in) :: self
       real(wp), intent(in) :: density                !! [kg/m3]
-      integer, intent(in) :: j                       !! Which temperature
+      integer, intent(in) :: j                       !! Index in the temperatures
       integer :: i, k
 
       i = min(max(count(self%density <= density), 1), size(self%density) - 1)

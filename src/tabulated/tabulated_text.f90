@@ -16,7 +16,7 @@ module tabulated_text
    integer, parameter :: columns = 4                 !! Numbers of a line
    integer, parameter :: shown = 40                  !! Characters of a wrong line in a message
 
-   !> The numbers as they stand in the text.
+   !> The numbers of the text.
    type :: listing_t
       integer :: count = 0                           !! Lines of numbers
       real(wp), allocatable :: value(:, :)           !! (4, entry)
@@ -36,7 +36,7 @@ contains
       character(len=:), allocatable :: fault
 
       call read_listing(text, listing, fault)
-      if (len(fault) == 0) call arrange(listing, table, fault)
+      if (len(fault) == 0) call fill_table(listing, table, fault)
       if (len(fault) == 0) call check_slopes(listing, table, fault)
       if (len(fault) > 0) call fail(error, exit_file, "cannot use the table '"//path//"': "//fault)
    end subroutine read_states
@@ -105,7 +105,7 @@ contains
       end do
    end subroutine read_line
 
-   !> True if a line has column names: its first word begins with a letter and is no number.
+   !> True if a line has column names: its first word begins with a letter, but for NaN and Inf.
    pure logical function is_title(line) result(title)
       character(len=*), intent(in) :: line           !! Not empty
       character(len=3) :: first
@@ -115,8 +115,8 @@ contains
          scan(first, "nNiI") /= 1
    end function is_title
 
-   !> Find densities and temperatures, and put the values in place.
-   subroutine arrange(listing, table, fault)
+   !> Densities, temperatures and values of the nodes.
+   subroutine fill_table(listing, table, fault)
       type(listing_t), intent(in) :: listing
       type(state_table_t), intent(inout) :: table
       character(len=:), allocatable, intent(out) :: fault !! Empty if there is none
@@ -141,7 +141,7 @@ contains
       table%temperature = listing%value(2, :n)
       table%pressure = listing%value(3, :listing%count)
       table%energy = listing%value(4, :listing%count)
-   end subroutine arrange
+   end subroutine fill_table
 
    !> Check that densities and temperatures ascend and that temperatures are the same.
    pure subroutine check_order(listing, n, fault)

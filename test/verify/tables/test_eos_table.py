@@ -8,8 +8,8 @@ table that is accepted, one fault that hides the next.
 * Shock tube of Sod with the table of an ideal gas, in which pressure and energy are linear in density and
   temperature: the run of the closed equation of state to rounding that steps may amplify, 1e-9.
 * Mie-Grueneisen: states behind shocks (`--point`) of tables with 17, 33 and 65 nodes each way approach
-  p = rho0 Us u with order 2, and at least 1.8 is asked; a bar that hits a wall at 1000 m/s has the plateau of
-  Rankine and Hugoniot to the 1 % of pressure and 0.3 % of density that the closed equation is held to. Energy: rounding.
+  p = rho0 Us u with order 2, and at least 1.8 is demanded; a bar that hits a wall at 1000 m/s has the plateau of
+  Rankine and Hugoniot to the 1 % of pressure and 0.3 % of density that hold for the closed equation. Energy: rounding.
 * Temperature: that of e = e_c(rho) + c_v (T - T0), to the error of the table, 1 %.
 * Layouts and restart: the same bits.
 """
