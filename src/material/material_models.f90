@@ -109,7 +109,8 @@ contains
       if (requests%has("temperature")) allocate (state%temperature(n))
       if (requests%has("plastic_strain")) allocate (state%plastic_strain(n))
       if (requests%has("plastic_dilation")) allocate (state%plastic_dilation(n))
-      if (requests%has("distension")) allocate (state%distension(n))
+      if (requests%has("porosity")) allocate (state%pores%porosity(n))
+      if (requests%has("distension")) allocate (state%pores%distension(n))
       if (requests%has("damage")) allocate (state%damage(n))
       if (requests%has("scatter")) allocate (state%brittle%scatter(n))
       if (requests%has("overload")) allocate (state%brittle%overload(n))
@@ -137,7 +138,9 @@ contains
       if (allocated(state%temperature)) state%temperature(first:last) = temperature
       if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = 0.0_wp
       if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
-      if (allocated(state%distension)) state%distension(first:last) = self%eos%distension
+      if (allocated(state%pores%distension)) state%pores%distension(first:last) = self%eos%distension
+      if (allocated(state%pores%porosity)) &
+         state%pores%porosity(first:last) = self%law%initial_porosity()
       if (allocated(state%damage)) state%damage(first:last) = 0.0_wp
       if (allocated(state%brittle%scatter)) state%brittle%scatter(first:last) = 1.0_wp
       if (allocated(state%brittle%overload)) state%brittle%overload(first:last) = -1.0_wp

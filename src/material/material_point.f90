@@ -232,7 +232,8 @@ contains
       if (allocated(self%state%plastic_strain)) text = text//",plastic_strain"
       if (allocated(self%state%damage)) text = text//",damage"
       if (allocated(self%state%failed)) text = text//",failed"
-      if (allocated(self%state%distension)) text = text//",distension"
+      if (allocated(self%state%pores%distension)) text = text//",distension"
+      if (allocated(self%state%pores%porosity)) text = text//",porosity"
       if (allocated(self%state%solid_fraction)) text = text//",solid_fraction"
    end function point_header
 
@@ -255,7 +256,8 @@ contains
          if (allocated(state%plastic_strain)) row = [row, state%plastic_strain(1)]
          if (allocated(state%damage)) row = [row, state%damage(1)]
          if (allocated(state%failed)) row = [row, real(state%failed(1), wp)]
-         if (allocated(state%distension)) row = [row, state%distension(1)]
+         if (allocated(state%pores%distension)) row = [row, state%pores%distension(1)]
+         if (allocated(state%pores%porosity)) row = [row, state%pores%porosity(1)]
          if (allocated(state%solid_fraction)) row = [row, state%solid_fraction(1)]
       end associate
    end function point_row
