@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Failure of porous metal: the damage is the greatest porosity so far over that without strength.
-!! Equation (Y.40) of doc/theory/ductile.md.
+!! Equation (D.12) of doc/theory/ductile.md.
 module damage_porosity
    use base_deck_group, only: group_t
    use base_kinds, only: wp

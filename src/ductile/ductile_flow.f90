@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Return of stresses to the yield surface of porous metal, for groups of particles that are the
-!! lanes of vectors. Equations (Y.30) to (Y.36) of doc/theory/ductile.md.
+!! lanes of vectors. Equations (D.1) to (D.7) of doc/theory/ductile.md.
 !!
 !! One unknown v, from 0 to 1, stands for the flow; pressure, deviator, porosity and strength follow
 !! from it in closed form. A lane that has its root is left alone, so that its bits do not depend on
@@ -62,7 +62,7 @@ module ductile_flow
 contains
 
    !> Porosity that weakens, f*. From the critical one on voids join and it grows faster. Equation
-   !! (Y.31).
+   !! (D.2).
    elemental real(wp) function effective(porosity, critical, joining, most) result(weakening)
       real(wp), intent(in) :: porosity               !! [1]
       real(wp), intent(in) :: critical               !! [1]
@@ -73,7 +73,7 @@ contains
    end function effective
 
    !> How far trial stresses of a group are beyond the yield surface: the sum of its terms that load
-   !! over those that resist, less 1. Equation (Y.30).
+   !! over those that resist, less 1. Equation (D.1).
    pure subroutine find_excess(porous, count, lanes, excess)
       type(porous_t), intent(in) :: porous
       integer, intent(in) :: count                   !! Particles
@@ -184,7 +184,7 @@ contains
    end function sinh_ratio
 
    !> State at v and the miss of the yield function there, the logarithm of loading over resisting
-   !! terms, in the lanes that are not done. Equations (Y.32) to (Y.36).
+   !! terms, in the lanes that are not done. Equations (D.3) to (D.7).
    ! gate: long kernel because pressure, deviator, porosity and strength follow from one unknown
    pure subroutine evaluate(porous, lanes, search)
       type(porous_t), intent(in) :: porous

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Volume of the matrix of a ductile metal: that of the motion without what its pores gained. The
 !! equation of state is that of the matrix, and its pressure acts on the share of a surface that it
-!! has. Equation (Y.37) of doc/theory/ductile.md.
+!! has. Equation (D.8) of doc/theory/ductile.md.
 module ductile_volume
    use base_elementary, only: take_exponentials
    use base_kinds, only: wp

@@ -4,7 +4,7 @@
 !!
 !! The yield surface of a metal with the porosity f depends on the pressure. Plastic flow opens and
 !! closes pores, plastic strain makes new ones, and from a critical porosity on they join. Equations
-!! (Y.30) to (Y.39) of doc/theory/ductile.md.
+!! (D.1) to (D.11) of doc/theory/ductile.md.
 module law_gurson
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -264,7 +264,7 @@ contains
    end subroutine collect
 
    !> Stress, pressure, porosity, strain and work of the particles that flow. The work is that of the
-   !! mean of the stresses before and after the step. Equations (Y.37) and (Y.38).
+   !! mean of the stresses before and after the step. Equations (D.9) and (D.11).
    pure subroutine move_results(law, offset, before, lanes, state, deformation)
       type(law_gurson_t), intent(in) :: law
       integer, intent(in) :: offset                  !! Particles of the range before the group
@@ -286,10 +286,10 @@ contains
          associate (scaling => lanes%scaling(l))
             shear_work = (1.0_wp - scaling)*((1.0_wp + scaling)*lanes%trial(l)**2 &
                /(6.0_wp*law%shear) - 0.5_wp*deformation%plastic_work(i))
-            pressure = 0.5_wp*(lanes%trial_pressure(l) + lanes%bulk(l)*deformation%dilatation(i) &
-               + lanes%pressure(l))
-            deformation%plastic_work(i) = state%volume(k)*max(0.0_wp, shear_work &
-               - pressure*lanes%gained(l))
+            pressure = 0.5_wp*(lanes%trial_pressure(l) + (lanes%bulk(l) &
+               + lanes%trial_pressure(l))*deformation%dilatation(i) + lanes%pressure(l))
+            deformation%plastic_work(i) = max(0.0_wp, 0.5_wp*(state%volume(k) &
+               + deformation%old_volume(i))*shear_work - state%volume(k)*pressure*lanes%gained(l))
             do component = 1, 6
                state%stress(k, component) = scaling*state%stress(k, component)
             end do
@@ -304,7 +304,7 @@ contains
    end subroutine move_results
 
    !> Porosity that the strain of the step makes in tension, with the density of strain in the middle
-   !! of the step (C. C. Chu, A. Needleman, J. Eng. Mater. Technol. 102 (1980) 249). Equation (Y.39).
+   !! of the step (C. C. Chu, A. Needleman, J. Eng. Mater. Technol. 102 (1980) 249). Equation (D.10).
    pure subroutine find_new_pores(law, before, lanes, state, made)
       type(law_gurson_t), intent(in) :: law
       integer, intent(in) :: before                  !! Particles of the store before the group

@@ -93,6 +93,7 @@ EFFECTS = {
     "neo_hookean": model(f"{ELASTIC}  strength_model='neo_hookean'"),
     "newtonian": model(f"{FLUID}  strength_model='newtonian'  viscosity=10", f"{FLUID}  elastic='none'"),
     "jh2": model(JH2),
+    "gurson": model(f"{ELASTIC}  strength_model='gurson'  yield=1.0e3  gtn_f0=0.01"),
     "rate": (scene(f"{PLAIN}  rate=.false.", f"{ELASTIC}  {JOHNSON}"), None,
              scene(PLAIN, f"{ELASTIC}  {JOHNSON}  jc_c=0.01")),
     "eos": (scene(f"{PLAIN}  eos=.false."), None, scene()),

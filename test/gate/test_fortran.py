@@ -23,7 +23,8 @@ ARROWS = {
     "constitutive": {"base"},
     "explosive": {"base", "constitutive"},
     "tabulated": {"base", "constitutive"},
-    "material": {"base", "constitutive", "explosive", "tabulated"},
+    "ductile": {"base", "constitutive"},
+    "material": {"base", "constitutive", "explosive", "tabulated", "ductile"},
     "particle": {"base", "mesh", "constitutive", "material"},
     "transfer": {"base", "mesh", "particle"},
     "io": {"base", "mesh", "constitutive", "particle"},
@@ -37,7 +38,7 @@ ARROWS["grains"] = {"base", "mesh", "constitutive", "particle", "io"}
 ARROWS["program"] = set(ARROWS)
 # Families of modules whose names begin otherwise than their folder. The products of explosives stand beside their burn,
 # the table of states beside its reading.
-FAMILIES = {"law": {"constitutive"}, "eos": {"constitutive", "explosive", "tabulated"}, "damage": {"constitutive"},
+FAMILIES = {"law": {"constitutive", "ductile"}, "eos": {"constitutive", "explosive", "tabulated"}, "damage": {"constitutive", "ductile"},
             "basis": {"transfer"}, "velocity": {"transfer"}, "quadrature": {"ddmp"}, "stream": {"output"},
             "boundary": {"mesh"}}
 # Dummy arguments that need no docstring, as type and name say all: derived types, and these names.
