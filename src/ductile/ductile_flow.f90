@@ -39,6 +39,7 @@ module ductile_flow
       real(wp) :: bulk(most_lanes)                   !! Growth of p with the volume gained [Pa]
       real(wp) :: porosity(most_lanes)               !! Before the step in, after it out [1]
       real(wp) :: strength(most_lanes)               !! Of the matrix before the step [Pa]
+      real(wp) :: making(most_lanes)                 !! New pores for a unit of strain [1]
       real(wp) :: scaling(most_lanes)                !! Of the deviator (out) [1]
       real(wp) :: pressure(most_lanes)               !! After the step (out) [Pa]
       real(wp) :: gained(most_lanes)                 !! Volume gained over that after it (out) [1]
@@ -228,6 +229,8 @@ contains
             - pressure(l)*gained(l))/(1.0_wp - now(l))
          strain(l) = 2.0_wp*work/(lanes%strength(l) + sqrt(lanes%strength(l)**2 &
             + 4.0_wp*hardening*work))
+         now(l) = min(most_porosity, now(l) + lanes%making(l)*strain(l))
+         weakening(l) = effective(now(l), critical, joining, most)
          work = lanes%strength(l) + hardening*strain(l)
          square(l) = (shrinking(l)*lanes%trial(l)/work)**2
          growth(l) = min(steepest, slope*abs(pressure(l))/work)

@@ -199,6 +199,7 @@ contains
          call find_excess(self%porous, count, group, excess)
          call collect(offset, count, group, excess, deformation, lanes)
          if (lanes%count == 0) cycle
+         call find_new_pores(self, first - 1 + offset, state, lanes)
          call solve_flow(self%porous, lanes)
          call move_results(self, offset, first - 1 + offset, lanes, state, deformation)
       end do
@@ -272,14 +273,13 @@ contains
       type(pore_lanes_t), intent(inout) :: lanes
       type(material_state_t), intent(inout) :: state !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
-      real(wp) :: opened(most_lanes), made(most_lanes), shear_work, pressure
+      real(wp) :: opened(most_lanes), shear_work, pressure
       integer :: component, i, k, l
 
       do l = 1, lanes%count
          opened(l) = 1.0_wp - lanes%gained(l)
       end do
       call take_logarithms(lanes%count, opened)
-      call find_new_pores(law, before, lanes, state, made)
       do l = 1, lanes%count
          i = offset + lanes%particle(l)
          k = before + lanes%particle(l)
@@ -299,33 +299,32 @@ contains
          deformation%plastic_increment(i) = lanes%strain(l)
          state%plastic_strain(k) = state%plastic_strain(k) + lanes%strain(l)
          state%plastic_dilation(k) = state%plastic_dilation(k) - opened(l)
-         state%pores%porosity(k) = lanes%porosity(l) + made(l)
+         state%pores%porosity(k) = lanes%porosity(l)
       end do
    end subroutine move_results
 
-   !> Porosity that the strain of the step makes in tension, with the density of strain in the middle
-   !! of the step (C. C. Chu, A. Needleman, J. Eng. Mater. Technol. 102 (1980) 249). Equation (D.10).
-   pure subroutine find_new_pores(law, before, lanes, state, made)
+   !> Porosity that a unit of strain makes in tension, at the strain before the step (C. C. Chu, A.
+   !! Needleman, J. Eng. Mater. Technol. 102 (1980) 249). Equation (D.10).
+   pure subroutine find_new_pores(law, before, state, lanes)
       type(law_gurson_t), intent(in) :: law
       integer, intent(in) :: before                  !! Particles of the store before the group
-      type(pore_lanes_t), intent(in) :: lanes
       type(material_state_t), intent(in) :: state    !! State of the store
-      real(wp), intent(inout) :: made(most_lanes)    !! [1]
+      type(pore_lanes_t), intent(inout) :: lanes
       real(wp) :: distance
       integer :: l
 
-      made(:lanes%count) = 0.0_wp
+      lanes%making(:lanes%count) = 0.0_wp
       if (.not. allocated(law%nucleation)) return
       associate (source => law%nucleation)
          do l = 1, lanes%count
-            distance = (state%plastic_strain(before + lanes%particle(l)) &
-               + 0.5_wp*lanes%strain(l) - source%strain)/source%scatter
-            made(l) = -0.5_wp*distance**2
+            distance = (state%plastic_strain(before + lanes%particle(l)) - source%strain) &
+               /source%scatter
+            lanes%making(l) = -0.5_wp*distance**2
          end do
-         call take_exponentials(lanes%count, made)
+         call take_exponentials(lanes%count, lanes%making)
          do l = 1, lanes%count
-            made(l) = merge(source%porosity/(source%scatter*sqrt(2.0_wp*pi))*made(l) &
-               *lanes%strain(l), 0.0_wp, lanes%pressure(l) < 0.0_wp)
+            lanes%making(l) = merge(source%porosity/(source%scatter*sqrt(2.0_wp*pi)) &
+               *lanes%making(l), 0.0_wp, lanes%trial_pressure(l) < 0.0_wp)
          end do
       end associate
    end subroutine find_new_pores
