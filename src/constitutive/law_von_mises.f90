@@ -34,8 +34,8 @@ contains
       character(len=*), parameter :: owner = "effects.strength & strength_model = von_mises "// &
          "gurson"
 
-      call schema%real("material", "yield", "yield stress of von Mises, of the matrix of gurson", unit="Pa", range="> 0", &
-         owner=owner)
+      call schema%real("material", "yield", "yield stress of von Mises, of the matrix of "// &
+         "gurson", unit="Pa", range="> 0", owner=owner)
       call schema%real("material", "hardening", "slope of the yield stress to plastic strain", &
          unit="Pa", default="0", range=">= 0", owner=owner)
       call schema%require("material", "yield")

@@ -128,7 +128,7 @@ contains
       type(pore_lanes_t), intent(inout) :: lanes
       type(search_t), intent(inout) :: search
       real(wp) :: growth(most_lanes), miss(most_lanes), factor, argument, sinh_over, square, &
-         steepness, closing, room, excess, most, q1, critical, joining, slope, least, shear
+         steepness, closing, margin, excess, most, q1, critical, joining, slope, least, shear
       integer :: l
 
       q1 = porous%q1
@@ -147,7 +147,7 @@ contains
       end do
       call take_logarithms(lanes%count, miss)
       call take_exponentials(lanes%count, growth)
-      !$omp simd private(argument, sinh_over, square, steepness, closing, room, excess)
+      !$omp simd private(argument, sinh_over, square, steepness, closing, margin, excess)
       do l = 1, lanes%count
          search%start(l) = effective(lanes%porosity(l), critical, joining, most)
          argument = min(steepest, slope*abs(lanes%trial_pressure(l))/lanes%strength(l))
@@ -159,10 +159,10 @@ contains
          search%unit(l) = miss(l)/max(steepness, tiny(1.0_wp))
          ! Volume to lose until pores are closed, and the flow that takes it.
          closing = max(lanes%porosity(l) - least, 0.0_wp)/(1.0_wp - lanes%porosity(l))
-         room = factor*search%start(l)*(lanes%trial_pressure(l) - closing*lanes%bulk(l))
-         search%upper(l) = closing/max(closing + search%unit(l)*max(room, 0.0_wp), tiny(1.0_wp))
-         search%upper(l) = merge(search%upper(l), 1.0_wp, room > 0.0_wp)
-         search%v(l) = merge(search%upper(l), 0.5_wp, room > 0.0_wp)
+         margin = factor*search%start(l)*(lanes%trial_pressure(l) - closing*lanes%bulk(l))
+         search%upper(l) = closing/max(closing + search%unit(l)*max(margin, 0.0_wp), tiny(1.0_wp))
+         search%upper(l) = merge(search%upper(l), 1.0_wp, margin > 0.0_wp)
+         search%v(l) = merge(search%upper(l), 0.5_wp, margin > 0.0_wp)
          search%last(l) = 0.0_wp
          search%last_miss(l) = miss(l)
          search%lower(l) = 0.0_wp
@@ -185,7 +185,7 @@ contains
    end function sinh_ratio
 
    !> State at v and the miss of the yield function there, the logarithm of loading over resisting
-   !! terms, in the lanes that are not done. Equations (D.3) to (D.7).
+   !! terms, in the lanes that are not done. Equations (D.3), (D.4), (D.5), (D.6) and (D.7).
    ! gate: long kernel because pressure, deviator, porosity and strength follow from one unknown
    pure subroutine evaluate(porous, lanes, search)
       type(porous_t), intent(in) :: porous
@@ -254,8 +254,8 @@ contains
       end do
    end subroutine evaluate
 
-   !> Lanes in which pressure closes the pores: they lose what volume they have, and the matrix flows
-   !! by itself. The others begin at v = 1/2, or in the middle of a smaller bracket.
+   !> Lanes in which pressure closes the pores: they lose what volume they have, and the matrix
+   !! flows by itself. The others begin at v = 1/2, or in the middle of a smaller bracket.
    pure subroutine close_pores(porous, lanes, search)
       type(porous_t), intent(in) :: porous
       type(pore_lanes_t), intent(inout) :: lanes
@@ -289,8 +289,8 @@ contains
       end do
    end subroutine close_pores
 
-   !> Next v of each lane: a step of secants if it stays in the bracket and the miss was halved, else
-   !! the middle of the bracket.
+   !> Next v of each lane: a step of secants if it stays in the bracket and the miss was halved,
+   !! else the middle of the bracket.
    pure subroutine improve(count, search)
       integer, intent(in) :: count                   !! Lanes
       type(search_t), intent(inout) :: search

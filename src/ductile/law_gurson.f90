@@ -264,8 +264,8 @@ contains
       end do
    end subroutine collect
 
-   !> Stress, pressure, porosity, strain and work of the particles that flow. The work is that of the
-   !! mean of the stresses before and after the step. Equations (D.9) and (D.11).
+   !> Stress, pressure, porosity, strain and work of the particles that flow. The work is that of
+   !! the mean of the stresses before and after the step. Equations (D.9) and (D.11).
    pure subroutine move_results(law, offset, before, lanes, state, deformation)
       type(law_gurson_t), intent(in) :: law
       integer, intent(in) :: offset                  !! Particles of the range before the group

@@ -19,7 +19,8 @@ module io_fields
       "density", "velocity", "speed", "reference", "stress", "pressure", "mises", &
       "viscous_pressure", "energy", "temperature", "plastic_strain", &
       "equivalent_strain", "inertial_number", "damage", "failed", "deformation_gradient", &
-      "plastic_dilation", "distension", "porosity", "scatter", "overload", "bulking", "solid_fraction", &
+      "plastic_dilation", "distension", "porosity", "scatter", "overload", "bulking", &
+      "solid_fraction", &
       "bond", "extent", "domain", "affine", "spin", "burn_time", "fragment"]
    !> Fields of "default", if particles have them.
    character(len=field_name_length), parameter :: usual_names(12) = &

@@ -138,7 +138,8 @@ contains
       if (allocated(state%temperature)) state%temperature(first:last) = temperature
       if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = 0.0_wp
       if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
-      if (allocated(state%pores%distension)) state%pores%distension(first:last) = self%eos%distension
+      if (allocated(state%pores%distension)) &
+         state%pores%distension(first:last) = self%eos%distension
       if (allocated(state%pores%porosity)) &
          state%pores%porosity(first:last) = self%law%initial_porosity()
       if (allocated(state%damage)) state%damage(first:last) = 0.0_wp

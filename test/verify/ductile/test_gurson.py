@@ -7,8 +7,8 @@ bits depend on its neighbours, failure that does not come or is undone, books th
 
 * Drawn from all sides the mean stress is on the limit of Gurson, 2 Y/(3 q2) acosh((1 + (q1 f)^2)/(2 q1 f)): to 1e-9,
   and (1 - f)/(1 - f0) times the volume is that of the matrix at its pressure: to 1e-9.
-* Uniaxial strain with hardening, new and joining pores: a differential equation of the rates, by Runge and Kutta. Implicit
-  steps are of first order: error halved with half the steps, and 1e-3 with the most.
+* Uniaxial strain with hardening, new and joining pores: a differential equation of the rates, by Runge and Kutta.
+  Implicit steps are of first order: error halved with half the steps, and 1e-3 with the most.
 * Without pores the law is that of von Mises: 1e-12, where roots are found to 1e-13.
 * Work of the stress along a path is stored elastically or is plastic work, to 1e-6 of it with 2000 steps; the onset of
   flow within a step keeps it from second order, first is asked for.
@@ -119,8 +119,8 @@ def hydrostatic(options, sheet):
     sheet.near("closed: pressure of the matrix", pressure[-1],
                BULK * (rows["density"][-1] / 2700.0 - (1.0 - f[-1]) / 0.99), 1.0e-9)
     hot = point(options, "hot", f"density=2700  eos_model='mie_gruneisen'  mg_c0=5328  mg_s=1.338  mg_gamma=2"
-                f"  shear={SHEAR}  strength_model='gurson'  yield={YIELD}  gtn_f0=0.01  specific_heat=900", "hydrostatic",
-                0.3, 4000, effects="thermal=.true.")
+                f"  shear={SHEAR}  strength_model='gurson'  yield={YIELD}  gtn_f0=0.01  specific_heat=900",
+                "hydrostatic", 0.3, 4000, effects="thermal=.true.")
     work = hot["energy"][-1] - hot["energy"][0]
     sheet.require(hot["porosity"][-1] > 0.2, "pores grow")
     dense = hot["density"][-1] / 2700.0 * 0.99 / (1.0 - hot["porosity"][-1])     # that of the matrix
@@ -264,8 +264,8 @@ def impact(options, sheet):
             sheet.require(law != "gurson" or run.snapshots()[-1][1].fields["porosity"].max() > 0.05, "pores grow")
     print("         books:", *[f"{law} {cfl}: {value:.2e}" for (law, cfl), value in books.items()])
     for cfl in (0.4, 0.2):
-        sheet.below(f"books beyond those of von_mises, cfl = {cfl}", max(0.0, books["gurson", cfl] - books["von_mises", cfl]),
-                    1.0e-3)
+        sheet.below(f"books beyond those of von_mises, cfl = {cfl}", max(0.0, books["gurson", cfl]
+                    - books["von_mises", cfl]), 1.0e-3)
 
 
 def work(options, sheet):
