@@ -2,9 +2,9 @@
 !> Return of stresses to the yield surface of porous metal, for groups of particles that are the
 !! lanes of vectors. Equations (D.1) to (D.7) of doc/theory/ductile.md.
 !!
-!! One unknown v, from 0 to 1, stands for the flow; pressure, deviator, porosity and strength follow
-!! from it in closed form. A lane that has its root is left alone, so that its bits do not depend on
-!! its neighbours.
+!! One unknown s, not negative, stands for the flow; pressure, deviator, porosity and strength
+!! follow from it in closed form. A lane that has its root is left alone, so that its bits do not
+!! depend on its neighbours.
 module ductile_flow
    use base_elementary, only: take_exponentials, take_logarithms
    use base_kinds, only: wp
@@ -17,6 +17,7 @@ module ductile_flow
    !> Porosity is below this, and what voids weaken below this share of all strength.
    real(wp), parameter :: most_porosity = 0.999_wp, most_weakening = 0.99_wp
    real(wp), parameter :: steepest = 300.0_wp        !! Argument of the hyperbolic functions [1]
+   real(wp), parameter :: unbounded = 1.0e200_wp     !! No upper bound of s is known [1]
    real(wp), parameter :: tolerance = 1.0e-13_wp     !! Of the yield function [1]
 
    !> Constants of the material.
@@ -39,7 +40,9 @@ module ductile_flow
       real(wp) :: bulk(most_lanes)                   !! Growth of p with the volume gained [Pa]
       real(wp) :: porosity(most_lanes)               !! Before the step in, after it out [1]
       real(wp) :: strength(most_lanes)               !! Of the matrix before the step [Pa]
-      real(wp) :: making(most_lanes)                 !! New pores for a unit of strain [1]
+      !> New pores for a unit of strain; 0 where there are none, as their volume cannot grow [1]
+      real(wp) :: making(most_lanes)
+      real(wp) :: making_later(most_lanes)           !! Those that count from the next step on [1]
       real(wp) :: scaling(most_lanes)                !! Of the deviator (out) [1]
       real(wp) :: pressure(most_lanes)               !! After the step (out) [Pa]
       real(wp) :: gained(most_lanes)                 !! Volume gained over that after it (out) [1]
@@ -49,14 +52,14 @@ module ductile_flow
    !> Unknowns of the lanes.
    type :: search_t
       real(wp) :: start(most_lanes)                  !! Effective porosity before the step [1]
-      real(wp) :: unit(most_lanes)                   !! Flow at v = 1/2 [1/Pa]
-      real(wp) :: v(most_lanes)                      !! Present value [1]
+      real(wp) :: unit(most_lanes)                   !! Flow at s = 1 [1/Pa]
+      real(wp) :: s(most_lanes)                      !! Present value [1]
       real(wp) :: last(most_lanes)                   !! Value before [1]
-      real(wp) :: miss(most_lanes)                   !! Of the yield function at v [1]
+      real(wp) :: miss(most_lanes)                   !! Of the yield function at s [1]
       real(wp) :: last_miss(most_lanes)              !! At the value before [1]
-      real(wp) :: lower(most_lanes)                  !! v that is too small [1]
-      real(wp) :: upper(most_lanes)                  !! v that is too large [1]
-      real(wp) :: going(most_lanes)                  !! 1 if v is to be found, else 0
+      real(wp) :: lower(most_lanes)                  !! s that is too small [1]
+      real(wp) :: upper(most_lanes)                  !! s that is too large, huge: none known [1]
+      real(wp) :: going(most_lanes)                  !! 1 if s is to be found, else 0
       real(wp) :: porosity(most_lanes)               !! After the step [1]
    end type search_t
 
@@ -120,8 +123,8 @@ contains
       lanes%porosity(:lanes%count) = search%porosity(:lanes%count)
    end subroutine solve_flow
 
-   !> Bracket and unit of v of each lane. The unit is the step of Newton's method from the trial; v
-   !! ends where pores close, or with all flow.
+   !> Bracket and unit of s of each lane. The unit is the step of Newton's method from the trial; s
+   !! ends where pores close, if they do.
    ! gate: long kernel because the derivative at the trial has three terms
    pure subroutine start_search(porous, lanes, search)
       type(porous_t), intent(in) :: porous
@@ -160,9 +163,9 @@ contains
          ! Volume to lose until pores are closed, and the flow that takes it.
          closing = max(lanes%porosity(l) - least, 0.0_wp)/(1.0_wp - lanes%porosity(l))
          margin = factor*search%start(l)*(lanes%trial_pressure(l) - closing*lanes%bulk(l))
-         search%upper(l) = closing/max(closing + search%unit(l)*max(margin, 0.0_wp), tiny(1.0_wp))
-         search%upper(l) = merge(search%upper(l), 1.0_wp, margin > 0.0_wp)
-         search%v(l) = merge(search%upper(l), 0.5_wp, margin > 0.0_wp)
+         search%upper(l) = closing/max(search%unit(l)*max(margin, 0.0_wp), tiny(1.0_wp))
+         search%upper(l) = merge(search%upper(l), unbounded, margin > 0.0_wp)
+         search%s(l) = merge(search%upper(l), 1.0_wp, margin > 0.0_wp)
          search%last(l) = 0.0_wp
          search%last_miss(l) = miss(l)
          search%lower(l) = 0.0_wp
@@ -184,7 +187,7 @@ contains
       ratio = merge(ratio, 0.5_wp*(growth - 1.0_wp/growth)/max(argument, small), argument < small)
    end function sinh_ratio
 
-   !> State at v and the miss of the yield function there, the logarithm of loading over resisting
+   !> State at s and the miss of the yield function there, the logarithm of loading over resisting
    !! terms, in the lanes that are not done. Equations (D.3), (D.4), (D.5), (D.6) and (D.7).
    ! gate: long kernel because pressure, deviator, porosity and strength follow from one unknown
    pure subroutine evaluate(porous, lanes, search)
@@ -208,7 +211,7 @@ contains
       factor = 4.5_wp*q1*porous%q2**2
       !$omp simd private(flow, amount)
       do l = 1, count
-         flow = search%unit(l)*search%v(l)/max(1.0_wp - search%v(l), epsilon(1.0_wp))
+         flow = search%unit(l)*search%s(l)
          amount = flow*factor*search%start(l)
          pressure(l) = lanes%trial_pressure(l)/(1.0_wp + amount*lanes%bulk(l))
          gained(l) = -amount*pressure(l)
@@ -219,7 +222,7 @@ contains
       call take_exponentials(count, growth)
       !$omp simd private(flow, amount, argument, work)
       do l = 1, count
-         flow = search%unit(l)*search%v(l)/max(1.0_wp - search%v(l), epsilon(1.0_wp))
+         flow = search%unit(l)*search%s(l)
          argument = min(steepest, slope*abs(pressure(l))/lanes%strength(l))
          amount = merge(weakening(l)/max(search%start(l), tiny(1.0_wp)), 1.0_wp, &
             search%start(l) > 0.0_wp)
@@ -255,11 +258,11 @@ contains
    end subroutine evaluate
 
    !> Lanes in which pressure closes the pores: they lose what volume they have, and the matrix
-   !! flows by itself. The others begin at v = 1/2, or in the middle of a smaller bracket.
+   !! flows by itself. The others begin at s = 1, or in the middle of a smaller bracket.
    pure subroutine close_pores(porous, lanes, search)
       type(porous_t), intent(in) :: porous
       type(pore_lanes_t), intent(inout) :: lanes
-      type(search_t), intent(inout) :: search        !! With the miss at its first v
+      type(search_t), intent(inout) :: search        !! With the miss at its first s
       real(wp) :: remaining, share, lost, limit, increment, q1, least, shear, hardening
       logical :: bounded, closed
       integer :: l
@@ -270,7 +273,7 @@ contains
       hardening = porous%hardening
       !$omp simd private(remaining, share, lost, limit, increment, bounded, closed)
       do l = 1, lanes%count
-         bounded = search%upper(l) < 1.0_wp
+         bounded = search%upper(l) < unbounded
          closed = bounded .and. search%miss(l) > 0.0_wp
          remaining = min(lanes%porosity(l), least)
          lost = (remaining - lanes%porosity(l))/(1.0_wp - lanes%porosity(l))
@@ -285,12 +288,12 @@ contains
          lanes%strain(l) = merge(share*increment, lanes%strain(l), closed)
          search%porosity(l) = merge(remaining, search%porosity(l), closed)
          search%going(l) = merge(0.0_wp, 1.0_wp, closed)
-         search%v(l) = 0.5_wp*min(1.0_wp, search%upper(l))
+         search%s(l) = min(1.0_wp, 0.5_wp*search%upper(l))
       end do
    end subroutine close_pores
 
-   !> Next v of each lane: a step of secants if it stays in the bracket and the miss was halved,
-   !! else the middle of the bracket.
+   !> Next s of each lane: a step of secants if it stays in the bracket and the miss was halved,
+   !! else the middle of the bracket, or twice as far where it has no end yet.
    pure subroutine improve(count, search)
       integer, intent(in) :: count                   !! Lanes
       type(search_t), intent(inout) :: search
@@ -300,19 +303,20 @@ contains
 
       !$omp simd private(next, middle, slope, change, fits)
       do l = 1, count
-         search%lower(l) = merge(search%v(l), search%lower(l), search%miss(l) > 0.0_wp)
-         search%upper(l) = merge(search%upper(l), search%v(l), search%miss(l) > 0.0_wp)
-         middle = 0.5_wp*(search%lower(l) + search%upper(l))
+         search%lower(l) = merge(search%s(l), search%lower(l), search%miss(l) > 0.0_wp)
+         search%upper(l) = merge(search%upper(l), search%s(l), search%miss(l) > 0.0_wp)
+         middle = merge(0.5_wp*(search%lower(l) + search%upper(l)), 2.0_wp*search%lower(l) &
+            + 1.0_wp, search%upper(l) < unbounded)
          slope = search%miss(l) - search%last_miss(l)
-         change = search%miss(l)*(search%v(l) - search%last(l))
-         next = search%v(l) - change/merge(slope, 1.0_wp, abs(slope) > 0.0_wp)
+         change = search%miss(l)*(search%s(l) - search%last(l))
+         next = search%s(l) - change/merge(slope, 1.0_wp, abs(slope) > 0.0_wp)
          fits = abs(slope) > 0.0_wp .and. next > search%lower(l) .and. next < search%upper(l) &
             .and. abs(search%miss(l)) <= 0.5_wp*abs(search%last_miss(l))
          search%going(l) = merge(0.0_wp, search%going(l), abs(search%miss(l)) <= tolerance .or. &
             search%upper(l) - search%lower(l) <= 4.0_wp*epsilon(1.0_wp)*search%upper(l))
-         search%last(l) = search%v(l)
+         search%last(l) = search%s(l)
          search%last_miss(l) = search%miss(l)
-         search%v(l) = merge(next, middle, fits)
+         search%s(l) = merge(next, middle, fits)
       end do
    end subroutine improve
 end module ductile_flow

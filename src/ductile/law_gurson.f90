@@ -299,7 +299,7 @@ contains
          deformation%plastic_increment(i) = lanes%strain(l)
          state%plastic_strain(k) = state%plastic_strain(k) + lanes%strain(l)
          state%plastic_dilation(k) = state%plastic_dilation(k) - opened(l)
-         state%pores%porosity(k) = lanes%porosity(l)
+         state%pores%porosity(k) = lanes%porosity(l) + lanes%making_later(l)*lanes%strain(l)
       end do
    end subroutine move_results
 
@@ -314,6 +314,7 @@ contains
       integer :: l
 
       lanes%making(:lanes%count) = 0.0_wp
+      lanes%making_later(:lanes%count) = 0.0_wp
       if (.not. allocated(law%nucleation)) return
       associate (source => law%nucleation)
          do l = 1, lanes%count
@@ -325,6 +326,9 @@ contains
          do l = 1, lanes%count
             lanes%making(l) = merge(source%porosity/(source%scatter*sqrt(2.0_wp*pi)) &
                *lanes%making(l), 0.0_wp, lanes%trial_pressure(l) < 0.0_wp)
+            lanes%making_later(l) = merge(lanes%making(l), 0.0_wp, &
+               lanes%porosity(l) < law%porous%least)
+            lanes%making(l) = lanes%making(l) - lanes%making_later(l)
          end do
       end associate
    end subroutine find_new_pores

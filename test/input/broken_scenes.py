@@ -158,7 +158,7 @@ ORPHANS = [
      "&material 'metal': yield given but strength_model = 'elastic' does not use it"),
     ("plain", "poisson = 0.3", "poisson = 0.3 strength_model = 'gurson' yield = 1e8 gtn_fc = 0.1", 4,
      "&material 'metal': gtn_fc needs gtn_ff, the porosity without strength"),
-    ("plain", "poisson = 0.3", "poisson = 0.3 strength_model = 'gurson' yield = 1e8 gtn_fc = 0.3 gtn_ff = 0.2", 5,
+    ("plain", "poisson = 0.3", "poisson = 0.3 strength_model = 'gurson' yield = 1e8 gtn_fc = 0.3 gtn_ff = 0.2", 4,
      "&material 'metal': gtn_fc must be below gtn_ff and below 1/gtn_q1"),
     ("plain", "poisson = 0.3", "poisson = 0.3 strength_model = 'gurson' yield = 1e8 gtn_f0 = 0.3 gtn_ff = 0.2", 4,
      "&material 'metal': gtn_f0 must be below gtn_fc, gtn_ff and 1/gtn_q1, else nothing bears a load"),
