@@ -231,6 +231,9 @@ contains
    pure real(wp) function models_reference_speed(self) result(speed)
       class(models_t), intent(in) :: self
 
+      ! Of a material with an error in the deck nothing is known.
+      speed = 0.0_wp
+      if (.not. self%density > 0.0_wp) return
       speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
    end function models_reference_speed
 

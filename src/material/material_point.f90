@@ -6,6 +6,7 @@
 module material_point
    use base_kinds, only: wp
    use constitutive_state, only: deformation_t, material_state_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use material_update, only: chain_t
    implicit none
    private
@@ -206,7 +207,9 @@ contains
             call chain%find_rest_stress(point%state, 1, 1)
             pressure = -sum(point%state%stress(1, 1:3))/3.0_wp
             ! A table has no pressure where it ends, which counts as too dense.
-            if (.not. pressure*(1.0_wp - ratio) <= chain%density*speed**2) then
+            if (ieee_is_nan(pressure)) then
+               low = ratio
+            else if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then
                low = ratio
             else
                high = ratio

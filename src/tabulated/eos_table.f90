@@ -13,6 +13,7 @@ module eos_table
    use constitutive_eos, only: eos_t
    use constitutive_field_requests, only: field_requests_t
    use constitutive_state, only: deformation_t, material_state_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use tabulated_states, only: most_lanes, cell_lanes_t, state_table_t
    use tabulated_text, only: read_states
    implicit none
@@ -263,7 +264,7 @@ contains
 
       text = ""
       call find_state(self, density, energy, pressure, square)
-      if (abs(pressure) <= huge(pressure)) return
+      if (.not. ieee_is_nan(pressure)) return
       associate (axis => self%table%density)
          text = "it left its eos_table: density "//brief(density)//" kg/m3"
          if (density < axis(1) .or. density > axis(size(axis))) then

@@ -17,6 +17,7 @@ table that is accepted, one fault that hides the next.
 # cores: 2
 # timeout: 240
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -182,6 +183,10 @@ def bar(options, sheet):
     sheet.below("bar: energy", run.summary["ledger"]["energy_error"], 1.0e-12)
     ahead = last.points[:, 0] > 0.0175
     sheet.below("bar: temperature ahead of the shock", abs(fields["temperature"][ahead] - METAL.zero).max(), 0.1)
+    version = subprocess.run([options.scree, "--version"], stdout=subprocess.PIPE, text=True, check=True).stdout
+    if " Debug " in version:
+        sheet.skipped("a run that leaves its table", "a build that traps bad numbers stops before the message")
+        return
     outside = case.Case(options, "outside", BAR.format(
         material="density=2785  eos_model='table'  eos_table='al.txt'", velocity=-speed))
     write_metal(outside.folder, 8, greatest=3100.0)
