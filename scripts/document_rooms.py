@@ -20,7 +20,8 @@ USE = re.compile(r"^\s*use\s+(\w+)", re.M)
 BOXES = {
     "base": (1.8, "deck, errors, MPI, exact sums"), "mesh": (1.5, "grid, tiles, patches, walls"),
     "constitutive": (0.4, "strength, EOS, damage"), "material": (0, "a material, its update"),
-    "explosive": (0.4, "products, burn, paths"),
+    "explosive": (0.4, "products, burn, paths"), "tabulated": (0.4, "tables of states"),
+    "ductile": (0.4, "pores of metals"),
     "particle": (1.5, "stores, shapes, migration"), "transfer": (1, "shape functions, kernels"),
     "io": (2, "HDF5, files"), "ddmp": (1, "dual gradient"), "exact": (3, "exact solutions"),
     "grains": (3, "periodic cell of grains"),

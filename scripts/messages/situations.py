@@ -23,6 +23,15 @@ BAR = """&run dimension = '1d' /
 &region name = 'bar'  shape = 'box'  lo = 0.3 0 0  hi = 0.7 1 1 /
 &body name = 'one'  region = 'bar'  material = 'metal'  velocity = 1 0 0 /
 """
+STATES_DECK = BAR.replace("young = 70e9  poisson = 0.3", "eos_model = 'table'  eos_table = 'states.txt'").replace(
+    "density = 2700", "density = 1500  elastic = 'none'")
+STATES = """# density temperature pressure energy
+1000  250  7.175e7  1.79375e5
+1000  600  1.722e8  4.305e5
+2000  250  1.435e8  1.79375e5
+2000  600  3.444e8  4.305e5
+"""
+COLD = STATES.replace("1000  600  1.722e8  4.305e5", "1000  600  1.722e8  1.5e5")
 SERIES = BAR + """&output name = 'p'  kind = 'particles'  every = 2 /
 &checkpoint dt = 2e-5  keep = 0 /
 """
@@ -442,6 +451,12 @@ SITUATIONS = {
         "text": "The table `ram.csv`; a velocity is missing in its third line:", "language": "text",
         "shows": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1"), "commands": [CHECK], "right": RAM,
         "right_files": {"scene.nml": PUSHED, "ram.csv": RAM}},
+    "cannot-use-the-table": {
+        "files": {"scene.nml": STATES_DECK, "states.txt": COLD},
+        "text": "The table `states.txt`; the second line has less energy than the first, at a higher temperature:",
+        "language": "text", "shows": COLD,
+        "commands": [CHECK], "right": STATES, "right_files": {"scene.nml": STATES_DECK, "states.txt": STATES},
+        "see": ["materials.md#equations-of-state-as-tables"]},
     "has-other-columns-than-this-run": {
         "files": {"scene.nml": BAR}, "before": [RUN],
         "text": "The run is to go on with outputs in other units:",

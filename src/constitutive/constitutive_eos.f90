@@ -20,6 +20,7 @@ module constitutive_eos
    contains
       procedure :: declare => eos_declare            !! Declares its keys, if it has any
       procedure :: fault => eos_fault                !! Error in the combination of its keys
+      procedure :: take_file => eos_take_file        !! Takes the text of its file, if it has one
       procedure :: read => eos_read                  !! Reads its keys, if it has any
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure :: has_pores => eos_has_pores        !! True if its material is porous
@@ -28,7 +29,12 @@ module constitutive_eos
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => eos_find_gruneisen !! Grueneisen number times density
       procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
+      procedure :: gives_temperature => eos_gives_temperature !! True if the state has one by it
+      procedure :: find_temperature => eos_find_temperature !! Temperature, if it gives it
+      procedure :: starts_with_energy => eos_starts_with_energy !! True if material has some at rest
       procedure :: start_energy => eos_start_energy  !! Energy of the reference state
+      procedure :: report => eos_report              !! What the user should know of it
+      procedure :: fault_of_state => eos_fault_of_state !! Why a state has no pressure
       procedure :: detonates => eos_detonates        !! True for the products of an explosive
       procedure :: detonation => eos_detonation      !! Speed, and volume behind the front
       !> Speed of the detonation that its constants have
@@ -91,6 +97,19 @@ contains
       text = ""
    end function eos_fault
 
+   !> Take the text of the file that belongs to the equation of state, before its keys are read.
+   subroutine eos_take_file(self, text, path, group, fault, doubt)
+      class(eos_t), intent(inout) :: self
+      character(len=*), intent(in) :: text                     !! Content of the file
+      character(len=*), intent(in) :: path                     !! For messages
+      type(group_t), intent(in) :: group                       !! &material
+      character(len=:), allocatable, intent(out) :: fault      !! What is wrong; empty if nothing
+      character(len=:), allocatable, intent(out) :: doubt      !! What may be; empty if nothing
+
+      fault = ""
+      doubt = ""
+   end subroutine eos_take_file
+
    !> True if the keys of the equation of state give the bulk modulus.
    pure logical function eos_sets_bulk(self) result(sets)
       class(eos_t), intent(in) :: self
@@ -117,9 +136,32 @@ contains
       deformation%gruneisen(:last - first + 1) = 0.0_wp
    end subroutine eos_find_gruneisen
 
-   !> Internal energy of the reference state [J/kg].
-   pure real(wp) function eos_start_energy(self) result(energy)
+   !> True if density and energy have a temperature by the equation of state itself.
+   pure logical function eos_gives_temperature(self) result(gives)
       class(eos_t), intent(in) :: self
+
+      gives = .false.
+   end function eos_gives_temperature
+
+   !> Temperature after the step, of an equation of state that gives it.
+   pure subroutine eos_find_temperature(self, state, first, last)
+      class(eos_t), intent(in) :: self
+      type(material_state_t), intent(inout) :: state                  !! State of the store
+      integer, intent(in) :: first                             !! First particle of the range
+      integer, intent(in) :: last                              !! Last particle of the range
+   end subroutine eos_find_temperature
+
+   !> True if material at rest has an energy, and with it perhaps a pressure.
+   pure logical function eos_starts_with_energy(self) result(does)
+      class(eos_t), intent(in) :: self
+
+      does = .false.
+   end function eos_starts_with_energy
+
+   !> Internal energy of the reference density [J/kg].
+   pure real(wp) function eos_start_energy(self, temperature) result(energy)
+      class(eos_t), intent(in) :: self
+      real(wp), optional, intent(in) :: temperature !! That of the reference without it [K]
 
       energy = 0.0_wp
    end function eos_start_energy
@@ -147,6 +189,24 @@ contains
 
       speed = 0.0_wp
    end function eos_chapman_jouguet_speed
+
+   !> What the user should know of the equation of state, in a line; empty if nothing.
+   function eos_report(self) result(text)
+      class(eos_t), intent(in) :: self
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function eos_report
+
+   !> Why a state has no pressure, for the message that names its particle; empty if it has one.
+   function eos_fault_of_state(self, density, energy) result(text)
+      class(eos_t), intent(in) :: self
+      real(wp), intent(in) :: density                          !! [kg/m3]
+      real(wp), intent(in) :: energy                           !! [J/kg]
+      character(len=:), allocatable :: text
+
+      text = ""
+   end function eos_fault_of_state
 
    !> Keep what the step did to the state that belongs to the equation of state, after `update`.
    pure subroutine eos_keep_state(self, state, deformation, first, last)

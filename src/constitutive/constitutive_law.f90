@@ -32,6 +32,8 @@ module constitutive_law
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
       procedure :: supports_voids => law_supports_voids !! True if its material may be porous
+      procedure :: grows_pores => law_grows_pores    !! True if it has pores of its own
+      procedure :: initial_porosity => law_initial_porosity !! Porosity of the reference state
       procedure :: softens_by_damage => law_softens_by_damage !! True if damage lowers its strength
       procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
       procedure :: follows_density => law_follows_density !! True if its pressure must follow it
@@ -146,6 +148,20 @@ contains
 
       supports = .true.
    end function law_supports_voids
+
+   !> True if the law has a porosity that flow changes.
+   pure logical function law_grows_pores(self) result(grows)
+      class(law_t), intent(in) :: self
+
+      grows = .false.
+   end function law_grows_pores
+
+   !> Porosity of the reference state [1].
+   pure real(wp) function law_initial_porosity(self) result(porosity)
+      class(law_t), intent(in) :: self
+
+      porosity = 0.0_wp
+   end function law_initial_porosity
 
    !> True if the law itself lowers the strength of damaged material.
    pure logical function law_softens_by_damage(self) result(softens)

@@ -9,6 +9,12 @@ module constitutive_state
 
    public :: damage_scratch_t, deformation_t, material_state_t
 
+   !> State of pores.
+   type :: pore_state_t
+      real(wp), allocatable :: distension(:)         !! Density of the solid over density [1]
+      real(wp), allocatable :: porosity(:)           !! Volume of pores over the whole [1]
+   end type pore_state_t
+
    !> State of brittle failure.
    type :: brittle_state_t
       real(wp), allocatable :: scatter(:)            !! Random strength of each particle [1]
@@ -34,12 +40,12 @@ module constitutive_state
       real(wp), allocatable :: temperature(:)        !! [K]
       real(wp), allocatable :: plastic_strain(:)     !! Equivalent plastic strain [1]
       real(wp), allocatable :: plastic_dilation(:)   !! Logarithm of volume gained by shear [1]
-      real(wp), allocatable :: distension(:)         !! Density of the solid over density [1]
       real(wp), allocatable :: damage(:)             !! 0 intact to 1 failed [1]
       real(wp), allocatable :: solid_fraction(:)     !! Fraction of the volume without voids [1]
       !> dx_k/dX_l of current to initial position, column k + 3 (l - 1) (:, 9) [1]
       real(wp), allocatable :: deformation_gradient(:, :)
       integer(int64), allocatable :: failed(:)       !! Failure flag, 0 or 1, never averaged
+      type(pore_state_t) :: pores                    !! Of porous material
       type(brittle_state_t) :: brittle               !! Brittle failure
       type(recorded_state_t) :: recorded             !! For outputs
    contains
@@ -120,7 +126,10 @@ contains
          call worker%scalar("plastic_strain", "1", self%plastic_strain)
       if (allocated(self%plastic_dilation)) &
          call worker%scalar("plastic_dilation", "1", self%plastic_dilation)
-      if (allocated(self%distension)) call worker%scalar("distension", "1", self%distension)
+      if (allocated(self%pores%distension)) &
+         call worker%scalar("distension", "1", self%pores%distension)
+      if (allocated(self%pores%porosity)) &
+         call worker%scalar("porosity", "1", self%pores%porosity)
       if (allocated(self%damage)) call worker%scalar("damage", "1", self%damage)
       associate (brittle => self%brittle, recorded => self%recorded)
          if (allocated(brittle%scatter)) call worker%scalar("scatter", "1", brittle%scatter)

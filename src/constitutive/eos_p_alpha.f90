@@ -143,7 +143,7 @@ contains
       do i = 1, last - first + 1
          k = first - 1 + i
          density = state%mass(k)/state%volume(k)
-         alpha = state%distension(k)
+         alpha = state%pores%distension(k)
          call crush(self, density, state%energy(k), alpha)
          deformation%distension(i) = alpha
          call mie_gruneisen_state(self%solid%density, self%solid%sound, self%solid%slope, &
@@ -217,7 +217,7 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
 
-      state%distension(first:last) = deformation%distension(:last - first + 1)
+      state%pores%distension(first:last) = deformation%distension(:last - first + 1)
    end subroutine p_alpha_keep_state
 
    !> The energy is carried by the particles.

@@ -31,10 +31,11 @@ contains
    subroutine von_mises_declare(self, schema)
       class(law_von_mises_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
-      character(len=*), parameter :: owner = "effects.strength & strength_model = von_mises"
+      character(len=*), parameter :: owner = "effects.strength & strength_model = von_mises "// &
+         "gurson"
 
-      call schema%real("material", "yield", "yield stress of von Mises", unit="Pa", range="> 0", &
-         owner=owner)
+      call schema%real("material", "yield", "yield stress of von Mises, of the matrix of "// &
+         "gurson", unit="Pa", range="> 0", owner=owner)
       call schema%real("material", "hardening", "slope of the yield stress to plastic strain", &
          unit="Pa", default="0", range=">= 0", owner=owner)
       call schema%require("material", "yield")

@@ -39,6 +39,7 @@ module eos_jwl
       procedure :: update => jwl_update              !! Pressure and square of the sound speed
       procedure :: find_gruneisen => jwl_find_gruneisen !! Grueneisen number times density
       procedure :: stored_energy => jwl_stored_energy !! Nothing, energy is carried
+      procedure :: starts_with_energy => jwl_starts_with_energy !! It does
       procedure :: start_energy => jwl_start_energy  !! Chemical energy
       procedure :: detonates => jwl_detonates        !! It does
       procedure :: detonation => jwl_detonation      !! Speed, and volume behind the front
@@ -255,9 +256,17 @@ contains
       energy = 0.0_wp
    end function jwl_stored_energy
 
-   !> Chemical energy per mass [J/kg].
-   pure real(wp) function jwl_start_energy(self) result(energy)
+   !> Products hold the chemical energy at the start.
+   pure logical function jwl_starts_with_energy(self) result(does)
       class(eos_jwl_t), intent(in) :: self
+
+      does = .true.
+   end function jwl_starts_with_energy
+
+   !> Chemical energy per mass [J/kg].
+   pure real(wp) function jwl_start_energy(self, temperature) result(energy)
+      class(eos_jwl_t), intent(in) :: self
+      real(wp), optional, intent(in) :: temperature  !! Not used [K]
 
       energy = self%chemical/self%density
    end function jwl_start_energy

@@ -14,12 +14,13 @@ module io_fields
 
    integer, parameter, public :: field_name_length = 32  !! Longest name of a field
    !> All names that `fields` of an output may have, besides "default" and "state".
-   character(len=field_name_length), parameter, public :: field_names(34) = &
+   character(len=field_name_length), parameter, public :: field_names(35) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
       "density", "velocity", "speed", "reference", "stress", "pressure", "mises", &
       "viscous_pressure", "energy", "temperature", "plastic_strain", &
       "equivalent_strain", "inertial_number", "damage", "failed", "deformation_gradient", &
-      "plastic_dilation", "distension", "scatter", "overload", "bulking", "solid_fraction", &
+      "plastic_dilation", "distension", "porosity", "scatter", "overload", "bulking", &
+      "solid_fraction", &
       "bond", "extent", "domain", "affine", "spin", "burn_time", "fragment"]
    !> Fields of "default", if particles have them.
    character(len=field_name_length), parameter :: usual_names(12) = &

@@ -45,6 +45,7 @@ module material_models
       procedure :: start => models_start             !! Initial state of particles
       procedure :: draw_strength => models_draw_strength       !! Random strength of particles
       procedure :: start_energy => models_start_energy !! Internal energy at the start
+      procedure :: starts_with_energy => models_starts_with_energy !! True if it has some then
       procedure :: is_gas_of_explosive => models_is_gas_of_explosive !! Products of a detonation
       procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
       procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress
@@ -108,7 +109,8 @@ contains
       if (requests%has("temperature")) allocate (state%temperature(n))
       if (requests%has("plastic_strain")) allocate (state%plastic_strain(n))
       if (requests%has("plastic_dilation")) allocate (state%plastic_dilation(n))
-      if (requests%has("distension")) allocate (state%distension(n))
+      if (requests%has("porosity")) allocate (state%pores%porosity(n))
+      if (requests%has("distension")) allocate (state%pores%distension(n))
       if (requests%has("damage")) allocate (state%damage(n))
       if (requests%has("scatter")) allocate (state%brittle%scatter(n))
       if (requests%has("overload")) allocate (state%brittle%overload(n))
@@ -130,12 +132,16 @@ contains
 
       state%stress(first:last, :) = 0.0_wp
       if (allocated(state%viscous_pressure)) state%viscous_pressure(first:last) = 0.0_wp
-      if (allocated(state%energy)) state%energy(first:last) = self%start_energy()
+      if (allocated(state%energy)) state%energy(first:last) = &
+         self%start_energy(temperature)
       if (allocated(state%burn_time)) state%burn_time(first:last) = burnt_before
       if (allocated(state%temperature)) state%temperature(first:last) = temperature
       if (allocated(state%plastic_strain)) state%plastic_strain(first:last) = 0.0_wp
       if (allocated(state%plastic_dilation)) state%plastic_dilation(first:last) = 0.0_wp
-      if (allocated(state%distension)) state%distension(first:last) = self%eos%distension
+      if (allocated(state%pores%distension)) &
+         state%pores%distension(first:last) = self%eos%distension
+      if (allocated(state%pores%porosity)) &
+         state%pores%porosity(first:last) = self%law%initial_porosity()
       if (allocated(state%damage)) state%damage(first:last) = 0.0_wp
       if (allocated(state%brittle%scatter)) state%brittle%scatter(first:last) = 1.0_wp
       if (allocated(state%brittle%overload)) state%brittle%overload(first:last) = -1.0_wp
@@ -152,13 +158,28 @@ contains
       if (allocated(state%failed)) state%failed(first:last) = 0
    end subroutine models_start
 
-   !> Internal energy of material at the start [J/kg]: an explosive holds its chemical energy.
-   pure real(wp) function models_start_energy(self) result(energy)
+   !> Internal energy of material at the start [J/kg]: an explosive holds its chemical energy, a
+   !! table has an energy for each temperature.
+   pure real(wp) function models_start_energy(self, temperature) result(energy)
       class(models_t), intent(in) :: self
+      real(wp), optional, intent(in) :: temperature  !! Used if the material has one [K]
 
       energy = 0.0_wp
-      if (allocated(self%eos)) energy = self%eos%start_energy()
+      if (.not. allocated(self%eos)) return
+      if (allocated(self%heat)) then
+         energy = self%eos%start_energy(temperature)
+      else
+         energy = self%eos%start_energy()
+      end if
    end function models_start_energy
+
+   !> True if material at rest has an energy, and with it perhaps a pressure.
+   pure logical function models_starts_with_energy(self) result(does)
+      class(models_t), intent(in) :: self
+
+      does = .false.
+      if (allocated(self%eos)) does = self%eos%starts_with_energy()
+   end function models_starts_with_energy
 
    !> True for the products of an explosive, which neither melt nor have strength.
    pure logical function models_is_gas_of_explosive(self) result(is_gas)
@@ -210,6 +231,9 @@ contains
    pure real(wp) function models_reference_speed(self) result(speed)
       class(models_t), intent(in) :: self
 
+      ! Of a material with an error in the deck nothing is known.
+      speed = 0.0_wp
+      if (.not. self%density > 0.0_wp) return
       speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)
    end function models_reference_speed
 

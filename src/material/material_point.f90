@@ -6,6 +6,7 @@
 module material_point
    use base_kinds, only: wp
    use constitutive_state, only: deformation_t, material_state_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use material_update, only: chain_t
    implicit none
    private
@@ -47,7 +48,7 @@ contains
       self%state%volume = self%volume
       self%state%mass = chain%density*self%volume
       call chain%start(self%state, 1, 1, self%temperature)
-      if (chain%start_energy() > 0.0_wp) call chain%find_rest_stress(self%state, 1, 1)
+      if (chain%starts_with_energy()) call chain%find_rest_stress(self%state, 1, 1)
       self%deformation%gradient = 0.0_wp
       self%deformation%wave_speed(1) = chain%signal_speed(self%state, 1, 1)
       select case (self%path)
@@ -202,10 +203,13 @@ contains
             call point%start(chain)
             point%state%volume = point%volume*ratio
             if (allocated(point%state%energy)) point%state%energy = &
-               chain%start_energy() + 0.5_wp*speed**2
+               chain%start_energy(point%temperature) + 0.5_wp*speed**2
             call chain%find_rest_stress(point%state, 1, 1)
             pressure = -sum(point%state%stress(1, 1:3))/3.0_wp
-            if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then
+            ! A table has no pressure where it ends, which counts as too dense.
+            if (ieee_is_nan(pressure)) then
+               low = ratio
+            else if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then
                low = ratio
             else
                high = ratio
@@ -231,7 +235,8 @@ contains
       if (allocated(self%state%plastic_strain)) text = text//",plastic_strain"
       if (allocated(self%state%damage)) text = text//",damage"
       if (allocated(self%state%failed)) text = text//",failed"
-      if (allocated(self%state%distension)) text = text//",distension"
+      if (allocated(self%state%pores%distension)) text = text//",distension"
+      if (allocated(self%state%pores%porosity)) text = text//",porosity"
       if (allocated(self%state%solid_fraction)) text = text//",solid_fraction"
    end function point_header
 
@@ -254,7 +259,8 @@ contains
          if (allocated(state%plastic_strain)) row = [row, state%plastic_strain(1)]
          if (allocated(state%damage)) row = [row, state%damage(1)]
          if (allocated(state%failed)) row = [row, real(state%failed(1), wp)]
-         if (allocated(state%distension)) row = [row, state%distension(1)]
+         if (allocated(state%pores%distension)) row = [row, state%pores%distension(1)]
+         if (allocated(state%pores%porosity)) row = [row, state%pores%porosity(1)]
          if (allocated(state%solid_fraction)) row = [row, state%solid_fraction(1)]
       end associate
    end function point_row

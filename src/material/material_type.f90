@@ -23,10 +23,12 @@ contains
 
    !> Make a material from its group and check the combination of its keys. The material is complete
    !! only if neither it nor the groups that it depends on have errors.
-   subroutine material_read(self, deck, place)
+   subroutine material_read(self, deck, place, table, path)
       class(material_t), intent(out) :: self
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: place                   !! Number among the &material of the deck
+      character(len=*), optional, intent(in) :: table !! Text of the file of eos_table, if it is set
+      character(len=*), optional, intent(in) :: path !! Name of that file, for messages
       character(len=14), parameter :: models(5) = [character(len=14) :: "elastic", "eos_model", &
          "strength_model", "damage_model", "preset"]
       type(effects_t) :: effects
@@ -38,6 +40,7 @@ contains
       ! a misspelt model or preset is reported already; its keys would only be follow-up errors
       if (.not. group%valid(models)) return
       call choose_models(self, group, effects)
+      if (present(table) .and. allocated(self%eos)) call take_table(self, deck, group, table, path)
       call check_material(self, group, effects, deck)
       if (.not. (deck%sound("material", place) .and. deck%sound("effects") .and. &
          deck%sound("method") .and. deck%sound("run"))) return
@@ -53,6 +56,20 @@ contains
          call deck%complain(group, "fracture_energy needs an eos_model with a bulk modulus at "// &
          "rest; a gas does not crack", "fracture_energy")
    end subroutine material_read
+
+   !> The file of an equation of state that is a table.
+   subroutine take_table(material, deck, group, table, path)
+      class(material_t), intent(inout) :: material
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(group_t), intent(in) :: group             !! Its &material
+      character(len=*), intent(in) :: table          !! Text of the file
+      character(len=*), intent(in) :: path           !! For messages
+      character(len=:), allocatable :: fault, doubt
+
+      call material%eos%take_file(table, path, group, fault, doubt)
+      if (len(doubt) > 0) call deck%warn(group, "eos_table: "//doubt, "eos_table")
+      if (len(fault) > 0) call deck%complain(group, "eos_table: "//fault, "eos_table")
+   end subroutine take_table
 
    !> Allocate the requested models.
    subroutine choose_models(material, group, effects)

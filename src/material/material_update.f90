@@ -9,6 +9,8 @@ module material_update
    use constitutive_state, only: deformation_t, material_state_t
    use constitutive_tension, only: cut_tension, drop_loose_pressure, fail_as_rubble, &
       fail_with_strength, remove_failed_deviator, remove_melted_deviator
+   use ductile_volume, only: take_matrix_pressure, to_matrix_volume, to_matrix_volumes, &
+      to_whole_volume
    use material_failed, only: failed_subset_t, remove_failed_stress
    use material_models, only: models_t
    use material_record, only: add_strain
@@ -77,6 +79,10 @@ contains
          call self%voids%to_solid_volume(solid, deformation, first, last)
          call self%eos%update(solid, deformation, first, last)
          call self%voids%to_total_volume(solid, deformation, first, last)
+      else if (allocated(state%pores%porosity)) then
+         solid = state
+         call to_matrix_volume(solid, deformation, first, last)
+         call self%eos%update(solid, deformation, first, last)
       else if (allocated(self%eos)) then
          call self%eos%update(state, deformation, first, last)
       else if (self%bulk_in_rate_form()) then
@@ -253,6 +259,10 @@ contains
          call self%eos%update(state, deformation, first, last)
          call add_bulking(state, deformation, first, last)
          call self%voids%to_total_volume(state, deformation, first, last)
+      else if (allocated(state%pores%porosity)) then
+         call to_matrix_volume(state, deformation, first, last)
+         call self%eos%update(state, deformation, first, last)
+         call take_matrix_pressure(state, deformation, first, last)
       else if (allocated(self%eos)) then
          call self%eos%update(state, deformation, first, last)
          if (allocated(self%burn)) call self%burn%apply(first, last, state%burn_time, &
@@ -367,17 +377,33 @@ contains
       if (allocated(self%voids)) &
          deformation%voids%old_temperature(:last - first + 1) = state%temperature(first:last)
       if (allocated(self%voids)) call self%voids%to_solid_volumes(state, deformation, first, last)
-      deformation%gruneisen(:last - first + 1) = 0.0_wp
-      if (allocated(self%eos)) call self%eos%find_gruneisen(state, deformation, first, last)
-      call heat_particles(first, last, self%heat%specific_heat, plastic_share, &
-         deformation%gruneisen, state%mass, state%volume, deformation%old_volume, &
-         deformation%pressure, deformation%pressure_floor, deformation%plastic_work, &
-         deformation%viscous_work, state%temperature)
+      if (allocated(state%pores%porosity)) &
+         call to_matrix_volumes(state, deformation, first, last)
+      if (has_temperature(self)) then
+         call self%eos%find_temperature(state, first, last)
+      else
+         deformation%gruneisen(:last - first + 1) = 0.0_wp
+         if (allocated(self%eos)) call self%eos%find_gruneisen(state, deformation, first, last)
+         call heat_particles(first, last, self%heat%specific_heat, plastic_share, &
+            deformation%gruneisen, state%mass, state%volume, deformation%old_volume, &
+            deformation%pressure, deformation%pressure_floor, deformation%plastic_work, &
+            deformation%viscous_work, state%temperature)
+      end if
+      if (allocated(state%pores%porosity)) &
+         call to_whole_volume(state, deformation, first, last)
       if (.not. allocated(self%voids)) return
       state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
       call expand_grains(first, last, self%voids%expansion, state%temperature, &
          deformation%voids%old_temperature, state%solid_fraction)
    end subroutine update_temperature
+
+   !> True if the equation of state gives the temperature.
+   pure logical function has_temperature(self) result(has)
+      class(chain_t), intent(in) :: self
+
+      has = .false.
+      if (allocated(self%eos)) has = self%eos%gives_temperature()
+   end function has_temperature
 
    !> True if a particle has failed and keeps no stress.
    pure logical function gone(self, state, particle) result(is_gone)

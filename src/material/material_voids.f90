@@ -76,17 +76,22 @@ contains
       character(len=:), allocatable :: text
       character(len=:), allocatable :: word
       real(wp) :: dilation, fraction
-      logical :: solid
+      logical :: pores, solid
 
       text = ""
       solid = .false.
+      pores = .false.
       if (allocated(law)) solid = .not. law%supports_voids()
+      if (allocated(law)) pores = law%grows_pores()
       call group%get("solid_fraction", fraction)
       dilation = 0.0_wp
       if (group%given("dilation_angle")) call group%get("dilation_angle", dilation)
       if (eos%has_pores()) then
          call group%get("eos_model", word)
          text = "eos_model = '"//word//"' has pores of its own; remove it or &effects voids"
+      else if (pores) then
+         call group%get("strength_model", word)
+         text = "strength_model = '"//word//"' has pores of its own; remove it or &effects voids"
       else if (dilation > 0.0_wp) then
          text = "with &effects voids shear opens them by b_shear, not by dilation_angle"
       else if (solid .and. fraction < 1.0_wp) then

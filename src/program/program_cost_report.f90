@@ -102,6 +102,10 @@ contains
       text = text//new_line("a")
       do n = 1, size(simulation%materials)
          text = text//"  "//simulation%stores(n)%name//new_line("a")
+         if (allocated(simulation%materials(n)%eos)) then
+            lines = simulation%materials(n)%eos%report()
+            if (len(lines) > 0) text = text//"    equation of state: "//lines//new_line("a")
+         end if
          requests = simulation%materials(n)%field_requests()
          lines = requests%report()
          first = 1

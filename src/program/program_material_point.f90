@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> scree --point: drives one material of a deck along a strain path and writes its states.
 module program_material_point
+   use base_communicator, only: communicator_t
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
    use base_kinds, only: wp
@@ -9,6 +10,7 @@ module program_material_point
    use io_file, only: make_folder, write_file
    use material_point, only: point_t
    use material_type, only: material_t
+   use scene_material, only: read_material
    implicit none
    private
 
@@ -74,6 +76,7 @@ contains
       character(len=:), allocatable, intent(in) :: folder !! Output folder of the command line
       character(len=:), allocatable, intent(out) :: note  !! Line for the screen
       type(error_t), allocatable, intent(out) :: error    !! Errors in the deck or of a file
+      type(communicator_t) :: communicator
       type(material_t) :: material
       type(point_t) :: point
       type(group_t) :: group
@@ -90,7 +93,7 @@ contains
       else if (index == 0) then
          call deck%complain(group, "no material '"//name//"'", "material")
       else
-         call material%read(deck, index)
+         call read_material(deck, communicator, index, material)
       end if
       call deck%verdict(error)
       if (allocated(error)) return

@@ -200,7 +200,7 @@ contains
          call material%draw_strength(store%state, store%identity, &
             store%first(tile), store%first(tile) + store%count(tile) - 1)
          if (any(bodies%energy > 0.0_wp .and. bodies%store == index) .or. &
-            material%start_energy() > 0.0_wp) call material%find_rest_stress(store%state, &
+            material%starts_with_energy()) call material%find_rest_stress(store%state, &
             store%first(tile), store%first(tile) + store%count(tile) - 1)
       end do
    end subroutine fill_store

@@ -18,6 +18,7 @@ module scene_setup
    use scene_grid, only: check_periodic, coarsen, read_grid, tile_edge
    use scene_inflow, only: read_inflows
    use scene_load, only: read_loads
+   use scene_material, only: read_material
    use scene_method, only: read_method
    use scene_particles, only: make_stores, prepare_simulation
    use scene_points_clock, only: check_clocks
@@ -155,7 +156,8 @@ contains
 
       allocate (simulation%materials(deck%count("material")))
       do index = 1, size(simulation%materials)
-         call simulation%materials(index)%read(deck, index)
+         call read_material(deck, simulation%machine%communicator, index, &
+            simulation%materials(index))
       end do
       simulation%materials%record = read_record(deck)
    end subroutine read_materials

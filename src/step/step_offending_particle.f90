@@ -54,7 +54,8 @@ contains
             call find_fault(store, found%particle, simulation%materials(found%store)%density, &
                tile_bounds(simulation%materials, simulation%clock, found%store), fault, value)
          end associate
-         text = particle_text(simulation, found)//": "//fault_text(simulation%clock, fault, value)
+         text = particle_text(simulation, found)//": "//fault_text(simulation%clock, fault, &
+            value)//reason_text(simulation, found, fault)
       end if
       call spread(simulation, text)
       if (len(text) == 0) text = "a wave speed is not a finite number"
@@ -288,6 +289,23 @@ contains
       end associate
       text = trim(line)
    end function fault_text
+
+   !> Why the material has no stress, if its equation of state knows it.
+   function reason_text(simulation, found, fault) result(text)
+      type(simulation_t), intent(in) :: simulation
+      type(found_t), intent(in) :: found             !! A particle of this rank
+      integer, intent(in) :: fault                   !! Kind of fault
+      character(len=:), allocatable :: text
+
+      text = ""
+      if (fault /= fault_stress) return
+      associate (state => simulation%stores(found%store)%state, p => found%particle, &
+         material => simulation%materials(found%store))
+         if (.not. (allocated(material%eos) .and. allocated(state%energy))) return
+         text = material%eos%fault_of_state(state%mass(p)/state%volume(p), state%energy(p))
+      end associate
+      if (len(text) > 0) text = "; "//text
+   end function reason_text
 
    !> Send the text of the one rank that has one to all.
    subroutine spread(simulation, text)

@@ -11,6 +11,7 @@ much as what is never named: within 1 % of the instructions, with the same bytes
 
 import argparse
 import json
+import math
 import os
 import re
 import resource
@@ -92,6 +93,7 @@ EFFECTS = {
     "neo_hookean": model(f"{ELASTIC}  strength_model='neo_hookean'"),
     "newtonian": model(f"{FLUID}  strength_model='newtonian'  viscosity=10", f"{FLUID}  elastic='none'"),
     "jh2": model(JH2),
+    "gurson": model(f"{ELASTIC}  strength_model='gurson'  yield=1.0e3  gtn_f0=0.01"),
     "rate": (scene(f"{PLAIN}  rate=.false.", f"{ELASTIC}  {JOHNSON}"), None,
              scene(PLAIN, f"{ELASTIC}  {JOHNSON}  jc_c=0.01")),
     "eos": (scene(f"{PLAIN}  eos=.false."), None, scene()),
@@ -99,6 +101,7 @@ EFFECTS = {
     "tait": model(f"{ELASTIC}  eos_model='tait'  tait_n=7"),
     "tillotson": model(TILLOTSON),
     "p_alpha": model(PORES),
+    "table": model("density=1000  shear=5.0e5  eos_model='table'  eos_table='table.txt'"),
     "damage": switch("damage", material=ELASTIC, more=BRITTLE),
     "size_scatter": switch("size_scatter", DAMAGE, f"{ELASTIC}  {BRITTLE}", "weibull_m=7"),
     "voids": switch("voids", DAMAGE, f"{ELASTIC}  {BRITTLE}"),
@@ -116,6 +119,16 @@ EFFECTS = {
 }
 
 
+def write_table(path):
+    """64 densities and temperatures of a soft solid: p = c (rho - 1000) + 20 (T - 293), e that belongs to it."""
+    lines = []
+    for density in (500.0 + 1000.0 * i / 63 for i in range(64)):
+        cold = 1.0e3 * (math.log(density / 1000.0) + 1000.0 / density - 1.0) + 20.0 * 293.0 / density
+        lines += [f"{density!r} {t!r} {1.0e3 * (density - 1000.0) + 20.0 * (t - 293.0)!r} {cold + 500.0 * t!r}"
+                  for t in (200.0 + 300.0 * j / 63 for j in range(64))]
+    path.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
 class Bench:
     """Runs scenes, each once."""
 
@@ -128,6 +141,7 @@ class Bench:
         folder = self.work / "run"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir()
+        write_table(folder / "table.txt")
         (folder / "scene.nml").write_text(deck.replace("{steps}", str(steps)), encoding="ascii")
         done = subprocess.run([*before, self.scree, "--case", "scene", "--outdir", folder, folder / "scene.nml"],
                               env={**os.environ, "OMP_NUM_THREADS": "1"}, text=True, check=False,

@@ -22,7 +22,9 @@ ARROWS = {
     "mesh": {"base"},
     "constitutive": {"base"},
     "explosive": {"base", "constitutive"},
-    "material": {"base", "constitutive", "explosive"},
+    "tabulated": {"base", "constitutive"},
+    "ductile": {"base", "constitutive"},
+    "material": {"base", "constitutive", "explosive", "tabulated", "ductile"},
     "particle": {"base", "mesh", "constitutive", "material"},
     "transfer": {"base", "mesh", "particle"},
     "io": {"base", "mesh", "constitutive", "particle"},
@@ -34,10 +36,11 @@ ARROWS["scene"] = set(ARROWS)
 ARROWS["output"] = set(ARROWS)
 ARROWS["grains"] = {"base", "mesh", "constitutive", "particle", "io"}
 ARROWS["program"] = set(ARROWS)
-# Families of modules whose names begin otherwise than their folder. The products of explosives stand beside their burn.
-FAMILIES = {"law": {"constitutive"}, "eos": {"constitutive", "explosive"}, "damage": {"constitutive"},
-            "basis": {"transfer"}, "velocity": {"transfer"}, "quadrature": {"ddmp"}, "stream": {"output"},
-            "boundary": {"mesh"}}
+# Families of modules whose names begin otherwise than their folder. The products of explosives stand beside their burn,
+# the table of states beside its reading.
+FAMILIES = {"law": {"constitutive", "ductile"}, "eos": {"constitutive", "explosive", "tabulated"},
+            "damage": {"constitutive", "ductile"}, "basis": {"transfer"}, "velocity": {"transfer"},
+            "quadrature": {"ddmp"}, "stream": {"output"}, "boundary": {"mesh"}}
 # Dummy arguments that need no docstring, as type and name say all: derived types, and these names.
 DERIVED = re.compile(r"^(?:type|class)\s*\(", re.I)
 PLAIN_NAMES = {"body", "edge", "key", "label", "line", "name", "p", "path", "point", "text", "tile", "unit"}

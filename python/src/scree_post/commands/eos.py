@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes the table of a known equation of state in the form that eos_model = 'table' reads.
+
+It shows the form and gives a table with exact answers. A line holds a density, a temperature, a
+pressure and an energy per mass in SI units; the temperatures of a density follow each other and are
+the same for all densities. Densities and temperatures have equal ratios, and the density at rest and
+the temperature of rest are added to them. The solid has the free energy of a constant specific heat,
+with which pressure and energy belong together.
+"""
+import numpy as np
+
+from ..errors import EXIT_USAGE, PostError
+from ..state_table import Solid, axis, ideal_gas, mie_gruneisen, write
+
+SUMMARY = "a table of an equation of state, for eos_model = 'table'"
+EXAMPLES = ("eos ideal_gas --gamma 1.4 --heat 717.5 --density 0.01 20 --temperature 100 5000 --out air.txt",
+            "eos mie_gruneisen --rest 2785 --sound 5328 --slope 1.338 --gamma 2 --heat 900 "
+            "--density 2400 5000 --temperature 50 20000 --out aluminium.txt")
+LEAST = 2
+
+
+def add_arguments(parser):
+    """The options."""
+    add = parser.add_argument
+    add("law", choices=("ideal_gas", "mie_gruneisen"), help="the equation of state")
+    add("--density", type=float, nargs=2, required=True, metavar=("A", "B"), help="least and greatest [kg/m3]")
+    add("--temperature", type=float, nargs=2, required=True, metavar=("A", "B"), help="least and greatest [K]")
+    add("--nodes", type=int, nargs=2, default=(60, 60), metavar=("N", "M"),
+        help="densities and temperatures (60 60)")
+    add("--gamma", type=float, required=True, help="ratio of specific heats; mg_gamma of the solid")
+    add("--heat", type=float, required=True, help="specific heat at constant volume [J/(kg K)]")
+    add("--rest", type=float, help="density at rest of the solid [kg/m3]")
+    add("--sound", type=float, help="mg_c0 of the solid [m/s]")
+    add("--slope", type=float, help="mg_s of the solid")
+    add("--zero", type=float, default=293.0, help="temperature of rest, at which the solid has no energy [K] (293)")
+    add("--out", required=True, metavar="FILE", help="the table")
+
+
+def nodes(name, bounds, count, rest=None):
+    """Numbers with equal ratios, and one that must be among them if it lies between."""
+    if count < LEAST or not 0.0 < bounds[0] < bounds[1]:
+        raise PostError(f"--{name} needs two numbers above 0 that ascend, and --nodes at least {LEAST}", EXIT_USAGE)
+    numbers = axis(*bounds, count)
+    if rest is not None and bounds[0] < rest < bounds[1]:
+        place = 1 + np.argmin(np.abs(np.log(numbers[1:-1] / rest))) if count > LEAST else None
+        numbers = np.append(numbers, rest) if place is None else np.where(np.arange(count) == place, rest, numbers)
+    return np.unique(numbers)
+
+
+def run(arguments):
+    """Write the table."""
+    solid = arguments.law == "mie_gruneisen"
+    if solid and None in (arguments.rest, arguments.sound, arguments.slope):
+        raise PostError("mie_gruneisen needs --rest, --sound and --slope", EXIT_USAGE)
+    densities = nodes("density", arguments.density, arguments.nodes[0], arguments.rest)
+    temperatures = nodes("temperature", arguments.temperature, arguments.nodes[1], arguments.zero)
+    if solid:
+        constants = Solid(arguments.rest, arguments.sound, arguments.slope, arguments.gamma, arguments.heat,
+                          arguments.zero)
+        if arguments.slope * (1.0 - arguments.rest / densities[-1]) >= 0.9:
+            raise PostError("--density ends too near the greatest compression, where slope (1 - rest/density) = 1",
+                            EXIT_USAGE)
+        pressure, energy = mie_gruneisen(densities, temperatures, constants)
+        title = f"Mie-Grueneisen: {constants}"
+    else:
+        pressure, energy = ideal_gas(densities, temperatures, arguments.gamma, arguments.heat)
+        title = f"ideal gas: gamma {arguments.gamma:g}, specific heat {arguments.heat:g} J/(kg K)"
+    write(arguments.out, densities, temperatures, pressure, energy, title)
+    print(f"{arguments.out}: {len(densities)} densities, {len(temperatures)} temperatures")
