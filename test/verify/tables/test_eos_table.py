@@ -126,7 +126,8 @@ def write_metal(folder, quarter, greatest=5000.0):
     temperatures = np.concatenate((state_table.axis(60.0, METAL.zero, quarter + 1)[:-1],
                                    state_table.axis(METAL.zero, 20000.0, 3 * quarter + 1)))
     pressure, energy = state_table.mie_gruneisen(densities, temperatures, METAL)
-    state_table.write(folder / "al.txt", densities, temperatures, pressure, energy, "aluminium")
+    # the zero of energies is free, and pressures of fluids relax only where they are positive
+    state_table.write(folder / "al.txt", densities, temperatures, pressure, energy + 5.0e5, "aluminium")
 
 
 def tube(options, sheet):
