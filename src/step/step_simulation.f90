@@ -7,6 +7,7 @@ module step_simulation
    use base_text, only: text_t
    use base_timer, only: timer_t
    use constitutive_state, only: deformation_t
+   use contact_sides, only: sides_t
    use ddmp_dual, only: dual_t
    use exact_solution, only: exact_case_t
    use material_effect_timers, only: stage_clock_t
@@ -25,7 +26,7 @@ module step_simulation
    use step_ledger, only: ledger_t
    use step_method, only: method_t
    use step_node_fields, only: node_tally_t, nodes_t
-   use step_trust_record, only: trust_t
+   use io_trust_record, only: trust_t
    use transfer_contact, only: pair_law_t
    use transfer_pushed_stress, only: pushed_stress_t
    use transfer_shape_data, only: shape_data_t
@@ -44,6 +45,8 @@ module step_simulation
       integer :: first_store = 1                     !! First of its stores
       integer :: last_store = 0                      !! Last of its stores
       type(nodes_t) :: nodes                         !! Its node fields
+      integer :: other = 0                           !! Field of the other side, if it has one
+      type(sides_t), allocatable :: sides            !! Which side particles are on
    end type velocity_field_t
 
    !> Contact between bodies that have velocity fields of their own.
