@@ -14,10 +14,10 @@ module contact_sides
    implicit none
    private
 
-   public :: choose_sides, find_axis, is_cut, is_split, join_sides, lane_place, measure_failed, &
+   public :: add_cell_slopes, choose_sides, find_axis, is_cut, is_split, join_sides, lane_place, measure_failed, &
       measure_intact, set_products, sides_t, weigh_sides
 
-   integer, parameter, public :: product_rows = 8    !! Rows of sums that give the axis
+   integer, parameter, public :: product_rows = 11   !! Rows of sums that give the axis
    integer, parameter, public :: part_rows = 4       !! Rows of sums of both sides
    !> Share of the volume of a node that is failed or void from which on its sides may part: a row of
    !! particles in a cell of two rows has a fourth of the node half a cell away
@@ -34,8 +34,7 @@ module contact_sides
       integer :: before = 0                          !! Stores before those of the field
       type(lane_bits_t), allocatable :: store(:)     !! (store of the field)
       real(wp), allocatable :: patch(:, :, :)        !! Sums of the particles of a tile
-      !> (3, node, own tile) In row 1 the intact share, the others are 0 [1]
-      real(wp), allocatable :: intact(:, :, :)
+      real(wp), allocatable :: intact(:, :)          !! (node, own tile) Intact share of volume [1]
       real(wp), allocatable :: slope(:, :, :)        !! (3, node, own tile) Its gradient [1/m]
       real(wp), allocatable :: axis(:, :, :)         !! (3, node, own tile) Axis of the sides [1]
       logical, allocatable :: split(:, :)            !! (node, tile) Have its sides parted?
@@ -123,16 +122,17 @@ contains
       end do
    end subroutine lane_place
 
-   !> Intact volume of the particles of a tile: failed matter counts as a void.
+   !> Intact volume of the particles of a tile, and all of their volume.
    pure subroutine measure_intact(store, tile, volume)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
-      real(wp), intent(inout) :: volume(:, :)        !! (particle of the tile, column) First [m3]
+      real(wp), intent(inout) :: volume(:, :)        !! (particle of the tile, column) Two [m3]
       integer :: p, q
 
       do p = 1, store%count(tile)
          q = store%first(tile) + p - 1
-         volume(p, 1) = store%state%volume(q)
+         volume(p, 2) = store%state%volume(q)
+         volume(p, 1) = volume(p, 2)
          if (allocated(store%state%damage)) volume(p, 1) = volume(p, 1)*(1.0_wp &
             - min(1.0_wp, max(0.0_wp, store%state%damage(q))))
          if (allocated(store%state%failed)) volume(p, 1) = merge(0.0_wp, volume(p, 1), &
@@ -149,6 +149,31 @@ contains
       if (.not. allocated(store%state%failed)) return
       if (store%state%failed(particle) /= 0) volume = store%state%volume(particle)
    end function measure_failed
+
+   !> What the cells of a tile add to the gradient of the intact share at their nodes: differences
+   !! along the edges that meet there and have matter at both ends, and how many they are. Equation
+   !! (C.10).
+   pure subroutine add_cell_slopes(grid, intact, patch)
+      type(grid_t), intent(in) :: grid
+      real(wp), intent(in) :: intact(:)              !! (node) Negative without matter [1]
+      real(wp), intent(inout) :: patch(:, :)         !! (row, node) Gradients [1/m], edges [1]
+      integer :: cell, lane, node, k, low, high
+
+      do cell = 0, grid%tile_cells - 1
+         do lane = 1, 2**grid%dimensions
+            node = grid%first_node(cell) + grid%lane_offset(lane)
+            do k = 1, 3
+               if (.not. grid%active(k)) cycle
+               low = node
+               if (btest(lane - 1, lane_bit(k))) low = node - grid%stride(k)
+               high = low + grid%stride(k)
+               if (min(intact(low), intact(high)) < 0.0_wp) cycle
+               patch(k, node) = patch(k, node) + (intact(high) - intact(low))/grid%spacing
+               patch(3 + k, node) = patch(3 + k, node) + 1.0_wp
+            end do
+         end do
+      end do
+   end subroutine add_cell_slopes
 
    !> What the particles of a tile add to the axis of their nodes: volume times the products of
    !! their gradient, volume that has not failed, failed volume. Equation (C.11).
@@ -170,18 +195,22 @@ contains
       end do
    end subroutine set_products
 
-   !> Axis of a node: the direction along which the gradients around it are greatest. Zero where
+   !> Axis of a node: the direction along which the gradients around it differ most. Zero where
    !! nothing or too little has failed. Its sign is that of its greatest component. Equation (C.11).
    pure function find_axis(sums, volume) result(axis)
       real(wp), intent(in) :: sums(product_rows)     !! Of the particles
       real(wp), intent(in) :: volume                 !! Of the node [m3]
-      real(wp) :: axis(3), a(3, 3), v(3, 3)
+      real(wp) :: axis(3), a(3, 3), v(3, 3), all
       integer :: turn, k
 
       axis = 0.0_wp
       if (.not. sums(8) > 0.0_wp .or. sums(7) > (1.0_wp - enough)*volume) return
+      all = sums(7) + sums(8)
       a = reshape([sums(1), sums(4), sums(6), sums(4), sums(2), sums(5), sums(6), sums(5), &
          sums(3)], [3, 3])
+      do k = 1, 3
+         a(:, k) = a(:, k)/all - (sums(9:11)/all)*(sums(8 + k)/all)
+      end do
       if (.not. maxval(abs(a)) > 0.0_wp) return
       a = a/maxval(abs(a))
       v = 0.0_wp

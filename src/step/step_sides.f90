@@ -4,12 +4,12 @@
 !! "Failed material" of doc/theory/contact.md.
 module step_sides
    use base_kinds, only: wp
-   use contact_sides, only: choose_sides, find_axis, is_split, join_sides, measure_intact, &
+   use contact_sides, only: add_cell_slopes, choose_sides, find_axis, is_split, join_sides, measure_intact, &
       part_rows, product_rows, set_products, sides_t, weigh_sides
-   use mesh_patch, only: assemble, clear_patch, ensure_patch
+   use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches
-   use step_node_sums, only: divide
+   use step_node_fields, only: empty_mass
    use step_particles_to_nodes, only: locate_particles_plainly
    use step_simulation, only: scratch_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
@@ -23,7 +23,7 @@ module step_sides
    integer, parameter :: sum_axis = 3                !! What gives the axes of the nodes
    integer, parameter :: sum_parts = 4               !! What decides where sides part
    !> Rows of the sums
-   integer, parameter :: rows(4) = [1, 4, product_rows, part_rows]
+   integer, parameter :: rows(4) = [2, 6, product_rows, part_rows]
 
 contains
 
@@ -55,7 +55,7 @@ contains
          nodes => simulation%space%grid%tile_nodes)
          sides%before = field%first_store - 1
          call sides%reserve(nodes, simulation%space%tiles%all)
-         call ensure_patch(sides%intact, 3, nodes, own)
+         call ensure_weights(sides%intact, nodes, own)
          call ensure_patch(sides%slope, 3, nodes, own)
          call ensure_patch(sides%axis, 3, nodes, own)
          if (.not. allocated(sides%store)) allocate (sides%store(field%last_store &
@@ -107,6 +107,11 @@ contains
       integer :: n
 
       call clear_patch(sides%patch(:, :, tile))
+      if (kind == sum_slope) then
+         call add_cell_slopes(simulation%space%grid, sides%intact(:, tile), &
+            sides%patch(:, :, tile))
+         return
+      end if
       do n = 1, size(sides%store)
          associate (store => simulation%stores(sides%before + n), &
             grid => simulation%space%grid, basis => simulation%scheme%method%basis, &
@@ -124,34 +129,17 @@ contains
             select case (kind)
             case (sum_intact)
                call measure_intact(store, tile, shape%values)
-            case (sum_slope)
-               call basis%gather_gradient(grid, shape, sides%intact(:, :, tile), 1.0_wp, &
-                  shape%values)
-               call weigh_slope(store%count(tile), store%first(tile), store%state%volume, &
-                  shape%values)
             case default
                call basis%gather_values(grid, shape, sides%slope(:, :, tile), shape%vector)
                call set_products(store, tile, shape%vector, shape%values)
             end select
-            call basis%scatter_values(grid, shape, rows(kind), shape%values, 0, &
+            call basis%scatter_values(grid, shape, min(8, rows(kind)), shape%values, 0, &
                sides%patch(:, :, tile))
+            if (kind == sum_axis) call basis%scatter_product(grid, shape, store%first(tile), &
+               store%state%volume, shape%vector, 8, sides%patch(:, :, tile))
          end associate
       end do
    end subroutine add_tile
-
-   !> Volume times the gradient of the first component, and the volume, in the first columns.
-   pure subroutine weigh_slope(count, first, volume, values)
-      integer, intent(in) :: count                   !! Particles of the tile
-      integer, intent(in) :: first                   !! First of them
-      real(wp), intent(in) :: volume(:)              !! (particle) [m3]
-      real(wp), intent(inout) :: values(:, :)        !! (particle of the tile, column)
-      integer :: p
-
-      do p = 1, count
-         values(p, 1:3) = volume(first + p - 1)*values(p, 1:7:3)
-         values(p, 4) = volume(first + p - 1)
-      end do
-   end subroutine weigh_slope
 
    !> What follows from the sums on the nodes of all tiles that need it.
    subroutine finish(simulation, sides, kind)
@@ -185,13 +173,12 @@ contains
       call space%grid%node_volume(space%tiles%coordinate(:, tile), around)
       select case (kind)
       case (sum_intact)
-         sides%intact(:, :, tile) = 0.0_wp
          do node = 1, size(around)
-            if (around(node) > 0.0_wp) sides%intact(1, node, tile) = sums(1, node)/around(node)
+            sides%intact(node, tile) = -1.0_wp
+            if (sums(2, node) > empty_mass) sides%intact(node, tile) = sums(1, node)/sums(2, node)
          end do
       case (sum_slope)
-         sides%slope(:, :, tile) = sums(1:3, :)
-         call divide(sums, 4, sides%slope(:, :, tile))
+         sides%slope(:, :, tile) = sums(1:3, :)/max(1.0_wp, sums(4:6, :))
       case (sum_axis)
          do node = 1, size(around)
             sides%axis(:, node, tile) = find_axis(sums(:, node), around(node))
