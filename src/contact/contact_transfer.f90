@@ -60,6 +60,8 @@ contains
                columns(2:4) = columns(1)*velocity_at(store, q, -away)
                columns(5:7) = -store%state%volume(q)*pull(store%state%stress(q, :), &
                   lane_gradient(grid, lane, shape%local(p, :)))
+               if (grid%axisymmetric) columns(5) = columns(5) - weight*store%state%volume(q) &
+                  *store%state%stress(q, 2)/store%position(q, 1)
                columns(8) = weight*store%state%volume(q)
                patches(:rows, node, side) = patches(:rows, node, side) + columns(:rows)
             end do
@@ -134,28 +136,35 @@ contains
    end subroutine add_other_values
 
    !> The same for the gradient of a vector, scale sum (theirs_i - mine_i) grad S_i.
-   pure subroutine add_other_gradient(grid, shape, first, other, split, scale, difference, gradient)
+   ! gate: long kernel because the bits of nodes and the nodes are kept apart from the particles
+   pure subroutine add_other_gradient(grid, shape, store, tile, other, split, scale, difference, &
+      gradient)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape        !! Of the tile, located
-      integer, intent(in) :: first                   !! First particle of the tile
+      type(store_t), intent(in) :: store
+      integer, intent(in) :: tile
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
       logical, intent(in) :: split(:)                !! (node)
       real(wp), intent(in) :: scale                  !! Such as the step [s]
       real(wp), intent(in) :: difference(:, :)       !! (3, node) Other side less the first [m/s]
       real(wp), intent(inout) :: gradient(:, :)      !! (particle of the tile, 9)
-      real(wp) :: slope(3)
+      real(wp) :: slope(3), weight, away(3)
       integer :: cell, lane, node, p, l
 
       do cell = 0, grid%tile_cells - 1
          if (.not. is_cut(grid, cell, split)) cycle
          do p = shape%start(cell) + 1, shape%start(cell + 1)
             do lane = 1, 2**grid%dimensions
-               if (.not. btest(other(first + p - 1), lane - 1)) cycle
+               if (.not. btest(other(store%first(tile) + p - 1), lane - 1)) cycle
                node = grid%first_node(cell) + grid%lane_offset(lane)
                slope = scale*lane_gradient(grid, lane, shape%local(p, :))
                do l = 1, 3
                   gradient(p, 3*l - 2:3*l) = gradient(p, 3*l - 2:3*l) + difference(:, node)*slope(l)
                end do
+               if (.not. grid%axisymmetric) cycle
+               call lane_place(grid, lane, shape%local(p, :), weight, away)
+               gradient(p, 5) = gradient(p, 5) + scale*weight*difference(1, node) &
+                  /store%position(store%first(tile) + p - 1, 1)
             end do
          end do
       end do
@@ -171,6 +180,7 @@ contains
       logical, intent(in) :: split(:)                !! (node)
       integer, intent(in) :: side                    !! 0 or 1
       real(wp), intent(inout) :: area(:, :)          !! (3, node) [m2]
+      real(wp) :: weight, away(3)
       integer :: cell, lane, node, p, q
 
       do cell = 0, grid%tile_cells - 1
@@ -183,6 +193,9 @@ contains
                if (ibits(other(q), lane - 1, 1) /= side) cycle
                area(:, node) = area(:, node) + store%state%volume(q)*lane_gradient(grid, lane, &
                   shape%local(p, :))
+               if (.not. grid%axisymmetric) cycle
+               call lane_place(grid, lane, shape%local(p, :), weight, away)
+               area(1, node) = area(1, node) + weight*store%state%volume(q)/store%position(q, 1)
             end do
          end do
       end do

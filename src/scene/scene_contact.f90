@@ -209,7 +209,6 @@ contains
       if (allocated(simulation%scheme%normalises)) what = "normalised sums; use normalise = 'none'"
       if (simulation%scheme%method%even) what = "bbar = .true.; remove it"
       if (simulation%scheme%repacks) what = "material whose volumes follow the fill of the mesh"
-      if (simulation%space%grid%axisymmetric) what = "dimension = 'axisymmetric'"
       if (deck%count("load") > 0) what = "&load; remove it"
       if (what /= "") call deck%complain(group, "contact of a body with itself does not go with "// &
          what, "bodies")

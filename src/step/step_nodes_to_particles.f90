@@ -388,7 +388,7 @@ contains
 
       if (.not. field%sides%cut(tile)) return
       associate (store => simulation%stores(index))
-         call add_other_gradient(simulation%space%grid, scratch%shape, store%first(tile), &
+         call add_other_gradient(simulation%space%grid, scratch%shape, store, tile, &
             field%sides%store(index - field%sides%before)%other, field%sides%split(:, tile), dt, &
             difference, scratch%deformation%gradient)
       end associate

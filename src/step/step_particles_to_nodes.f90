@@ -54,6 +54,8 @@ contains
          end do
          !$omp end parallel do
          call send_motion(simulation, field, part)
+      end do
+      do part = edge_tiles, inner_tiles
          if (field%other > 0) call send_motion(simulation, simulation%fields(field%other), part)
       end do
       call simulation%machine%timer%stop(simulation%machine%phase%scatter)

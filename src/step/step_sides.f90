@@ -54,7 +54,6 @@ contains
       associate (sides => field%sides, own => simulation%space%tiles%own, &
          nodes => simulation%space%grid%tile_nodes)
          sides%before = field%first_store - 1
-         call sides%reserve(nodes, simulation%space%tiles%all)
          call ensure_weights(sides%intact, nodes, own)
          call ensure_patch(sides%slope, 3, nodes, own)
          call ensure_patch(sides%axis, 3, nodes, own)
@@ -149,7 +148,8 @@ contains
       real(wp) :: began
       integer :: tile
 
-      ! weights of cells are found in tiles of other ranks too
+      ! weights of cells are found in tiles of other ranks too, which are known after an exchange
+      call sides%reserve(simulation%space%grid%tile_nodes, simulation%space%tiles%all)
       !$omp parallel do default(none) shared(simulation, sides, kind) private(began, tile) &
       !$omp schedule(static)
       do tile = 1, merge(simulation%space%tiles%all, simulation%space%tiles%own, kind == sum_parts)
