@@ -122,7 +122,7 @@ contains
       end do
    end subroutine lane_place
 
-   !> Intact volume of the particles of a tile, and all of their volume.
+   !> Intact volume of the particles of a tile, and all of their volume: the sums of (C.9).
    pure subroutine measure_intact(store, tile, volume)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile

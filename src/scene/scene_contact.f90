@@ -170,9 +170,8 @@ contains
             "nothing fails in body '"//bodies(place)%name//"', so no piece of it touches "// &
             "another; give its material a damage_model or spall, with &effects damage = .true.", &
             "bodies")
-         if (any(contact%law(field, :)%kind == contact_bonded)) call deck%complain(group, &
-            "a body that has contact with itself cannot be bonded; use another law", "bodies")
-         call refuse_method(deck, group, simulation)
+         call refuse_method(deck, group, simulation, &
+            any(contact%law(field, :)%kind == contact_bonded))
       end do
 
    contains
@@ -187,10 +186,11 @@ contains
    end subroutine refuse_parting
 
    !> Methods whose sums know one velocity of a body at a node only.
-   subroutine refuse_method(deck, group, simulation)
+   subroutine refuse_method(deck, group, simulation, bonded)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &contact
       type(simulation_t), intent(in) :: simulation   !! Materials and method are known
+      logical, intent(in) :: bonded                  !! Has the body a bond?
       character(len=:), allocatable :: basis, quadrature, transfer, what
       type(group_t) :: method
 
@@ -207,9 +207,10 @@ contains
       if (simulation%scheme%method%dual .and. quadrature /= "point") what = "quadrature = '"// &
          quadrature//"'; use 'point'"
       if (allocated(simulation%scheme%normalises)) what = "normalised sums; use normalise = 'none'"
-      if (simulation%scheme%method%even) what = "bbar = .true.; remove it"
-      if (simulation%scheme%repacks) what = "material whose volumes follow the fill of the mesh"
+      if (simulation%scheme%method%even) what = "antilock = 'bbar'; remove it"
+      if (simulation%scheme%repacks) what = "volume_from = 'grid'; remove it"
       if (deck%count("load") > 0) what = "&load; remove it"
+      if (bonded) what = "law = 'bonded' for that body; use another law"
       if (what /= "") call deck%complain(group, "contact of a body with itself does not go with "// &
          what, "bodies")
    end subroutine refuse_method

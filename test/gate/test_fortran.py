@@ -25,6 +25,7 @@ ARROWS = {
     "material": {"base", "constitutive", "explosive"},
     "particle": {"base", "mesh", "constitutive", "material"},
     "transfer": {"base", "mesh", "particle"},
+    "contact": {"base", "mesh", "particle", "transfer"},
     "io": {"base", "mesh", "constitutive", "particle"},
     "ddmp": {"base", "mesh", "particle", "transfer"},
     "exact": {"base"},

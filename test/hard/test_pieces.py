@@ -181,7 +181,7 @@ def layouts(options, sheet):
 def disc(options, sheet):
     """A disc between platens splits."""
     radius = 0.497
-    deck = DISC.format(spacing=0.025, radius=radius, speed=0.05, end=0.055)
+    deck = DISC.format(spacing=0.025, radius=radius, speed=0.02, end=0.15)
     run = case.Case(options, "disc", deck).run("-q", timeout=500)
     with open(run.path("_forces.csv"), encoding="utf-8") as file:
         names = file.readline().split(",")
