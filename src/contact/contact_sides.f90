@@ -2,7 +2,7 @@
 !> The two sides of failed material in a body that has contact with itself.
 !!
 !! A particle belongs to one of two sides at each node: by the sign of its gradient of intact volume
-!! along the axis of the node, so that matter on either side of a crack gets velocities of its own
+!! along the axis of the node, so that material on either side of a crack gets velocities of its own
 !! (M. A. Homel, E. B. Herbold, Int. J. Numer. Meth. Engng 109 (2017) 1013). The node has two
 !! velocities only where failed material lies between its sides. Section "Failed material" of
 !! doc/theory/contact.md.
@@ -14,13 +14,13 @@ module contact_sides
    implicit none
    private
 
-   public :: add_cell_slopes, choose_sides, find_axis, is_cut, is_split, join_sides, lane_place, measure_failed, &
-      measure_intact, set_products, sides_t, weigh_sides
+   public :: add_cell_slopes, choose_sides, find_axis, is_cut, is_split, join_sides, lane_place, &
+      measure_failed, measure_intact, set_products, sides_t, weigh_sides
 
    integer, parameter, public :: product_rows = 11   !! Rows of sums that give the axis
    integer, parameter, public :: part_rows = 4       !! Rows of sums of both sides
-   !> Share of the volume of a node that is failed or void from which on its sides may part: a row of
-   !! particles in a cell of two rows has a fourth of the node half a cell away
+   !> Share of the volume of a node that is failed or void from which on its sides may part: a row
+   !! of particles in a cell of two rows has a fourth of the node half a cell away
    real(wp), parameter :: enough = 0.2_wp
    real(wp), parameter :: few = 1.0e-3_wp            !! Share of a side that does not count
 
@@ -108,7 +108,7 @@ contains
    !> Weight of a node of the cell of a particle, and its place seen from that node.
    pure subroutine lane_place(grid, lane, local, weight, away)
       type(grid_t), intent(in) :: grid
-      integer, intent(in) :: lane                    !! Which node
+      integer, intent(in) :: lane                    !! Number of a node of the cell
       real(wp), intent(in) :: local(3)               !! Local coordinates of the particle
       real(wp), intent(out) :: weight                !! Function of the node [1]
       real(wp), intent(out) :: away(3)               !! From the node to the particle [m]
@@ -151,11 +151,11 @@ contains
    end function measure_failed
 
    !> What the cells of a tile add to the gradient of the intact share at their nodes: differences
-   !! along the edges that meet there and have matter at both ends, and how many they are. Equation
-   !! (C.10).
+   !! along the edges that meet there and have material at both ends, and how many they are.
+   !! Equation (C.10).
    pure subroutine add_cell_slopes(grid, intact, patch)
       type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: intact(:)              !! (node) Negative without matter [1]
+      real(wp), intent(in) :: intact(:)              !! (node) Negative without material [1]
       real(wp), intent(inout) :: patch(:, :)         !! (row, node) Gradients [1/m], edges [1]
       integer :: cell, lane, node, k, low, high
 
@@ -230,7 +230,7 @@ contains
    !> Rotation of Jacobi that takes one pair of elements from a symmetric matrix.
    pure subroutine rotate(i, j, a, v)
       integer, intent(in) :: i, j                    !! Row and column
-      real(wp), intent(inout) :: a(3, 3)             !! The matrix
+      real(wp), intent(inout) :: a(3, 3)             !! It is changed
       real(wp), intent(inout) :: v(3, 3)             !! Rotations so far, in columns
       real(wp) :: theta, t, c, s, column(3)
 
@@ -273,8 +273,8 @@ contains
       end do
    end subroutine choose_sides
 
-   !> What decides whether the sides of nodes part: the volumes of both, and their places along the
-   !! axis times volume.
+   !> What decides whether the sides of nodes part: the volumes of both, and their positions along
+   !! the axis times volume.
    pure subroutine weigh_sides(grid, shape, store, tile, axis, other, patch)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape        !! Of the tile, located
@@ -303,8 +303,8 @@ contains
       end do
    end subroutine weigh_sides
 
-   !> Do the sides of a node part? Each has matter, and the first lies ahead along the axis, as its
-   !! gradient does: sides that look at each other belong to one piece. Equation (C.13).
+   !> Do the sides of a node part? Each has material, and the first lies ahead along the axis, as
+   !! its gradient does: sides whose gradients point to each other are one part. Equation (C.13).
    pure logical function is_split(sums) result(split)
       real(wp), intent(in) :: sums(part_rows)        !! Of the particles
 

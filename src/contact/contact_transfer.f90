@@ -2,9 +2,9 @@
 !> What particles of a body that has contact with itself exchange with nodes whose sides have
 !! parted, with the linear functions of the cell.
 !!
-!! Where no node has parted, the kernels of all other bodies serve. They also serve a tile as a whole;
-!! after that the sums of parted nodes are found anew, and particles get what the other side has
-!! more than the first one.
+!! Where no node has parted, the kernels of all other bodies serve. They also serve a tile as a
+!! whole; after that the sums of parted nodes are found anew, and particles get what the other side
+!! has more than the first one. Section "Failed material" of doc/theory/contact.md.
 module contact_transfer
    use base_kinds, only: wp
    use contact_sides, only: is_cut, lane_place
@@ -21,7 +21,7 @@ contains
    !> Gradient of the function of a node in the cell of a particle [1/m].
    pure function lane_gradient(grid, lane, local) result(gradient)
       type(grid_t), intent(in) :: grid
-      integer, intent(in) :: lane                    !! Which node
+      integer, intent(in) :: lane                    !! Number of a node of the cell
       real(wp), intent(in) :: local(3)               !! Local coordinates of the particle
       real(wp) :: gradient(3), weight(3)
       integer :: k
@@ -104,8 +104,8 @@ contains
    !> Add sum S_i (theirs_i - mine_i), times a factor, to columns of the particles that are on the
    !! other side of node i. Equation (C.15).
    ! gate: long kernel because the columns of both sides are arguments of their own
-   pure subroutine add_other_values(grid, shape, first, other, split, factor, mine, theirs, before, &
-      values)
+   pure subroutine add_other_values(grid, shape, first, other, split, factor, mine, theirs, &
+      before, values)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape        !! Of the tile, located
       integer, intent(in) :: first                   !! First particle of the tile

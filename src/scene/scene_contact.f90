@@ -30,7 +30,7 @@ contains
       call schema%group("contact", &
          "what holds between two bodies; pairs without one slip freely", many=.true.)
       call schema%text("contact", "bodies(:2)", "names of the two, '*' for any other; pairs of "// &
-         "names win over '*'; one name twice: pieces of the body that failed material separates", &
+         "names win over '*'; one name twice: parts of the body that failed material separates", &
          default="*", owner="effects.contact")
       call schema%text("contact", "law", "friction: Coulomb; stick: no slip while pressed "// &
          "together; bonded: one body until the bond breaks, friction then", default="friction", &
@@ -167,7 +167,7 @@ contains
          if (names(1)%text /= names(2)%text .or. place == 0) cycle
          field = contact%field_of_body(place)
          if (.not. any([(fails(body), body=1, size(bodies))])) call deck%complain(group, &
-            "nothing fails in body '"//bodies(place)%name//"', so no piece of it touches "// &
+            "nothing fails in body '"//bodies(place)%name//"', so no part of it touches "// &
             "another; give its material a damage_model or spall, with &effects damage = .true.", &
             "bodies")
          call refuse_method(deck, group, simulation, &
@@ -206,13 +206,14 @@ contains
       if (basis /= "linear") what = "basis = '"//basis//"'; use 'linear'"
       if (simulation%scheme%method%dual .and. quadrature /= "point") what = "quadrature = '"// &
          quadrature//"'; use 'point'"
-      if (allocated(simulation%scheme%normalises)) what = "normalised sums; use normalise = 'none'"
+      if (allocated(simulation%scheme%normalises)) &
+         what = "normalised sums; use normalise = 'none'"
       if (simulation%scheme%method%even) what = "antilock = 'bbar'; remove it"
       if (simulation%scheme%repacks) what = "volume_from = 'grid'; remove it"
       if (deck%count("load") > 0) what = "&load; remove it"
       if (bonded) what = "law = 'bonded' for that body; use another law"
-      if (what /= "") call deck%complain(group, "contact of a body with itself does not go with "// &
-         what, "bodies")
+      if (what /= "") call deck%complain(group, &
+         "contact of a body with itself does not go with "//what, "bodies")
    end subroutine refuse_method
 
    !> What does not go together with contact.
@@ -450,7 +451,7 @@ contains
          end do
          do a = 1, size(contact%law, 1)
             if (.not. allocated(simulation%fields(a)%sides)) cycle
-            text = text//"           pieces of "//members(contact, bodies, a)// &
+            text = text//"           parts of "//members(contact, bodies, a)// &
                ", where failed material separates them: "//law_text(contact%law(a, a))// &
                new_line("a")
          end do

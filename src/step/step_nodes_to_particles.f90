@@ -18,7 +18,7 @@ module step_nodes_to_particles
    use step_method, only: method_t, stress_before
    use step_move_nodes, only: restore_velocities
    use step_offending_particle, only: tile_bounds
-   use step_node_view, only: gather_parts_t, look, view_t
+   use step_node_view, only: gather_parts_t, look, look_other, view_t
    use step_particles_to_nodes, only: locate_particles
    use step_pressure_relaxation, only: normalised, relax_pressures
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
@@ -109,11 +109,7 @@ contains
       end if
       call restore_velocities(simulation, field, tile)
       call look(simulation, field, tile, parts, view)
-      other%slot = 0
-      if (field%other > 0) then
-         if (field%sides%cut(tile)) call look(simulation, simulation%fields(field%other), tile, &
-            parts, other)
-      end if
+      call look_other(simulation, field, tile, parts, other)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
@@ -394,9 +390,27 @@ contains
       end associate
    end subroutine add_gradient
 
+   !> Gradient of the velocity that strains times the time step, of both sides if the field has two.
+   subroutine find_strain(simulation, field, scratch, index, tile, view, dt)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread; gets the gradient
+      integer, intent(in) :: index                   !! Index of the material and of its store
+      integer, intent(in) :: tile
+      type(view_t), intent(in) :: view               !! Node fields
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      call find_gradient(simulation, scratch, simulation%stores(index), tile, &
+         field%nodes%motion%strain(:, :, view%slot), view%gradient, dt, .false.)
+      if (field%other > 0) call add_gradient(simulation, field, scratch, index, tile, &
+         simulation%fields(field%other)%nodes%motion%strain(:, :, tile) &
+         - field%nodes%motion%strain(:, :, tile), dt)
+   end subroutine find_strain
+
    !> Add to values of the particles of a tile what the other side of nodes has more.
    ! gate: long kernel because the node fields of both sides are arguments of their own
-   subroutine add_values(simulation, field, shape, index, tile, factor, mine, theirs, before, values)
+   subroutine add_values(simulation, field, shape, index, tile, factor, mine, theirs, before, &
+      values)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field    !! With sides
       type(shape_data_t), intent(in) :: shape        !! Of the tile
@@ -437,11 +451,7 @@ contains
             call centre_backward(n, deformation%plane, deformation%gradient)
             call keep_earlier(n, deformation%gradient, scratch%earlier)
          end if
-         call find_gradient(simulation, scratch, store, tile, &
-            field%nodes%motion%strain(:, :, view%slot), view%gradient, dt, .false.)
-         if (field%other > 0) call add_gradient(simulation, field, scratch, index, tile, &
-            simulation%fields(field%other)%nodes%motion%strain(:, :, tile) &
-            - field%nodes%motion%strain(:, :, tile), dt)
+         call find_strain(simulation, field, scratch, index, tile, view, dt)
          if (.not. view%slow) call find_steepest(deformation%gradient, &
             store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
             scratch%steepest_identity)

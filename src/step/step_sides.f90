@@ -4,8 +4,8 @@
 !! "Failed material" of doc/theory/contact.md.
 module step_sides
    use base_kinds, only: wp
-   use contact_sides, only: add_cell_slopes, choose_sides, find_axis, is_split, join_sides, measure_intact, &
-      part_rows, product_rows, set_products, sides_t, weigh_sides
+   use contact_sides, only: add_cell_slopes, choose_sides, find_axis, is_split, join_sides, &
+      measure_intact, part_rows, product_rows, set_products, sides_t, weigh_sides
    use mesh_patch, only: assemble, clear_patch, ensure_patch, ensure_weights
    use omp_lib, only: omp_get_thread_num
    use step_exchange, only: edge_tiles, inner_tiles, next_tiles, send_patches

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from sources import ROOT, project_files
 
-FOLDERS = ("mesh", "constitutive", "explosive", "material", "particle", "transfer", "ddmp", "exact", "step",
+FOLDERS = ("mesh", "constitutive", "explosive", "material", "particle", "transfer", "contact", "ddmp", "exact", "step",
            "scene", "output", "program")
 MESSAGE = re.compile(
     r"^(?P<file>/.*?\.f90):(?P<line>\d+):(?P<column>\d+):\n\n.*\n.*\n"
