@@ -177,11 +177,11 @@ contains
    contains
 
       !> Can the material of a body of the same velocity field fail?
-      logical function fails(body)
+      logical function fails(body) result(can)
          integer, intent(in) :: body                 !! Index of the body
 
-         fails = contact%field_of_body(body) == field
-         if (fails) fails = allocated(simulation%materials(bodies(body)%store)%failure%fracture)
+         can = contact%field_of_body(body) == field
+         if (can) can = allocated(simulation%materials(bodies(body)%store)%failure%fracture)
       end function fails
    end subroutine refuse_parting
 
