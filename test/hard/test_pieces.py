@@ -5,7 +5,7 @@ Would catch: pieces that stick to each other through the velocities of the mesh,
 with itself; friction between them that is not mu times the push; sides that are chosen by noise, so that a piece
 takes particles of the other along; pieces that come back and stick, or pull at each other; momentum that the sums of
 both sides lose; sides that depend on ranks, threads or a restart; a disc that splits at another load; and a body
-that changes although nothing in it fails.
+that changes although nothing in it fails; heat of contact that is not booked.
 
 Limits. Block on a failed bed: as for two bodies (test_contact.py), 1e-3 of the acceleration once it slides, and the
 speed of free fall for the time of a pressure wave through its height if it sticks. Two halves of a bar: what two bodies
@@ -104,6 +104,24 @@ DISC = """
 """
 
 
+# A brittle ball bursts on a plate, in space and with internal energy.
+BALL = """
+&run  dimension='3d'  seed=7 /
+&grid  lo=-8,-8,0  hi=8,8,8  dx=1  block=4 /
+&units  system='mm-us-mg' /
+&time  t_end=1000  max_steps={steps} /
+&effects  damage=.true.  thermal=.true.  contact=.true. /
+&material  name='glass'  preset='glass_soda_lime' /
+&region  name='ball'   shape='sphere'  centre=0.3,0.2,4.5  radius=3.4 /
+&region  name='plate'  shape='box'  lo=-5,-5,0  hi=5,5,1 /
+&body  name='ball'   region='ball'   material='glass'  velocity=0,0,-0.5 /
+&body  name='plate'  region='plate'  material='glass' /
+{law}
+&boundary  face='zlo'  type='symmetry' /
+&output  name='p'  kind='particles'  count=1  fields='failed'  precision='double' /
+"""
+
+
 def slide_deck(law, angle, itself=True):
     """A block whose sole has failed on a bed that has failed."""
     along, down = float(10.0 * np.sin(np.radians(angle))), float(-10.0 * np.cos(np.radians(angle)))
@@ -178,6 +196,21 @@ def layouts(options, sheet):
     sheet.require(whole[0] == whole[1], "where nothing fails contact with itself changes no bit")
 
 
+def ball(options, sheet):
+    """In space, with internal energy: the same bits, closed books."""
+    balls = {}
+    law = "&contact  bodies='ball','ball'  friction=0.3 /"
+    for name, words, ranks, threads in (("ball", law, 1, 1), ("ball_ranks", law, 2, 1), ("ball_threads", law, 1, 2),
+                                        ("ball_whole", "", 1, 1)):
+        run = case.Case(options, name, BALL.format(law=words, steps=120), ranks=ranks, threads=threads).run("-q")
+        balls[name] = run.summary["digest"]
+        sheet.below(f"{name}: momentum", abs(run.summary["ledger"]["momentum_error"]), 1.0e-11)
+        sheet.below(f"{name}: energy books", abs(run.summary["ledger"]["energy_error"]), 1.0e-10)
+    sheet.above("ball: failed share", run.snapshots()[-1][1].fields["failed"].mean(), 0.1)
+    sheet.require(balls["ball"] == balls["ball_ranks"] == balls["ball_threads"], f"ball: same bits, {balls}")
+    sheet.require(balls["ball"] != balls["ball_whole"], "ball: contact with itself acts")
+
+
 def disc(options, sheet):
     """A disc between platens splits."""
     radius = 0.497
@@ -203,6 +236,7 @@ def main():
     halves(options, sheet)
     if tier.NAME != "smoke":
         slides(options, sheet)
+        ball(options, sheet)
         disc(options, sheet)
     sheet.end()
 
