@@ -196,7 +196,7 @@ contains
          end associate
       end do
       do index = 1, size(simulation%fields)
-         call simulation%fields(index)%nodes%count(node_needs_t(), tally)
+         call simulation%fields(index)%count(node_needs_t(), tally)
       end do
       call simulation%effects%count(simulation%scheme%method, tally)
       total = total + 8_int64*tally%used
