@@ -23,6 +23,7 @@ BOXES = {
     "explosive": (0.4, "products, burn, paths"), "tabulated": (0.4, "tables of states"),
     "ductile": (0.4, "pores of metals"),
     "particle": (1.5, "stores, shapes, migration"), "transfer": (1, "shape functions, kernels"),
+    "contact": (2, "sides of failed material"),
     "io": (2, "HDF5, files"), "ddmp": (1, "dual gradient"), "exact": (3, "exact solutions"),
     "grains": (3, "periodic cell of grains"),
     "step": (1.5, "one time step"), "scene": (1.5, "deck to first state"),

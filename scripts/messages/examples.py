@@ -177,7 +177,7 @@ DECKS = {
                                     "'metal'  velocity = 0 0 100 /"),
     "poisson-makes-the-wave-speed-infinite": ("plain", "poisson = 0.3", "poisson = 0.5", "poisson = 0.49"),
     "a-file-cannot-include-itself": ("plain", "&time", "&include file = 'scene.nml' /\n&time", None),
-    "a-body-has-no-contact-with-itself": (TOUCHING, "'low' 'high'", "'low' 'low'", None),
+    "contact-of-a-body-with-itself": (TOUCHING, "'low' 'high'", "'low' 'low'", "'low' 'high'"),
     "share-a-velocity-field": (TOUCHING, "field = 2", "field = 1", None),
     "have-a-law-already-in-line": (
         TOUCHING, "friction = 0.3 /", "friction = 0.3 /\n&contact bodies = 'high' 'low'  law = 'stick' /", None),

@@ -13,7 +13,7 @@ module output_checkpoint
    use step_body_force, only: update_gravity
    use step_exact_error, only: load_errors, save_errors
    use step_simulation, only: simulation_t
-   use step_trust_record, only: load_trust, save_trust
+   use io_trust_record, only: load_trust, save_trust
    implicit none
    private
 

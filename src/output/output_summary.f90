@@ -21,7 +21,7 @@ module output_summary
    use step_simulation, only: simulation_t
    use step_sort_particles, only: count_particles
    use step_trust, only: final_trust, warn_of_balance
-   use step_trust_record, only: add_trust, trust_t, trust_text
+   use io_trust_record, only: add_trust, trust_t, trust_text
    implicit none
    private
 
@@ -196,7 +196,7 @@ contains
          end associate
       end do
       do index = 1, size(simulation%fields)
-         call simulation%fields(index)%nodes%count(node_needs_t(), tally)
+         call simulation%fields(index)%count(node_needs_t(), tally)
       end do
       call simulation%effects%count(simulation%scheme%method, tally)
       total = total + 8_int64*tally%used

@@ -169,7 +169,7 @@ contains
          tally%nodes = grid%tile_nodes
          tally%cells = grid%tile_cells
          do n = 1, size(simulation%fields)
-            call simulation%fields(n)%nodes%count(needs, tally)
+            call simulation%fields(n)%count(needs, tally)
          end do
          call simulation%effects%count(simulation%scheme%method, tally)
          bytes = spare*real(survey%particles, wp)*particle_bytes(simulation, survey) &

@@ -11,7 +11,7 @@ module scene_contact
    use step_contact, only: rubs_later
    use step_method, only: position_of
    use step_node_fields, only: node_needs_t, node_tally_t, nodes_t
-   use step_simulation, only: contact_t, simulation_t
+   use step_simulation, only: contact_t, simulation_t, velocity_field_t
    use transfer_contact, only: contact_bonded, contact_friction, contact_names, pair_law_t
    implicit none
    private
@@ -30,7 +30,8 @@ contains
       call schema%group("contact", &
          "what holds between two bodies; pairs without one slip freely", many=.true.)
       call schema%text("contact", "bodies(:2)", "names of the two, '*' for any other; pairs of "// &
-         "names win over '*'", default="*", owner="effects.contact")
+         "names win over '*'; one name twice: parts of the body that failed material separates", &
+         default="*", owner="effects.contact")
       call schema%text("contact", "law", "friction: Coulomb; stick: no slip while pressed "// &
          "together; bonded: one body until the bond breaks, friction then", default="friction", &
          words="friction stick frictionless bonded", owner="effects.contact")
@@ -49,6 +50,7 @@ contains
       type(body_t), intent(inout) :: bodies(:)       !! Get their stores
       type(contact_t), allocatable :: contact
       type(group_t) :: group
+      logical, allocatable :: parting(:)
       logical :: acts
 
       group = deck%group("effects", 1)
@@ -56,19 +58,24 @@ contains
       if (.not. acts) return
       allocate (contact)
       call number_fields(deck, contact%field_of_body)
-      associate (fields => maxval(contact%field_of_body))
+      call find_parting(deck, bodies, contact%field_of_body, parting)
+      associate (fields => maxval(contact%field_of_body) + count(parting))
          if (fields > most_fields) then
             call deck%complain(group, "contact = .true. knows at most "//number(most_fields)// &
                " velocity fields, and the bodies have "//number(fields)// &
-               "; give bodies that need no contact with each other the same field in &body", &
+               ", two where a body touches itself; give bodies that need no contact with "// &
+               "each other the same field in &body", &
                "contact")
             return
          end if
          call refuse_others(deck, group, simulation)
          allocate (simulation%fields(fields), contact%law(fields, fields))
       end associate
+      call pair_sides(simulation, parting)
       call share_out(contact, simulation, bodies)
       call read_pairs(deck, bodies, contact)
+      if (any(parting)) call share_laws(simulation%fields, contact)
+      if (any(parting)) call refuse_parting(deck, simulation, bodies, contact)
       call move_alloc(contact, simulation%effects%contact)
    end subroutine read_contact
 
@@ -94,6 +101,120 @@ contains
          field(body) = fields
       end do
    end subroutine number_fields
+
+   !> Velocity fields of bodies that have contact with themselves.
+   subroutine find_parting(deck, bodies, field_of_body, parting)
+      type(deck_t), intent(in) :: deck
+      type(body_t), intent(in) :: bodies(:)
+      integer, intent(in) :: field_of_body(:)        !! (body)
+      logical, allocatable, intent(out) :: parting(:) !! (field)
+      type(text_t), allocatable :: names(:)
+      integer :: index, place
+
+      allocate (parting(maxval(field_of_body)), source=.false.)
+      do index = 1, deck%count("contact")
+         call names_of(deck%group("contact", index), names)
+         if (names(1)%text /= names(2)%text) cycle
+         place = place_of(names(1)%text, bodies)
+         if (place > 0) parting(field_of_body(place)) = .true.
+      end do
+   end subroutine find_parting
+
+   !> Give these fields a second one, for the other side, after all fields of bodies.
+   subroutine pair_sides(simulation, parting)
+      type(simulation_t), intent(inout) :: simulation !! Its velocity fields are new
+      logical, intent(in) :: parting(:)              !! (field of bodies)
+      integer :: field, last
+
+      last = size(parting)
+      do field = 1, size(parting)
+         if (.not. parting(field)) cycle
+         last = last + 1
+         simulation%fields(field)%other = last
+         simulation%fields(last)%other = field
+         allocate (simulation%fields(field)%sides)
+      end do
+   end subroutine pair_sides
+
+   !> Both sides of a field have its laws; between them is the law of a body with itself.
+   pure subroutine share_laws(fields, contact)
+      type(velocity_field_t), intent(in) :: fields(:)
+      type(contact_t), intent(inout) :: contact      !! Laws of the fields of bodies are known
+      integer :: source(size(fields)), n
+
+      do n = 1, size(fields)
+         source(n) = n
+         if (fields(n)%other > 0 .and. .not. allocated(fields(n)%sides)) source(n) = &
+            fields(n)%other
+      end do
+      contact%law = contact%law(source, source)
+   end subroutine share_laws
+
+   !> What does not go together with contact of a body with itself.
+   subroutine refuse_parting(deck, simulation, bodies, contact)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(simulation_t), intent(in) :: simulation   !! Materials and method are known
+      type(body_t), intent(in) :: bodies(:)
+      type(contact_t), intent(in) :: contact         !! Laws are known
+      type(text_t), allocatable :: names(:)
+      type(group_t) :: group
+      integer :: index, place, body, field
+
+      do index = 1, deck%count("contact")
+         group = deck%group("contact", index)
+         call names_of(group, names)
+         place = place_of(names(1)%text, bodies)
+         if (names(1)%text /= names(2)%text .or. place == 0) cycle
+         field = contact%field_of_body(place)
+         if (.not. any([(fails(body), body=1, size(bodies))])) call deck%complain(group, &
+            "nothing fails in body '"//bodies(place)%name//"', so no part of it touches "// &
+            "another; give its material a damage_model or spall, with &effects damage = .true.", &
+            "bodies")
+         call refuse_method(deck, group, simulation, &
+            any(contact%law(field, :)%kind == contact_bonded))
+      end do
+
+   contains
+
+      !> Can the material of a body of the same velocity field fail?
+      logical function fails(body) result(can)
+         integer, intent(in) :: body                 !! Index of the body
+
+         can = contact%field_of_body(body) == field
+         if (can) can = allocated(simulation%materials(bodies(body)%store)%failure%fracture)
+      end function fails
+   end subroutine refuse_parting
+
+   !> Methods whose sums know one velocity of a body at a node only.
+   subroutine refuse_method(deck, group, simulation, bonded)
+      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(group_t), intent(in) :: group             !! &contact
+      type(simulation_t), intent(in) :: simulation   !! Materials and method are known
+      logical, intent(in) :: bonded                  !! Has the body a bond?
+      character(len=:), allocatable :: basis, quadrature, transfer, what
+      type(group_t) :: method
+
+      method = deck%group("method", 1)
+      call method%get("basis", basis)
+      call method%get("transfer", transfer)
+      call method%get("quadrature", quadrature)
+      what = ""
+      if (all(transfer /= ["flip ", "rflip", "aflip"])) what = "transfer = '"//transfer// &
+         "'; use 'flip', 'rflip' or 'aflip'"
+      if (simulation%scheme%method%remaps()) what = "strain of velocities that are mapped "// &
+         "twice; use stress_update = 'usl' or 'usf'"
+      if (basis /= "linear") what = "basis = '"//basis//"'; use 'linear'"
+      if (simulation%scheme%method%dual .and. quadrature /= "point") what = "quadrature = '"// &
+         quadrature//"'; use 'point'"
+      if (allocated(simulation%scheme%normalises)) &
+         what = "normalised sums; use normalise = 'none'"
+      if (simulation%scheme%method%even) what = "antilock = 'bbar'; remove it"
+      if (simulation%scheme%repacks) what = "volume_from = 'grid'; remove it"
+      if (deck%count("load") > 0) what = "&load; remove it"
+      if (bonded) what = "law = 'bonded' for that body; use another law"
+      if (what /= "") call deck%complain(group, &
+         "contact of a body with itself does not go with "//what, "bodies")
+   end subroutine refuse_method
 
    !> What does not go together with contact.
    subroutine refuse_others(deck, group, simulation)
@@ -185,7 +306,8 @@ contains
          type(group_t) :: earlier
          type(text_t), allocatable :: before(:)
 
-         if (a == b .or. owner(a, b) == index) return
+         if (a == b .and. .not. (wild == 0 .and. one == other)) return
+         if (owner(a, b) == index) return
          if (owner(a, b) > 0) then
             earlier = deck%group("contact", owner(a, b))
             call names_of(earlier, before)
@@ -249,16 +371,15 @@ contains
          call group%get("bond_strength", law%strength)
    end subroutine read_law
 
-   !> A body does not touch itself, nor one that shares its velocity field.
+   !> A body does not touch one that shares its velocity field.
    subroutine check_pair(deck, group, field_of_body, one, other)
       type(deck_t), intent(inout) :: deck            !! Gets errors
       type(group_t), intent(in) :: group             !! &contact
       integer, intent(in) :: field_of_body(:)        !! (body)
       integer, intent(in) :: one, other              !! Indices of two bodies
 
-      if (one == other) then
-         call deck%complain(group, "a body has no contact with itself; name two bodies", "bodies")
-      else if (field_of_body(one) == field_of_body(other)) then
+      if (one == other) return
+      if (field_of_body(one) == field_of_body(other)) then
          call deck%complain(group, "the two bodies share a velocity field, so they move as "// &
             "one; give them different values of field in &body", "bodies")
       end if
@@ -323,9 +444,16 @@ contains
             " numbers a node"//new_line("a")
          do b = 2, size(contact%law, 1)
             do a = 1, b - 1
+               if (members(contact, bodies, b) == "") cycle
                text = text//"           "//members(contact, bodies, a)//" - "// &
                   members(contact, bodies, b)//": "//law_text(contact%law(a, b))//new_line("a")
             end do
+         end do
+         do a = 1, size(contact%law, 1)
+            if (.not. allocated(simulation%fields(a)%sides)) cycle
+            text = text//"           parts of "//members(contact, bodies, a)// &
+               ", where failed material separates them: "//law_text(contact%law(a, a))// &
+               new_line("a")
          end do
       end associate
    end function contact_text

@@ -21,6 +21,7 @@ module step_advance
    use step_normalised_sums, only: find_edge_factors
    use step_particles_to_nodes, only: particles_to_nodes
    use step_retry, only: check_node_displacement
+   use step_sides, only: find_sides
    use step_simulation, only: simulation_t, velocity_field_t
    use step_sort_particles, only: count_particles, sort_particles, split_particles
    use step_stress_difference, only: find_stress_difference
@@ -50,6 +51,7 @@ contains
          simulation%clock%time - simulation%scheme%method%lag(simulation%clock%dt), &
          simulation%scheme%method%kick(simulation%clock%dt, dt))
       if (simulation%scheme%method%smooth_turn) call smooth_tile_rotation(simulation)
+      if (allocated(simulation%effects%contact)) call find_sides(simulation)
       if (simulation%scheme%method%strains_first()) call strain_before(simulation, dt)
       do n = 1, size(simulation%fields)
          call find_forces(simulation, simulation%fields(n))

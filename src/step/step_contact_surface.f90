@@ -7,6 +7,8 @@
 !! patches.
 module step_contact_surface
    use base_kinds, only: wp
+   use contact_sides, only: sides_t
+   use contact_transfer, only: add_side_areas, find_side_reach
    use mesh_patch, only: assemble, clear_patch, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use particle_store, only: store_t
@@ -156,9 +158,57 @@ contains
                end if
             end associate
          end do
+         if (simulation%fields(field)%other > 0) call area_of_side(simulation, scratch, tile, &
+            field, wide(5:7, :))
          patch(before + 1:before + 3, :) = -wide(5:7, :)
       end do
    end subroutine spread_area
+
+   !> Areas of one of two sides at the parted nodes of a tile, in place of those of both together.
+   subroutine area_of_side(simulation, scratch, tile, field, inward)
+      type(simulation_t), intent(in) :: simulation
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile
+      integer, intent(in) :: field                   !! Index of the velocity field of the side
+      real(wp), intent(inout) :: inward(:, :)        !! (3, node) The areas, inward [m2]
+      real(wp) :: area(3, size(inward, 2))
+      integer :: n, node, side
+
+      side = side_of(simulation%fields, field)
+      associate (sides => simulation%fields(first_side(simulation%fields, field))%sides)
+         if (.not. sides%cut(tile)) return
+         area = 0.0_wp
+         do n = 1, size(sides%store)
+            associate (store => simulation%stores(sides%before + n))
+               if (store%count(tile) == 0) cycle
+               call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, &
+                  tile)
+               call add_side_areas(simulation%space%grid, scratch%shape, store, tile, &
+                  sides%store(n)%other, sides%split(:, tile), side, area)
+            end associate
+         end do
+         do node = 1, size(area, 2)
+            if (sides%split(node, tile)) inward(:, node) = -area(:, node)
+         end do
+      end associate
+   end subroutine area_of_side
+
+   !> Velocity field of the first side of a field with two.
+   pure integer function first_side(fields, field) result(first)
+      type(velocity_field_t), intent(in) :: fields(:)
+      integer, intent(in) :: field                   !! Index of the velocity field of one side
+
+      first = field
+      if (.not. allocated(fields(field)%sides)) first = fields(field)%other
+   end function first_side
+
+   !> Number of the side that a field with two stands for: 0 or 1.
+   pure integer function side_of(fields, field) result(side)
+      type(velocity_field_t), intent(in) :: fields(:)
+      integer, intent(in) :: field                   !! Index of the velocity field
+
+      side = merge(0, 1, allocated(fields(field)%sides))
+   end function side_of
 
    !> Mass of the particles of a tile whose bonds hold, in the first column.
    pure subroutine hold(store, tile, values)
@@ -278,13 +328,11 @@ contains
                call find_normals(simulation, tile, a, b, guess, normal)
                if (.not. any(abs(normal) > 0.0_wp)) cycle
                reach = -huge(1.0_wp)
-               call reach_of_field(simulation%space, simulation%stores, simulation%fields, &
-                  scratch, tile, a, normal, reach)
+               call reach_of_both(simulation, scratch, tile, a, normal, reach)
                patch(reach_row(simulation%effects%contact, a, b, guess), :) = reach
                normal = -normal
                reach = -huge(1.0_wp)
-               call reach_of_field(simulation%space, simulation%stores, simulation%fields, &
-                  scratch, tile, b, normal, reach)
+               call reach_of_both(simulation, scratch, tile, b, normal, reach)
                patch(reach_row(simulation%effects%contact, b, a, guess), :) = reach
             end do
          end do
@@ -310,6 +358,58 @@ contains
          end do
       end associate
    end subroutine find_normals
+
+   !> Extent of the particles of one field in a tile along the normals, of one side where nodes have
+   !! parted.
+   subroutine reach_of_both(simulation, scratch, tile, field, normal, reach)
+      type(simulation_t), intent(in) :: simulation
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile
+      integer, intent(in) :: field                   !! Index of the velocity field
+      real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
+      real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
+      real(wp) :: joint(3, size(reach))
+      integer :: node
+
+      if (simulation%fields(field)%other == 0) then
+         call reach_of_field(simulation%space, simulation%stores, simulation%fields, scratch, &
+            tile, field, normal, reach)
+         return
+      end if
+      associate (sides => simulation%fields(first_side(simulation%fields, field))%sides)
+         joint = normal
+         do node = 1, size(reach)
+            if (sides%split(node, tile)) joint(:, node) = 0.0_wp
+         end do
+         call reach_of_field(simulation%space, simulation%stores, simulation%fields, scratch, &
+            tile, field, joint, reach)
+         if (sides%cut(tile)) call reach_of_side(simulation, scratch, sides, tile, &
+            side_of(simulation%fields, field), normal, reach)
+      end associate
+   end subroutine reach_of_both
+
+   !> The same of one side at the parted nodes.
+   subroutine reach_of_side(simulation, scratch, sides, tile, side, normal, reach)
+      type(simulation_t), intent(in) :: simulation
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(sides_t), intent(in) :: sides             !! Of the field
+      integer, intent(in) :: tile
+      integer, intent(in) :: side                    !! 0 or 1
+      real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
+      real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
+      integer :: n
+
+      do n = 1, size(sides%store)
+         associate (store => simulation%stores(sides%before + n), grid => simulation%space%grid)
+            if (store%count(tile) == 0) cycle
+            call locate_particles_plainly(simulation%space, simulation%scheme, scratch, store, tile)
+            call particle_widths(grid, store%first(tile), store%count(tile), store%position, &
+               store%state%volume, scratch%shape%values(:, 1))
+            call find_side_reach(grid, scratch%shape, store%first(tile), sides%store(n)%other, &
+               sides%split(:, tile), side, scratch%shape%values(:, 1), normal, reach)
+         end associate
+      end do
+   end subroutine reach_of_side
 
    !> Extent of the particles of one field in a tile along the normals.
    subroutine reach_of_field(space, stores, fields, scratch, tile, field, normal, reach)

@@ -12,7 +12,7 @@ module step_diagnostics
    use particle_neighbours, only: neighbour_table_t
    use particle_store, only: store_t
    use step_simulation, only: conservation_t, machine_t, simulation_t, space_t
-   use step_trust_record, only: apart
+   use io_trust_record, only: apart
    implicit none
    private
 

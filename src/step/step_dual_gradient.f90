@@ -107,11 +107,26 @@ contains
          if (.not. allocated(simulation%scheme%normalises)) call &
             simulation%scheme%dual%cell_weights(grid, sums, &
             filled, around, nodes%dual%weight(:, tile))
+         if (field%other > 0) call drop_cells(simulation, field, tile)
          call empty_box(nodes%dual%weighted%box(:, :, tile))
          weighs = nodes%dual%weight(:, tile) > 0.0_wp
          call widen_box(grid, weighs, nodes%dual%weighted%box(:, :, tile))
       end associate
    end subroutine weigh_tile
+
+   !> Cells with nodes of two sides have no weight, neither for the first side nor for the other.
+   subroutine drop_cells(simulation, field, tile)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(inout) :: field !! One of two sides
+      integer, intent(in) :: tile
+
+      if (allocated(field%sides)) then
+         call field%sides%drop_cells(simulation%space%grid, tile, field%nodes%dual%weight(:, tile))
+      else
+         call simulation%fields(field%other)%sides%drop_cells(simulation%space%grid, tile, &
+            field%nodes%dual%weight(:, tile))
+      end if
+   end subroutine drop_cells
 
    !> Contribution of the cells of a tile to the volumes of the nodes.
    subroutine share_tile(simulation, field, tile)

@@ -17,7 +17,7 @@ module step_node_view
    implicit none
    private
 
-   public :: gather_parts_t, look, view_t
+   public :: gather_parts_t, look, look_other, view_t
 
    !> Which parts of the transfer to the particles are to be done.
    type :: gather_parts_t
@@ -90,6 +90,20 @@ contains
       if (parts%strain .and. simulation%scheme%method%averages()) &
          call node_gradient(simulation%space, field, tile, field%nodes%dual%earlier, view%earlier)
    end subroutine look
+
+   !> What particles see of the other side of the nodes of a tile, if any have parted.
+   subroutine look_other(simulation, field, tile, parts, other)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
+      integer, intent(in) :: tile
+      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      type(view_t), intent(inout) :: other           !! Its slot is 0 if there is none
+
+      other%slot = 0
+      if (.not. allocated(field%sides)) return
+      if (field%sides%cut(tile)) call look(simulation, simulation%fields(field%other), tile, &
+         parts, other)
+   end subroutine look_other
 
    !> Find which velocity gradients can limit the next step, and whether any node gradient is that
    !! steep. Node velocities alone decide this only where gradients are those of shape functions.

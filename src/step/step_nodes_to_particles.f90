@@ -4,6 +4,7 @@
 module step_nodes_to_particles
    use base_kinds, only: int64, wp
    use constitutive_kinematics, only: centre_backward, centre_gradient
+   use contact_transfer, only: add_other_gradient, add_other_values
    use omp_lib, only: omp_get_thread_num
    use particle_place, only: place_tile
    use particle_split, only: find_opening
@@ -17,7 +18,7 @@ module step_nodes_to_particles
    use step_method, only: method_t, stress_before
    use step_move_nodes, only: restore_velocities
    use step_offending_particle, only: tile_bounds
-   use step_node_view, only: gather_parts_t, look, view_t
+   use step_node_view, only: gather_parts_t, look, look_other, view_t
    use step_particles_to_nodes, only: locate_particles
    use step_pressure_relaxation, only: normalised, relax_pressures
    use step_remove_particles, only: erode_tile, fastest_left, retire_tile
@@ -28,7 +29,7 @@ module step_nodes_to_particles
    use transfer_affine, only: gather_affine_heat, keep_affine
    use transfer_basis, only: expand_spin
    use transfer_bbar, only: average_dilatation
-   use transfer_shape_data, only: spare
+   use transfer_shape_data, only: shape_data_t, spare
    use transfer_shock_compression, only: bound_jump, find_jump
    implicit none
    private
@@ -60,7 +61,7 @@ contains
       type(velocity_field_t), intent(inout) :: field
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
-      type(view_t) :: view
+      type(view_t) :: view, other
       integer :: tile
       real(wp) :: began, lap
 
@@ -70,7 +71,7 @@ contains
          do tile = 1, simulation%space%tiles%own
             began = cost_clock(simulation%machine)
             lap = scratch%laps%read_clock()
-            call gather_tile(simulation, field, scratch, tile, parts, dt, view)
+            call gather_tile(simulation, field, scratch, tile, parts, dt, view, other)
             call scratch%laps%record(lap)
             call record_cost(simulation%machine, tile, began)
          end do
@@ -91,7 +92,7 @@ contains
    end subroutine ensure_opening
 
    !> One tile.
-   subroutine gather_tile(simulation, field, scratch, tile, parts, dt, view)
+   subroutine gather_tile(simulation, field, scratch, tile, parts, dt, view, other)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
@@ -99,6 +100,7 @@ contains
       type(gather_parts_t), intent(in) :: parts      !! What is to be done
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t), intent(inout) :: view            !! What its particles see
+      type(view_t), intent(inout) :: other           !! The same of the other side, if it has one
       real(wp) :: fastest, steepest
       integer :: index
 
@@ -108,6 +110,7 @@ contains
       end if
       call restore_velocities(simulation, field, tile)
       call look(simulation, field, tile, parts, view)
+      call look_other(simulation, field, tile, parts, other)
       do index = field%first_store, field%last_store
          if (simulation%stores(index)%count(tile) == 0) cycle
          associate (store => simulation%stores(index))
@@ -115,11 +118,16 @@ contains
             call scratch%deformation%reserve(store%count(tile) + spare)
             if (parts%work) call find_gradient(simulation, scratch, store, tile, view%centre, &
                view%middle, simulation%clock%kick, .true.)
+            if (parts%work .and. other%slot > 0) call add_gradient(simulation, field, scratch, &
+               index, tile, other%centre - view%centre, simulation%clock%kick)
             if (parts%work .and. allocated(store%state%energy)) call add_work(scratch, store, tile)
             if (parts%work .and. allocated(simulation%effects%loads)) call record_loads( &
                simulation, scratch, store, tile, view%centre)
             if (parts%motion .and. view%at_once) call view%increments%gather( &
                simulation%space%grid, simulation%scheme%method%basis, scratch%shape)
+            if (parts%motion .and. view%at_once .and. other%slot > 0) call add_values(simulation, &
+               field, scratch%shape, index, tile, 1.0_wp, view%increments%nodes, &
+               other%increments%nodes, 0, scratch%shape%increments)
             ! before the strain, which may renew the linear velocity fields
             if (parts%motion .and. allocated(store%state%energy)) &
                call add_heat(simulation%space, simulation%scheme, scratch, store, tile, view)
@@ -133,7 +141,7 @@ contains
             if (parts%strain) call strain_particles(simulation, field, scratch, index, tile, view, &
                dt, fastest)
             if (parts%motion) then
-               call move_particles(simulation, scratch, index, tile, view, dt)
+               call move_particles(simulation, field, scratch, index, tile, view, other, dt)
                call place_tile(simulation%space%grid, simulation%space%boundary, &
                   simulation%space%tiles%coordinate(:, tile), store, tile)
                call judge_particles(simulation, scratch, index, tile, fastest, steepest)
@@ -228,12 +236,14 @@ contains
    end subroutine repack_particles
 
    !> New velocities and positions of the particles of a tile.
-   subroutine move_particles(simulation, scratch, index, tile, view, dt)
+   subroutine move_particles(simulation, field, scratch, index, tile, view, other, dt)
       type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(in) :: field
       type(scratch_t), intent(inout) :: scratch      !! Of this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
+      type(view_t), intent(in) :: other              !! Of the other side, if the tile has one
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       associate (grid => simulation%space%grid, method => simulation%scheme%method, shape => &
@@ -245,6 +255,12 @@ contains
          else
             call method%basis%gather_motion(grid, shape, first, view%push, view%carry, &
                method%transfer%flip_fraction(), dt, store%velocity, store%position)
+            if (other%slot > 0) then
+               call add_values(simulation, field, shape, index, tile, 1.0_wp, view%push, &
+                  other%push, first - 1, store%velocity)
+               call add_values(simulation, field, shape, index, tile, dt, view%carry, &
+                  other%carry, first - 1, store%position)
+            end if
          end if
          if (allocated(simulation%space%cell)) call carry_particles(simulation, scratch, store, &
             tile, view, dt)
@@ -260,6 +276,8 @@ contains
          if (.not. method%transfer%affine() .or. strained(simulation, index)) return
          call find_slopes(simulation, shape, view%after, view%gradient, &
             scratch%deformation%gradient)
+         if (other%slot > 0) call add_gradient(simulation, field, scratch, index, tile, &
+            other%after - view%after, 1.0_wp)
          call keep_affine(store, tile, 1.0_wp, scratch%deformation%gradient)
       end associate
    end subroutine move_particles
@@ -355,6 +373,61 @@ contains
       end associate
    end subroutine find_gradient
 
+   !> Add to a velocity gradient times the time step what the other side of nodes has more.
+   subroutine add_gradient(simulation, field, scratch, index, tile, difference, dt)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field    !! With sides
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread; has the gradient
+      integer, intent(in) :: index                   !! Index of the material and of its store
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: difference(:, :)       !! (3, node) Of the velocities [m/s]
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      if (.not. field%sides%cut(tile)) return
+      associate (store => simulation%stores(index))
+         call add_other_gradient(simulation%space%grid, scratch%shape, store, tile, &
+            field%sides%store(index - field%sides%before)%other, field%sides%split(:, tile), dt, &
+            difference, scratch%deformation%gradient)
+      end associate
+   end subroutine add_gradient
+
+   !> Gradient of the velocity that strains times the time step, of both sides if the field has two.
+   subroutine find_strain(simulation, field, scratch, index, tile, view, dt)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread; gets the gradient
+      integer, intent(in) :: index                   !! Index of the material and of its store
+      integer, intent(in) :: tile
+      type(view_t), intent(in) :: view               !! Node fields
+      real(wp), intent(in) :: dt                     !! Time step [s]
+
+      call find_gradient(simulation, scratch, simulation%stores(index), tile, &
+         field%nodes%motion%strain(:, :, view%slot), view%gradient, dt, .false.)
+      if (field%other > 0) call add_gradient(simulation, field, scratch, index, tile, &
+         simulation%fields(field%other)%nodes%motion%strain(:, :, tile) &
+         - field%nodes%motion%strain(:, :, tile), dt)
+   end subroutine find_strain
+
+   !> Add to values of the particles of a tile what the other side of nodes has more.
+   ! gate: long kernel because the node fields of both sides are arguments of their own
+   subroutine add_values(simulation, field, shape, index, tile, factor, mine, theirs, before, &
+      values)
+      type(simulation_t), intent(in) :: simulation
+      type(velocity_field_t), intent(in) :: field    !! With sides
+      type(shape_data_t), intent(in) :: shape        !! Of the tile
+      integer, intent(in) :: index                   !! Index of the material and of its store
+      integer, intent(in) :: tile
+      real(wp), intent(in) :: factor                 !! Such as the step [s]
+      real(wp), intent(in) :: mine(:, :)             !! (column, node) Of the first side
+      real(wp), intent(in) :: theirs(:, :)           !! (column, node) Of the other side
+      integer, intent(in) :: before                  !! Rows of the values before the tile
+      real(wp), intent(inout) :: values(:, :)        !! (particle, column)
+
+      call add_other_values(simulation%space%grid, shape, simulation%stores(index)%first(tile), &
+         field%sides%store(index - field%sides%before)%other, field%sides%split(:, tile), factor, &
+         mine, theirs, before, values)
+   end subroutine add_values
+
    !> Strain the particles of a tile and update the stress of their material.
    subroutine strain_particles(simulation, field, scratch, index, tile, view, dt, fastest)
       type(simulation_t), intent(inout) :: simulation
@@ -379,8 +452,7 @@ contains
             call centre_backward(n, deformation%plane, deformation%gradient)
             call keep_earlier(n, deformation%gradient, scratch%earlier)
          end if
-         call find_gradient(simulation, scratch, store, tile, &
-            field%nodes%motion%strain(:, :, view%slot), view%gradient, dt, .false.)
+         call find_strain(simulation, field, scratch, index, tile, view, dt)
          if (.not. view%slow) call find_steepest(deformation%gradient, &
             store%identity(first:first + n - 1), dt, view%matters, scratch%steepest, &
             scratch%steepest_identity)

@@ -2,6 +2,7 @@
 !> Scatter particles to the patches of nodes, tile by tile.
 module step_particles_to_nodes
    use base_kinds, only: int64, wp
+   use contact_transfer, only: scatter_sides
    use mesh_grid, only: grid_t
    use mesh_packed_patch, only: move_packed_patches
    use mesh_patch, only: clear_patch, empty_box, widen_box
@@ -36,9 +37,12 @@ contains
       integer :: part, n
       real(wp) :: began
 
+      ! the other side gets its sums with the first one
+      if (field%last_store < field%first_store) return
       call simulation%machine%timer%start(simulation%machine%phase%scatter)
       call find_boxes(simulation, field)
       call ensure_motion(simulation%space, simulation%scheme, field)
+      if (field%other > 0) call find_other_boxes(simulation, field, simulation%fields(field%other))
       do part = edge_tiles, inner_tiles
          call next_tiles(simulation, part, tiles)
          !$omp parallel do default(none) shared(simulation, field, tiles) private(n, began) &
@@ -50,6 +54,9 @@ contains
          end do
          !$omp end parallel do
          call send_motion(simulation, field, part)
+      end do
+      do part = edge_tiles, inner_tiles
+         if (field%other > 0) call send_motion(simulation, simulation%fields(field%other), part)
       end do
       call simulation%machine%timer%stop(simulation%machine%phase%scatter)
    end subroutine particles_to_nodes
@@ -175,6 +182,7 @@ contains
          if (simulation%stores(index)%count(tile) == 0) cycle
          call scatter_store(simulation, field, scratch, index, tile, patch)
       end do
+      if (field%other > 0) call scatter_other(simulation, field, scratch, tile, patch)
       associate (nodes => field%nodes)
          call nodes%motion%packed(1)%put(simulation%space%grid, nodes%motion%touched, tile, 1, &
             patch)
@@ -183,6 +191,59 @@ contains
             tile, motion_columns + 2, patch)
       end associate
    end subroutine scatter_tile
+
+   !> Nodes of the other side of a field: those of tiles with parted nodes.
+   subroutine find_other_boxes(simulation, field, other)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(in) :: field    !! Its sides and boxes are known
+      type(velocity_field_t), intent(inout) :: other !! Field of the other side
+      integer :: tile
+
+      associate (touched => other%nodes%motion%touched)
+         call touched%ensure(simulation%space%tiles%own)
+         do tile = 1, simulation%space%tiles%own
+            call empty_box(touched%box(:, :, tile))
+            if (field%sides%cut(tile)) touched%box(:, :, tile) = &
+               field%nodes%motion%touched%box(:, :, tile)
+         end do
+         call touched%line_up(simulation%space%grid, simulation%space%tiles)
+      end associate
+      other%nodes%motion%lean = .false.
+      call ensure_motion(simulation%space, simulation%scheme, other)
+   end subroutine find_other_boxes
+
+   !> Sums of both sides of a field on the parted nodes of a tile.
+   subroutine scatter_other(simulation, field, scratch, tile, patch)
+      type(simulation_t), intent(inout) :: simulation
+      type(velocity_field_t), intent(in) :: field    !! With sides
+      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      integer, intent(in) :: tile
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Of the first side
+      real(wp) :: both(size(patch, 1), size(patch, 2), 0:1)
+      integer :: n, node
+
+      both = 0.0_wp
+      if (field%sides%cut(tile)) then
+         do n = 1, size(field%sides%store)
+            associate (store => simulation%stores(field%sides%before + n))
+               if (store%count(tile) == 0) cycle
+               call locate_particles(simulation%space, simulation%scheme, field, scratch, store, &
+                  tile)
+               call scatter_sides(simulation%space%grid, scratch%shape, store, tile, &
+                  field%sides%store(n)%other, field%sides%split(:, tile), both)
+            end associate
+         end do
+         do node = 1, size(patch, 2)
+            if (field%sides%split(node, tile)) patch(:, node) = both(:, node, 0)
+         end do
+      end if
+      associate (nodes => simulation%fields(field%other)%nodes)
+         call nodes%motion%packed(1)%put(simulation%space%grid, nodes%motion%touched, tile, 1, &
+            both(:, :, 1))
+         if (simulation%scheme%method%dual) call nodes%motion%packed(2)%put( &
+            simulation%space%grid, nodes%motion%touched, tile, motion_columns + 2, both(:, :, 1))
+      end associate
+   end subroutine scatter_other
 
    !> The particles of one material in a tile.
    subroutine scatter_store(simulation, field, scratch, index, tile, patch)
@@ -348,6 +409,7 @@ contains
       call locate_tile(space, scheme, scratch, store, tile)
       if (allocated(scheme%normalises)) &
          scratch%shape%factor = field%nodes%sums%factor(:, :, tile)
+      if (allocated(field%sides)) call field%sides%take_cells(space%grid, tile, scratch%shape)
    end subroutine locate_particles
 
    !> The same without factors, for effects with sums of their own or of all velocity fields.

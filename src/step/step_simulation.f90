@@ -7,6 +7,7 @@ module step_simulation
    use base_text, only: text_t
    use base_timer, only: timer_t
    use constitutive_state, only: deformation_t
+   use contact_sides, only: product_rows, sides_t
    use ddmp_dual, only: dual_t
    use exact_solution, only: exact_case_t
    use material_effect_timers, only: stage_clock_t
@@ -25,8 +26,8 @@ module step_simulation
    use step_bounds, only: guard_t
    use step_ledger, only: ledger_t
    use step_method, only: method_t
-   use step_node_fields, only: node_tally_t, nodes_t
-   use step_trust_record, only: trust_t
+   use step_node_fields, only: node_needs_t, node_tally_t, nodes_t
+   use io_trust_record, only: trust_t
    use transfer_contact, only: pair_law_t
    use transfer_pushed_stress, only: pushed_stress_t
    use transfer_shape_data, only: shape_data_t
@@ -45,6 +46,10 @@ module step_simulation
       integer :: first_store = 1                     !! First of its stores
       integer :: last_store = 0                      !! Last of its stores
       type(nodes_t) :: nodes                         !! Its node fields
+      integer :: other = 0                           !! Field of the other side, if it has one
+      type(sides_t), allocatable :: sides            !! Which side particles are on
+   contains
+      procedure :: count => count_field
    end type velocity_field_t
 
    !> Contact between bodies that have velocity fields of their own.
@@ -246,6 +251,20 @@ contains
       longest = time
       if (allocated(self%cell)) longest = time*self%cell%greatest()
    end function space_mesh_time
+
+   !> Count the node fields of a velocity field, with those of its sides.
+   pure subroutine count_field(self, needs, tally)
+      class(velocity_field_t), intent(in) :: self
+      type(node_needs_t), intent(in) :: needs
+      type(node_tally_t), intent(inout) :: tally
+
+      call self%nodes%count(needs, tally)
+      if (.not. allocated(self%sides)) return
+      call tally%add(self%sides%patch, product_rows)
+      call tally%add(self%sides%slope, 3)
+      call tally%add(self%sides%axis, 3)
+      call tally%add(self%sides%intact, .true.)
+   end subroutine count_field
 
    !> Count the node fields of contact.
    pure subroutine count_contact(self, tally)

@@ -20,7 +20,7 @@ module step_trust
    use step_method, only: method_t
    use step_offending_particle, only: name_particle, step_text
    use step_simulation, only: conservation_t, machine_t, scheme_t, simulation_t
-   use step_trust_record, only: apart, trust_bad, trust_damped, trust_energy, trust_heat, &
+   use io_trust_record, only: apart, trust_bad, trust_damped, trust_energy, trust_heat, &
       trust_momentum, trust_noise, trust_ok, trust_retired, trust_speed, trust_stretch, trust_t, &
       trust_volume, verdict_of
    implicit none

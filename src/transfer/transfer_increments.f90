@@ -30,7 +30,7 @@ module transfer_increments
       logical :: heats = .false.                     !! Is lost kinetic energy found?
       real(wp) :: pic = 0.0_wp                       !! Share g of pic [1]
       real(wp) :: ahead = 1.0_wp                     !! Part c of the gain in the way [1]
-      real(wp), allocatable :: nodes(:, :)           !! (column, node)
+      real(wp), allocatable, public :: nodes(:, :)   !! (column, node)
       real(wp), allocatable :: place(:, :) !! (3, node) In the tile, along active directions [m]
    contains
       procedure :: choose => increments_choose       !! Columns, from the transfer

@@ -110,6 +110,8 @@ EFFECTS = {
     "conduction": (None, scene(THERMAL, f"{ELASTIC}  {HOT}"), scene(THERMAL, f"{ELASTIC}  {HOT}  conductivity=1.0e3")),
     "contact": (CONTACT.replace("{switch}", "contact=.false."), CONTACT.replace("{switch}", ""),
                 CONTACT.replace("{switch}", "contact=.true.")),
+    "contact_itself": (None, scene(DAMAGE, f"{ELASTIC}  {BRITTLE}"),
+                       scene(f"{DAMAGE}  contact=.true.", f"{ELASTIC}  {BRITTLE}") + "&contact  bodies='a','a' /\n"),
     "damping": (scene(f"{PLAIN}  damping=0"), scene(), scene(f"{PLAIN}  damping=1")),
     "load": (None, scene(), scene() + LOAD),
     "forces": (None, scene(), scene() + FORCES),

@@ -7,8 +7,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 LEAVE_OUT = {".git", "build", "out", "__pycache__", ".venv"}
 # Folders of src/ that the gates on words and on the size of types cover.
-COVERED = ("base", "constitutive", "ddmp", "ductile", "exact", "explosive", "io", "material", "mesh", "output",
-           "particle", "program", "scene", "step", "tabulated", "transfer")
+COVERED = ("base", "constitutive", "contact", "ddmp", "ductile", "exact", "explosive", "io", "material", "mesh",
+           "output", "particle", "program", "scene", "step", "tabulated", "transfer")
 TEXT = {".f90", ".pf", ".in", ".py", ".sh", ".cmake", ".txt", ".md", ".nml", ".toml", ""}
 
 PROCEDURE = re.compile(

@@ -27,6 +27,7 @@ ARROWS = {
     "material": {"base", "constitutive", "explosive", "tabulated", "ductile"},
     "particle": {"base", "mesh", "constitutive", "material"},
     "transfer": {"base", "mesh", "particle"},
+    "contact": {"base", "mesh", "particle", "transfer"},
     "io": {"base", "mesh", "constitutive", "particle"},
     "ddmp": {"base", "mesh", "particle", "transfer"},
     "exact": {"base"},

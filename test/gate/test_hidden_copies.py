@@ -18,8 +18,8 @@ from pathlib import Path
 
 from sources import ROOT, project_files
 
-FOLDERS = ("mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer", "ddmp",
-           "exact", "step", "scene", "output", "program")
+FOLDERS = ("mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer", "contact",
+           "ddmp", "exact", "step", "scene", "output", "program")
 MESSAGE = re.compile(
     r"^(?P<file>/.*?\.f90):(?P<line>\d+):(?P<column>\d+):\n\n.*\n.*\n"
     r"Warning: Creating array temporary at \(1\)", re.M)

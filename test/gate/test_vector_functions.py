@@ -18,8 +18,8 @@ from pathlib import Path
 if "--scree" not in sys.argv:
     sys.exit("usage: test_vector_functions.py --scree BUILD/bin/scree")
 BUILD = Path(sys.argv[sys.argv.index("--scree") + 1]).resolve().parents[1]
-LAYERS = ("base", "mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer", "io",
-          "ddmp", "exact", "step", "scene", "output", "program")
+LAYERS = ("base", "mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer",
+          "contact", "io", "ddmp", "exact", "step", "scene", "output", "program")
 PARTICLES = ("constitutive", "explosive", "tabulated", "ductile", "material", "transfer", "ddmp", "step")
 FUNCTIONS = {"exp", "exp2", "expm1", "log", "log10", "log1p", "log2", "pow", "cbrt", "sin", "cos", "sincos", "tan",
              "sinh", "cosh", "tanh", "asin", "acos", "atan", "atan2", "cexp", "clog", "cpow"}

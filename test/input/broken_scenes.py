@@ -102,7 +102,9 @@ CONTRADICTIONS = [
      "&contact: bodies of velocity fields 1 and 2 have a law already, in line 10; remove one"),
     ("plain", "&body", "&effects contact = T /\n&region name = 'two' shape = 'box' lo = 0 0 0 hi = 0.3 1 0.2 /\n"
      "&body name = 'two' region = 'two' material = 'metal' /\n&contact bodies = 'one' 'one' /\n&body", 10,
-     "&contact: a body has no contact with itself; name two bodies"),
+     "&contact: nothing fails in body 'one', so no part of it touches another; give its"),
+    ("plain", "&body", "&effects contact = T /\n&method transfer = 'pic' /\n&contact bodies = 'one' 'one' /\n&body", 9,
+     "&contact: contact of a body with itself does not go with transfer = 'pic'; use 'flip',"),
     ("plain", "&time", "&effects contact = T /\n&exact solution = 'bar_mode' bar_length = 1 mode_speed = 1 /\n&time", 3,
      "&effects: contact = .true. does not go with &exact, whose solutions know one body; remove"),
     ("plain", "poisson = 0.3 /", "poisson = 0.3 specific_heat = 900 conductivity = 200 /\n"

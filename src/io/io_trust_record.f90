@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> What a run knows about how far its results can be trusted: the worst values so far, their limits,
 !! and the text of the report. doc/theory/ledger.md has the limits and their reasons.
-module step_trust_record
+module io_trust_record
    use base_error, only: error_t
    use base_kinds, only: int64, wp
    use io_state, only: state_t
@@ -155,4 +155,4 @@ contains
       trust%warned = flags(:trust_entries) /= 0
       trust%begun = flags(trust_entries + 1) /= 0
    end subroutine load_trust
-end module step_trust_record
+end module io_trust_record
