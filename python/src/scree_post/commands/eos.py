@@ -2,10 +2,10 @@
 """Writes the table of a known equation of state in the form that eos_model = 'table' reads.
 
 It shows the form and gives a table with exact answers. A line holds a density, a temperature, a
-pressure and an energy per mass in SI units; the temperatures of a density follow each other and are
-the same for all densities. Densities and temperatures have equal ratios, and the density at rest and
-the temperature of rest are added to them. The solid has the free energy of a constant specific heat,
-with which pressure and energy belong together.
+pressure and an energy per mass in SI units; the temperatures of a density follow each other and
+are the same for all densities. Both have equal ratios, and the density and the temperature of rest
+are among them. The solid has the free energy of a constant specific heat, with which pressure and
+energy belong together.
 """
 import numpy as np
 
@@ -13,9 +13,8 @@ from ..errors import EXIT_USAGE, PostError
 from ..state_table import Solid, axis, ideal_gas, mie_gruneisen, write
 
 SUMMARY = "a table of an equation of state, for eos_model = 'table'"
-EXAMPLES = ("eos ideal_gas --gamma 1.4 --heat 717.5 --density 0.01 20 --temperature 100 5000 --out air.txt",
-            "eos mie_gruneisen --rest 2785 --sound 5328 --slope 1.338 --gamma 2 --heat 900 "
-            "--density 2400 5000 --temperature 50 20000 --out aluminium.txt")
+EXAMPLES = ("eos ideal_gas --gamma 1.4 --heat 717.5 --density 0.01 20 --out air.txt",
+            "eos mie_gruneisen --rest 2785 --sound 5328 --slope 1.338 --gamma 2 --heat 900")
 LEAST = 2
 
 
@@ -23,8 +22,10 @@ def add_arguments(parser):
     """The options."""
     add = parser.add_argument
     add("law", choices=("ideal_gas", "mie_gruneisen"), help="the equation of state")
-    add("--density", type=float, nargs=2, required=True, metavar=("A", "B"), help="least and greatest [kg/m3]")
-    add("--temperature", type=float, nargs=2, required=True, metavar=("A", "B"), help="least and greatest [K]")
+    add("--density", type=float, nargs=2, metavar=("A", "B"),
+        help="least and greatest [kg/m3] (gas 0.001 100, solid 0.85 and 1.6 times --rest)")
+    add("--temperature", type=float, nargs=2, default=(50.0, 20000.0), metavar=("A", "B"),
+        help="least and greatest [K] (50 20000)")
     add("--nodes", type=int, nargs=2, default=(60, 60), metavar=("N", "M"),
         help="densities and temperatures (60 60)")
     add("--gamma", type=float, required=True, help="ratio of specific heats; mg_gamma of the solid")
@@ -32,8 +33,8 @@ def add_arguments(parser):
     add("--rest", type=float, help="density at rest of the solid [kg/m3]")
     add("--sound", type=float, help="mg_c0 of the solid [m/s]")
     add("--slope", type=float, help="mg_s of the solid")
-    add("--zero", type=float, default=293.0, help="temperature of rest, at which the solid has no energy [K] (293)")
-    add("--out", required=True, metavar="FILE", help="the table")
+    add("--zero", type=float, default=293.0, help="temperature of rest, where e = 0 [K] (293)")
+    add("--out", metavar="FILE", help="the table (LAW.txt)")
 
 
 def nodes(name, bounds, count, rest=None):
@@ -52,7 +53,9 @@ def run(arguments):
     solid = arguments.law == "mie_gruneisen"
     if solid and None in (arguments.rest, arguments.sound, arguments.slope):
         raise PostError("mie_gruneisen needs --rest, --sound and --slope", EXIT_USAGE)
-    densities = nodes("density", arguments.density, arguments.nodes[0], arguments.rest)
+    bounds = arguments.density or ((0.85 * arguments.rest, 1.6 * arguments.rest) if solid else (1.0e-3, 100.0))
+    out = arguments.out or f"{arguments.law}.txt"
+    densities = nodes("density", bounds, arguments.nodes[0], arguments.rest)
     temperatures = nodes("temperature", arguments.temperature, arguments.nodes[1], arguments.zero)
     if solid:
         constants = Solid(arguments.rest, arguments.sound, arguments.slope, arguments.gamma, arguments.heat,
@@ -65,5 +68,5 @@ def run(arguments):
     else:
         pressure, energy = ideal_gas(densities, temperatures, arguments.gamma, arguments.heat)
         title = f"ideal gas: gamma {arguments.gamma:g}, specific heat {arguments.heat:g} J/(kg K)"
-    write(arguments.out, densities, temperatures, pressure, energy, title)
-    print(f"{arguments.out}: {len(densities)} densities, {len(temperatures)} temperatures")
+    write(out, densities, temperatures, pressure, energy, title)
+    print(f"{out}: {len(densities)} densities, {len(temperatures)} temperatures")
