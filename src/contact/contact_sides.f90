@@ -283,16 +283,17 @@ contains
       real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 where nothing parts [1]
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
       real(wp), intent(inout) :: patch(:, :)         !! (row, node)
-      real(wp) :: weight, away(3)
+      real(wp) :: weight, away(3), local(3)
       integer :: cell, lane, node, p, q, side
 
       do cell = 0, grid%tile_cells - 1
          do p = shape%start(cell) + 1, shape%start(cell + 1)
             q = store%first(tile) + p - 1
+            local = shape%local(p, :)
             do lane = 1, 2**grid%dimensions
                node = grid%first_node(cell) + grid%lane_offset(lane)
                if (all(abs(axis(:, node)) <= 0.0_wp)) cycle
-               call lane_place(grid, lane, shape%local(p, :), weight, away)
+               call lane_place(grid, lane, local, weight, away)
                side = ibits(other(q), lane - 1, 1)
                weight = weight*store%state%volume(q)
                patch(1 + side, node) = patch(1 + side, node) + weight

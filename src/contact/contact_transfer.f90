@@ -43,7 +43,7 @@ contains
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
       logical, intent(in) :: split(:)                !! (node)
       real(wp), intent(inout) :: patches(:, :, 0:)   !! (column, node, side)
-      real(wp) :: weight, away(3), columns(8)
+      real(wp) :: weight, away(3), columns(8), local(3), stress(6)
       integer :: cell, lane, node, p, q, side, rows
 
       rows = min(8, size(patches, 1))
@@ -51,15 +51,16 @@ contains
          if (.not. is_cut(grid, cell, split)) cycle
          do p = shape%start(cell) + 1, shape%start(cell + 1)
             q = store%first(tile) + p - 1
+            local = shape%local(p, :)
+            stress = store%state%stress(q, :)
             do lane = 1, 2**grid%dimensions
                node = grid%first_node(cell) + grid%lane_offset(lane)
                if (.not. split(node)) cycle
                side = ibits(other(q), lane - 1, 1)
-               call lane_place(grid, lane, shape%local(p, :), weight, away)
+               call lane_place(grid, lane, local, weight, away)
                columns(1) = weight*store%state%mass(q)
                columns(2:4) = columns(1)*velocity_at(store, q, -away)
-               columns(5:7) = -store%state%volume(q)*pull(store%state%stress(q, :), &
-                  lane_gradient(grid, lane, shape%local(p, :)))
+               columns(5:7) = -store%state%volume(q)*pull(stress, lane_gradient(grid, lane, local))
                if (grid%axisymmetric) columns(5) = columns(5) - weight*store%state%volume(q) &
                   *store%state%stress(q, 2)/store%position(q, 1)
                columns(8) = weight*store%state%volume(q)
@@ -116,16 +117,17 @@ contains
       real(wp), intent(in) :: theirs(:, :)           !! (column, node) Of the other side
       integer, intent(in) :: before                  !! Rows of the values before the tile
       real(wp), intent(inout) :: values(:, :)        !! (particle, column)
-      real(wp) :: weight, away(3)
+      real(wp) :: weight, away(3), local(3)
       integer :: cell, lane, node, p, c
 
       do cell = 0, grid%tile_cells - 1
          if (.not. is_cut(grid, cell, split)) cycle
          do p = shape%start(cell) + 1, shape%start(cell + 1)
+            local = shape%local(p, :)
             do lane = 1, 2**grid%dimensions
                if (.not. btest(other(first + p - 1), lane - 1)) cycle
                node = grid%first_node(cell) + grid%lane_offset(lane)
-               call lane_place(grid, lane, shape%local(p, :), weight, away)
+               call lane_place(grid, lane, local, weight, away)
                do c = 1, size(mine, 1)
                   values(before + p, c) = values(before + p, c) + factor*weight*(theirs(c, node) &
                      - mine(c, node))
@@ -148,21 +150,22 @@ contains
       real(wp), intent(in) :: scale                  !! Such as the step [s]
       real(wp), intent(in) :: difference(:, :)       !! (3, node) Other side less the first [m/s]
       real(wp), intent(inout) :: gradient(:, :)      !! (particle of the tile, 9)
-      real(wp) :: slope(3), weight, away(3)
+      real(wp) :: slope(3), weight, away(3), local(3)
       integer :: cell, lane, node, p, l
 
       do cell = 0, grid%tile_cells - 1
          if (.not. is_cut(grid, cell, split)) cycle
          do p = shape%start(cell) + 1, shape%start(cell + 1)
+            local = shape%local(p, :)
             do lane = 1, 2**grid%dimensions
                if (.not. btest(other(store%first(tile) + p - 1), lane - 1)) cycle
                node = grid%first_node(cell) + grid%lane_offset(lane)
-               slope = scale*lane_gradient(grid, lane, shape%local(p, :))
+               slope = scale*lane_gradient(grid, lane, local)
                do l = 1, 3
                   gradient(p, 3*l - 2:3*l) = gradient(p, 3*l - 2:3*l) + difference(:, node)*slope(l)
                end do
                if (.not. grid%axisymmetric) cycle
-               call lane_place(grid, lane, shape%local(p, :), weight, away)
+               call lane_place(grid, lane, local, weight, away)
                gradient(p, 5) = gradient(p, 5) + scale*weight*difference(1, node) &
                   /store%position(store%first(tile) + p - 1, 1)
             end do
@@ -180,21 +183,21 @@ contains
       logical, intent(in) :: split(:)                !! (node)
       integer, intent(in) :: side                    !! 0 or 1
       real(wp), intent(inout) :: area(:, :)          !! (3, node) [m2]
-      real(wp) :: weight, away(3)
+      real(wp) :: weight, away(3), local(3)
       integer :: cell, lane, node, p, q
 
       do cell = 0, grid%tile_cells - 1
          if (.not. is_cut(grid, cell, split)) cycle
          do p = shape%start(cell) + 1, shape%start(cell + 1)
             q = store%first(tile) + p - 1
+            local = shape%local(p, :)
             do lane = 1, 2**grid%dimensions
                node = grid%first_node(cell) + grid%lane_offset(lane)
                if (.not. split(node)) cycle
                if (ibits(other(q), lane - 1, 1) /= side) cycle
-               area(:, node) = area(:, node) + store%state%volume(q)*lane_gradient(grid, lane, &
-                  shape%local(p, :))
+               area(:, node) = area(:, node) + store%state%volume(q)*lane_gradient(grid, lane, local)
                if (.not. grid%axisymmetric) cycle
-               call lane_place(grid, lane, shape%local(p, :), weight, away)
+               call lane_place(grid, lane, local, weight, away)
                area(1, node) = area(1, node) + weight*store%state%volume(q)/store%position(q, 1)
             end do
          end do
@@ -214,17 +217,18 @@ contains
       real(wp), intent(in) :: half(:)                !! (particle of the tile) Half its width [m]
       real(wp), intent(in) :: normal(:, :)           !! (3, node) [1]
       real(wp), intent(inout) :: reach(:)            !! (node) So far [m]
-      real(wp) :: weight, away(3)
+      real(wp) :: weight, away(3), local(3)
       integer :: cell, lane, node, p
 
       do cell = 0, grid%tile_cells - 1
          if (.not. is_cut(grid, cell, split)) cycle
          do p = shape%start(cell) + 1, shape%start(cell + 1)
+            local = shape%local(p, :)
             do lane = 1, 2**grid%dimensions
                node = grid%first_node(cell) + grid%lane_offset(lane)
                if (.not. split(node) .or. all(abs(normal(:, node)) <= 0.0_wp)) cycle
                if (ibits(other(first + p - 1), lane - 1, 1) /= side) cycle
-               call lane_place(grid, lane, shape%local(p, :), weight, away)
+               call lane_place(grid, lane, local, weight, away)
                reach(node) = max(reach(node), dot_product(away, normal(:, node)) + half(p))
             end do
          end do
