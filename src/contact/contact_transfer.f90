@@ -195,7 +195,8 @@ contains
                node = grid%first_node(cell) + grid%lane_offset(lane)
                if (.not. split(node)) cycle
                if (ibits(other(q), lane - 1, 1) /= side) cycle
-               area(:, node) = area(:, node) + store%state%volume(q)*lane_gradient(grid, lane, local)
+               area(:, node) = area(:, node) &
+                  + store%state%volume(q)*lane_gradient(grid, lane, local)
                if (.not. grid%axisymmetric) cycle
                call lane_place(grid, lane, local, weight, away)
                area(1, node) = area(1, node) + weight*store%state%volume(q)/store%position(q, 1)
