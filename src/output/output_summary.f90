@@ -72,7 +72,7 @@ contains
       call log%info(balance_text(now, rate, real(counts(2), wp)/max(wall, nano), bytes))
       call final_trust(simulation, code, now, trust)
       call log%info(trust_text(trust))
-      call warn_of_balance(simulation%scheme%method, now, trust, log)
+      call warn_of_balance(simulation, now, trust, log)
       call count_traffic(simulation, traffic)
       if (simulation%machine%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)

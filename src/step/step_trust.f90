@@ -357,19 +357,23 @@ contains
    end subroutine warn_of_shapes
 
    !> Report at the end which balances do not close, with the remedy. Collective.
-   subroutine warn_of_balance(method, now, trust, log)
-      type(method_t), intent(in) :: method           !! How the run was computed
+   subroutine warn_of_balance(simulation, now, trust, log)
+      type(simulation_t), intent(in) :: simulation   !! The run
       type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(in) :: trust             !! What is known at the end
       type(log_t), intent(inout) :: log              !! Gets the warnings
+      logical :: parts
+      integer :: n
 
-      call warn_of_energy(method, now, trust, log)
-      call warn_of_momentum(method, trust, log)
+      parts = any([(allocated(simulation%fields(n)%sides), n=1, size(simulation%fields))])
+      call warn_of_energy(simulation%scheme%method, parts, now, trust, log)
+      call warn_of_momentum(simulation%scheme%method, trust, log)
    end subroutine warn_of_balance
 
    !> Report at the end that energy is lost, with the remedy. Collective.
-   subroutine warn_of_energy(method, now, trust, log)
+   subroutine warn_of_energy(method, parts, now, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
+      logical, intent(in) :: parts                   !! Does a body touch itself?
       type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(in) :: trust             !! What is known at the end
       type(log_t), intent(inout) :: log              !! Gets the warning
@@ -384,7 +388,9 @@ contains
          verdict_of(trust_energy, trust%worst(trust_energy)) /= trust_ok
       if (.not. strays .and. verdict_of(trust_damped, now%damped_share) == trust_ok) return
       remedy = ""
-      if (strays .and. .not. method%averages()) remedy = " stress_update = 'usavg',"
+      ! a body that touches itself is refused with usavg
+      if (strays .and. .not. (method%averages() .or. parts)) &
+         remedy = " stress_update = 'usavg',"
       if (method%transfer%flip_fraction() > 0.0_wp &
          .and. method%transfer%flip_fraction() < 1.0_wp) remedy = remedy//" flip = 1,"
       if (len(remedy) == 0) then
