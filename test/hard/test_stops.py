@@ -8,6 +8,7 @@ not noticed.
 # timeout: 600
 
 import os
+import shlex
 import signal
 import sys
 import time
@@ -62,7 +63,7 @@ def signals(options, sheet):
         sheet.require(0 < stopped["steps"] < ENDLESS, f"{name}: stops at step {stopped['steps']}")
         sheet.require(stopped["exit_code"] == 75, f"{name}: the summary says 75")
         told = run.path(".log").read_text(encoding="utf-8").splitlines()[-1]
-        sheet.require(told.startswith("go on ") and told.endswith(f"{run.deck} --restart")
+        sheet.require(told.startswith("go on ") and told.endswith(f"{shlex.quote(str(run.deck))} --restart")
                       and ("mpirun -n 2 " in told) == (ranks == 2), f"{name}: the last line goes on: {told}")
         run.ranks = 3 - ranks
         last = f"time.max_steps={stopped['steps'] + 50}"
