@@ -149,6 +149,8 @@ DECKS = {
         "friction_angle = 30", "friction_angle = 30  cohesion = 1e3", None),
     "remove-heat-flux": ("plain", "&time t_end = 1e-5 /", "&method heat_flux = 2 /\n&time t_end = 1e-5 /", None),
     "give-one-of-dt-every-times-count": ("sand", "every = 20", "every = 20  dt = 0.1", "dt = 0.1"),
+    "the-flow-must-be-along-x-y": (
+        "plain", "&body", "&inflow body = 'one'  velocity = 1 0 1 /\n&body", None),
     "is-made-of-this-region-itself": (
         "plain", "&body", "&region name = 'both'  shape = 'union'  of = 'ball' 'both' /\n&body",
         "&region name = 'cube'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /\n"

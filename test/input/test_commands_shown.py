@@ -106,7 +106,8 @@ class Clone:
         elif "--list" not in words:
             words += SMALLEST
         code, said = self.run(words)
-        return code == 0 or code == 1 and "--turns" in words and "times slower" in said, said
+        may_differ = "--turns" in words or "--compare" in words
+        return code == 0 or code == 1 and may_differ and "times slower" in said, said
 
     def script(self, words):
         """A study or a script of the shell: its options."""
@@ -131,6 +132,9 @@ class Clone:
             return self.bench(words)
         if words[0].endswith("python") or words[0].startswith("python") or words[0].endswith(".sh"):
             return self.script(words)
+        if words[0] == "pip" or words[:2] == ["cd", "python"]:
+            # test_python installs and tests the package
+            return (case.ROOT / "python/pyproject.toml").is_file(), "there is no package"
         return False, "nobody knows how to try this command"
 
 

@@ -221,7 +221,7 @@ class Install(unittest.TestCase):
             wrapper.chmod(0o755)
         (folder / "CMakeLists.txt").write_text(
             "cmake_minimum_required(VERSION 3.18)\nproject(one LANGUAGES NONE)\nset(CMAKE_FIND_LIBRARY_PREFIXES lib)\n"
-            f"set(CMAKE_FIND_LIBRARY_SUFFIXES .a)\ninclude({case.ROOT}/cmake/ScreeHdf5.cmake)\n", encoding="utf-8")
+            f"set(CMAKE_FIND_LIBRARY_SUFFIXES .a)\ninclude(\"{case.ROOT}/cmake/ScreeHdf5.cmake\")\n", encoding="utf-8")
         shown = {}
         for mpi, library in (("openmpi", "/usr/lib/libmpi_usempif08.so"), ("mpich", "/usr/lib/libmpichfort.so")):
             code, said, wrong = run("cmake", "-S", folder, "-B", folder / f"build {mpi}", f"-DHDF5_ROOT={folder}",
