@@ -82,12 +82,12 @@ def installation(sheet, options):
             "place = pathlib.Path(scree.__file__).parent\n"
             "names = [entry.name for entry in pkgutil.iter_modules([str(place)])]\n"
             "[importlib.import_module('scree.' + name) for name in names]\n"
-            "print(place, (place / 'py.typed').exists(), *names)")
+            "print(place, (place / 'py.typed').exists(), *names, sep=chr(10))")
     answer = subprocess.run([sys.executable, "-c", code], cwd=options.work, text=True, check=False,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             env={**os.environ, "PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"})
     there = sorted(path.stem for path in (FOLDER / "src/scree").glob("[a-z]*.py"))
-    sheet.require(answer.returncode == 0 and answer.stdout.split() == [str(place / "scree"), "True", *there],
+    sheet.require(answer.returncode == 0 and answer.stdout.splitlines() == [str(place / "scree"), "True", *there],
                   f"the installed package: {answer.stdout}")
     sheet.require((place / "bin/scree-post").exists(), "the command scree-post is installed")
     rests = [str(path) for name in ("build", "dist", "*.egg-info") for path in FOLDER.rglob(name)]
