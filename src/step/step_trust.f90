@@ -358,7 +358,7 @@ contains
 
    !> Report at the end which balances do not close, with the remedy. Collective.
    subroutine warn_of_balance(simulation, now, trust, log)
-      type(simulation_t), intent(in) :: simulation   !! The run
+      type(simulation_t), intent(in) :: simulation   !! Method and fields are used
       type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(in) :: trust             !! What is known at the end
       type(log_t), intent(inout) :: log              !! Gets the warnings
