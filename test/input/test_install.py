@@ -12,7 +12,9 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
+from pathlib import Path
 
 import case
 import report
@@ -207,9 +209,10 @@ class Install(unittest.TestCase):
 
     def test_hdf5_of_the_mpi(self):
         """Would catch an HDF5 of Open MPI beside MPICH: of two wrappers in a folder the wrong one, or no complaint."""
-        folder = OPTIONS.work / "hdf5"
-        shutil.rmtree(folder, ignore_errors=True)
-        (folder / "bin").mkdir(parents=True)
+        # what a wrapper shows cannot hold folders with blanks
+        folder = Path(tempfile.mkdtemp(prefix="scree_hdf5_"))
+        self.addCleanup(shutil.rmtree, folder)
+        (folder / "bin").mkdir()
         for mpi in ("openmpi", "mpich"):
             place = folder / mpi
             place.mkdir()
