@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write doc/guide/keys.md, the table of all groups and keys of a deck, from what scree says.
+"""Write doc/reference/keys.md, the table of all groups and keys of a deck, from what scree says.
 
     python3 scripts/document_keys.py build/bin/scree             write the file
     python3 scripts/document_keys.py build/bin/scree --check     exit code 1 if it is out of date

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write doc/guide/messages/, a page for each row of the tables of messages, and link the rows to them.
+"""Write doc/reference/messages/, a page for each row of the tables of messages, and link the rows to them.
 
     python3 scripts/document_messages.py --scree build/bin/scree             write the pages
     python3 scripts/document_messages.py --scree build/bin/scree --check     exit code 1 if out of date
@@ -9,7 +9,7 @@ program is run on a wrong deck, and what it prints is shown. The deck is that of
 of test/input (broken_values.py, broken_scenes.py) with this message, unless scripts/messages holds
 another one (examples.py: decks; situations.py: commands, files and runs).
 
-A new message: write its row into doc/guide/errors.md or errors_runs.md without a link, run this script, look at
+A new message: write its row into doc/reference/errors.md or errors_runs.md without a link, run this script, look at
 the page. Only the standard library is needed.
 """
 import argparse

@@ -123,5 +123,5 @@ CASES.update({name: ("scene.nml", {"grid.dx": size, **OFTEN}) for name, size in 
 
 if __name__ == "__main__":
     Study(__file__, CASES, tables, {"picture.png": draw},
-          phrases={"../../doc/guide/first_steps.md": first_steps},
+          phrases={"../../doc/learn/first_deck.md": first_steps},
           may_fail={"mpm_usl": 4}, as_it_stands="ddmp_usl").main()

@@ -117,7 +117,7 @@ contains
       do n = 1, deck%count("material")
          text = text//material_line(deck%group("material", n), group)
       end do
-      text = text//"           doc/guide/effects.md lists their costs per particle and step"// &
+      text = text//"           doc/reference/effects.md lists their costs per particle and step"// &
          new_line("a")
    end function effects_text
 

@@ -22,7 +22,7 @@ import report
 from post_command import RUNS
 
 #: Pages that a test types from top to bottom.
-TYPED = {"doc/guide/first_hour.md": "test_first_hour.py", "doc/guide/geometry.md": "test_geometry_page.py"}
+TYPED = {"doc/learn/first_hour.md": "test_first_hour.py", "doc/guide/geometry.md": "test_geometry_page.py"}
 #: Beginnings of commands that another test runs, or that are no commands to type.
 ELSEWHERE = {"build/venv/bin/scree-post": "test_post_documents.py", "scree-post": "test_post_documents.py",
              "paraview": "test_paraview.py", "pvbatch": "test_paraview.py",

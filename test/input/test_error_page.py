@@ -68,7 +68,7 @@ class Page(unittest.TestCase):
             for row in table:
                 with self.subTest(row[4]):
                     self.assertTrue(any(one.search(row[4]) for one in patterns),
-                                    "neither in doc/guide/errors.md nor in errors_runs.md")
+                                    "neither in doc/reference/errors.md nor in errors_runs.md")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
 
-PAGE = case.ROOT / "doc/guide/first_hour.md"
+PAGE = case.ROOT / "doc/learn/first_hour.md"
 PICTURES = ("my_column/energies.png", "my_column/pressure.png", "my_column/column.gif", "my_column/both.png",
             "my_column/out/column_collapse/column_collapse.png", "my_column/out/column_collapse_sweep/sweep.png",
             "my_cloud/cloud.png")

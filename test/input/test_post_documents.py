@@ -25,8 +25,8 @@ from scree_post.command import load                      # noqa: E402
 from scree_post.commands import COMMANDS                 # noqa: E402
 from scree_post.errors import PostError                  # noqa: E402
 
-DOCUMENTS = ("README.md", "doc/guide/first_steps.md", "doc/guide/post_processing.md", "doc/guide/accuracy.md",
-             "doc/guide/matter_outputs.md", "doc/guide/grain_cell.md", "doc/guide/materials.md",
+DOCUMENTS = ("README.md", "doc/learn/first_deck.md", "doc/guide/post_processing.md", "doc/guide/accuracy.md",
+             "doc/reference/matter_outputs.md", "doc/guide/grain_cell.md", "doc/reference/materials.md",
              "input/debris_cloud/README.md")
 LEAST = 20               # commands that the documents are known to show
 
