@@ -118,7 +118,7 @@ def man_page(program):
     text += [".fi", ".SH ENVIRONMENT", ".TP", ".B OMP_NUM_THREADS", "threads of each rank", ".SH EXAMPLES", ".nf"]
     text += [roff(line.strip()) for line in examples]
     text += [".fi", ".SH SEE ALSO", ".BR mpirun (1)", ".PP"]
-    text += ["The pages of doc/guide explain decks, runs and outputs.", ""]
+    text += ["The pages of doc/guide and doc/reference explain decks, runs and outputs.", ""]
     return "\n".join(text)
 
 

@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-TARGET = Path(__file__).resolve().parents[1] / "doc" / "guide" / "keys.md"
+TARGET = Path(__file__).resolve().parents[1] / "doc" / "reference" / "keys.md"
 HEAD = """# Groups and keys
 
 This file is written by [scripts/document_keys.py](../../scripts/document_keys.py) from

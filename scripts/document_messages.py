@@ -23,7 +23,7 @@ from itertools import count
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-GUIDE = ROOT / "doc" / "guide"
+GUIDE = ROOT / "doc" / "reference"
 TABLES = [GUIDE / "errors.md", GUIDE / "errors_runs.md"]
 PAGES = GUIDE / "messages"
 NOTES = ROOT / "scripts" / "messages"
@@ -48,12 +48,12 @@ WIDEST = 110                     # columns of a line of a deck that is shown who
 FEW = 4                          # lines of a deck that are shown in a row
 # Where to read on: about a group, besides its keys, or where there is none about a kind of messages.
 ABOUT = {
-    "run": "deck.md#dimension", "units": "deck.md#units", "include": "deck.md#rules", "grid": "deck.md#dimension",
-    "region": "shapes.md", "body": "deck.md#shapes-and-bodies", "material": "materials.md",
-    "boundary": "deck.md#faces", "effects": "effects.md", "contact": "deck.md#contact", "output": "deck.md#output",
-    "time": "running.md#how-a-run-ends", "checkpoint": "running.md#checkpoints-and-restart",
-    "Letters and groups": "deck.md#rules", "Units": "deck.md#units", "Command line": "running.md",
-    "Runs that end early": "running.md#how-a-run-ends", "Files": "running.md#checkpoints-and-restart"}
+    "run": "../guide/deck.md#dimension", "units": "../guide/deck.md#units", "include": "../guide/deck.md#rules", "grid": "../guide/deck.md#dimension",
+    "region": "../guide/shapes.md", "body": "../guide/deck.md#shapes-and-bodies", "material": "materials.md",
+    "boundary": "../guide/deck.md#faces", "effects": "effects.md", "contact": "../guide/deck.md#contact", "output": "../guide/deck.md#output",
+    "time": "../guide/running.md#how-a-run-ends", "checkpoint": "../guide/running.md#checkpoints-and-restart",
+    "Letters and groups": "../guide/deck.md#rules", "Units": "../guide/deck.md#units", "Command line": "../guide/running.md",
+    "Runs that end early": "../guide/running.md#how-a-run-ends", "Files": "../guide/running.md#checkpoints-and-restart"}
 # Keys that are words of prose as well: they count only before an equals sign.
 PROSE = {"at", "axis", "bodies", "body", "fields", "file", "law", "material", "name", "of", "region", "shape",
          "solution", "type", "scale", "velocity", "stress", "spin"}

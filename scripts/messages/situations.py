@@ -164,7 +164,7 @@ SNAPSHOT = ["scree -q first.nml --outdir first", "cp first/first_p_000000.hdf fi
 CHECK = "scree --check scene.nml"
 RUN = "scree -q scene.nml"
 AGAIN = "scree -q --restart scene.nml"
-OTHER_DECK = "running.md#a-restart-with-another-deck"
+OTHER_DECK = "../guide/running.md#a-restart-with-another-deck"
 
 GRAIN_CELL = """&grains shape = 'discs'  number = 100  diameter = 1e-3  density = 2500  stiffness = 1e6 /
 &cell pressure = 1e3 /
@@ -190,55 +190,55 @@ SITUATIONS = {
     "the-deck-is-empty": {
         "files": {"scene.nml": "! density 2700, young 70e9\n"}, "text": "A deck that holds a comment alone:",
         "shows": "! density 2700, young 70e9", "commands": [CHECK],
-        "then": ["scree --template > scene.nml"], "see": ["first_steps.md"]},
+        "then": ["scree --template > scene.nml"], "see": ["../learn/first_deck.md"]},
     "unknown-option": {"files": {"scene.nml": BAR}, "commands": ["scree --chek scene.nml"],
-                       "then": [CHECK], "see": ["running.md"]},
+                       "then": [CHECK], "see": ["../guide/running.md"]},
     "expects-group-key-value": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set dx=0.05"],
         "then": ["scree --check scene.nml --set grid.dx=0.05"],
-        "see": ["deck.md#values-from-the-command-line"]},
+        "see": ["../guide/deck.md#values-from-the-command-line"]},
     "no-group-of-this-name": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'material[steel].young=200e9'"],
         "then": ["scree --check scene.nml --set 'material[metal].young=200e9'"],
-        "see": ["deck.md#values-from-the-command-line"]},
+        "see": ["../guide/deck.md#values-from-the-command-line"]},
     "is-not-a-value": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'time.t_end=1e-4 /'"],
         "then": ["scree --check scene.nml --set time.t_end=1e-4"],
-        "see": ["deck.md#values-from-the-command-line"]},
+        "see": ["../guide/deck.md#values-from-the-command-line"]},
     "the-value-of-is-empty": {"files": {"scene.nml": BAR}, "commands": ["scree --check --case= scene.nml"],
-                              "then": ["scree --check --case=first scene.nml"], "see": ["running.md"]},
+                              "then": ["scree --check --case=first scene.nml"], "see": ["../guide/running.md"]},
     "takes-no-value": {"files": {"scene.nml": BAR}, "commands": ["scree --check --force=yes scene.nml"],
-                       "then": ["scree --check --force scene.nml"], "see": ["running.md"]},
+                       "then": ["scree --check --force scene.nml"], "see": ["../guide/running.md"]},
     "exclude-each-other": {"files": {"scene.nml": BAR}, "commands": ["scree --check --restart scene.nml"],
-                           "then": [CHECK], "see": ["running.md"]},
+                           "then": [CHECK], "see": ["../guide/running.md"]},
     "no-estimate-needs": {"files": {"scene.nml": BAR}, "commands": ["scree --no-estimate scene.nml"],
-                          "then": ["scree --check --no-estimate scene.nml"], "see": ["running.md#what-it-costs"]},
+                          "then": ["scree --check --no-estimate scene.nml"], "see": ["../guide/running.md#what-it-costs"]},
     "list-knows": {"commands": ["scree --list material"], "then": ["scree --list materials"],
                    "see": ["materials.md"]},
     "one-deck-at-a-time": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set run.title=my first run"],
-        "then": ["scree --check scene.nml --set \"run.title='my first run'\""], "see": ["running.md"]},
+        "then": ["scree --check scene.nml --set \"run.title='my first run'\""], "see": ["../guide/running.md"]},
     # examples and jobs
     "there-is-no-example": {"commands": ["scree --new two_disks my_discs"],
-                            "then": ["scree --new two_discs my_discs"], "see": ["running.md#a-case-of-your-own"]},
+                            "then": ["scree --new two_discs my_discs"], "see": ["../guide/running.md#a-case-of-your-own"]},
     "exists-and-is-not-overwritten": {
         "before": ["mkdir my_discs", "touch my_discs/notes.txt"], "commands": ["scree --new two_discs my_discs"],
-        "then": ["scree --new two_discs other_discs"], "see": ["running.md#a-case-of-your-own"]},
+        "then": ["scree --new two_discs other_discs"], "see": ["../guide/running.md#a-case-of-your-own"]},
     "the-examples-are-not-in-the-folder": {
         "before": ['cp "$(command -v scree)" scree'], "text": "The program was copied alone to another folder:",
-        "commands": ["./scree --list examples"], "see": ["running.md#a-case-of-your-own"]},
+        "commands": ["./scree --list examples"], "see": ["../guide/running.md#a-case-of-your-own"]},
     "job-knows-slurm-and-pbs": {"files": {"scene.nml": BAR}, "commands": ["scree --job lsf scene.nml"],
                                 "then": ["scree --job slurm scene.nml > job.sh"],
-                                "see": ["running.md#a-batch-script"]},
+                                "see": ["../guide/running.md#a-batch-script"]},
     "the-scheduler-announces-the-end": {
         "files": {"scene.nml": BAR + "&checkpoint on_signal = 'TERM' /\n"}, "text": "With this line in the deck:",
         "shows": "&checkpoint on_signal = 'TERM' /", "commands": ["scree --job slurm scene.nml"],
         "right": "&checkpoint on_signal = 'TERM' 'USR1' /",
         "right_files": {"scene.nml": BAR + "&checkpoint on_signal = 'TERM' 'USR1' /\n"},
-        "see": ["running.md#a-batch-script"]},
+        "see": ["../guide/running.md#a-batch-script"]},
     "needs-job": {"files": {"scene.nml": BAR}, "commands": ["scree --ranks 4 scene.nml"],
                   "then": ["scree --job slurm --ranks 4 scene.nml > job.sh"],
-                  "see": ["running.md#ranks-and-threads"]},
+                  "see": ["../guide/running.md#ranks-and-threads"]},
     # runs that end early
     "is-below-dt-min": {
         "files": {"scene.nml": BAR.replace("1e-4", "1e-4  dt_min = 1e-5")}, "text": "A whole deck:",
@@ -316,7 +316,7 @@ SITUATIONS = {
         "see": ["output.md#trust"]},
     "wall-limit-reached": {
         "files": {"scene.nml": BAR}, "commands": ["scree scene.nml --set \"time.wall_limit='00:00:00'\""], "last": 1,
-        "then": [AGAIN], "see": ["running.md#checkpoints-and-restart"]},
+        "then": [AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
     "ended-signal": {
         "files": {"scene.nml": BAR}, "last": 1, "commands": [(
             "scree scene.nml --set time.t_end=10 & sleep 60; kill -USR1 $!; wait $!",
@@ -325,50 +325,50 @@ SITUATIONS = {
             "tail -n 2 screen; exit $code")],
         "then": [("scree -q --restart scene.nml --set time.t_end=10",
                   "scree -q --restart scene.nml --set time.t_end=10 --set \"time.wall_limit='00:00:00'\"")],
-        "see": ["running.md#signals"]},
+        "see": ["../guide/running.md#signals"]},
     "the-end-of-the-job-is-not-known": {
         "files": {"scene.nml": BAR}, "text": "In a job that `squeue` does not know:",
         "commands": ["SLURM_JOB_ID=12 scree -q scene.nml --set \"time.wall_limit='slurm'\""],
-        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
+        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["../guide/running.md#signals"]},
     "this-is-not-a-slurm-job": {
         "files": {"scene.nml": BAR}, "text": "Outside of a job:",
         "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
-        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["running.md#signals"]},
+        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["../guide/running.md#signals"]},
     "all-material-has-left-the-grid": {
         "files": {"scene.nml": BAR.replace("velocity = 1 ", "velocity = 5000 ")},
         "text": "Boundaries that the deck does not name are open, and the bar flies through one:",
         "commands": ["scree -q scene.nml --set time.t_end=1e-3"],
-        "then": ["scree -q --overwrite scene.nml"], "see": ["running.md#how-a-run-ends"]},
+        "then": ["scree -q --overwrite scene.nml"], "see": ["../guide/running.md#how-a-run-ends"]},
     # files
     "this-is-a-folder-not-a-deck": {
         "before": ["scree --new two_discs my_discs"], "commands": ["scree --check my_discs"],
-        "then": ["scree --check my_discs/two_discs.nml"], "see": ["running.md#a-case-of-your-own"]},
+        "then": ["scree --check my_discs/two_discs.nml"], "see": ["../guide/running.md#a-case-of-your-own"]},
     "cannot-make-the-folder": {
         "files": {"scene.nml": BAR, "results": "a file\n"}, "text": "There is a file `results` already:",
         "commands": ["scree -q scene.nml --outdir results"], "then": ["scree -q scene.nml --outdir results_2"],
         "see": ["output.md"]},
     "cannot-write": {
         "files": {"scene.nml": BAR}, "before": ["mkdir -p out/scene", "ln -s /dev/full out/scene/scene.echo.nml.part"],
-        "text": "On a disk that is full:", "commands": [RUN], "see": ["running.md#checkpoints-and-restart"]},
+        "text": "On a disk that is full:", "commands": [RUN], "see": ["../guide/running.md#checkpoints-and-restart"]},
     "no-checkpoint": {
         "files": {"scene.nml": BAR}, "before": ["scree -q scene.nml --outdir first",
                                                 "scree -q scene.nml --set checkpoint.at_end=F"],
         "text": "The run wrote into the folder `first`; that is misspelt once, and once it is left out:",
         "commands": ["scree -q --restart scene.nml --outdir frist", AGAIN],
-        "then": ["scree -q --restart scene.nml --outdir first"], "see": ["running.md#checkpoints-and-restart"]},
+        "then": ["scree -q --restart scene.nml --outdir first"], "see": ["../guide/running.md#checkpoints-and-restart"]},
     "no-checkpoint-can-be-used": {
         "files": {"scene.nml": BAR}, "before": [RUN, "cp out/scene/scene_chk_0001.h5 whole.h5",
                                                 "head -c 9999 whole.h5 > out/scene/scene_chk_0001.h5"],
         "text": "The only checkpoint was copied in part:", "commands": [AGAIN],
-        "then": ["cp whole.h5 out/scene/scene_chk_0001.h5", AGAIN], "see": ["running.md#checkpoints-and-restart"]},
+        "then": ["cp whole.h5 out/scene/scene_chk_0001.h5", AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
     "cannot-read": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"],
-                    "see": ["running.md"]},
+                    "see": ["../guide/running.md"]},
     "is-cut-short-or-no-checkpoint": {
         "files": {"scene.nml": SERIES},
         "before": [RUN, "head -c 9999 out/scene/scene_chk_0002.h5 > out/scene/scene_chk_0009.h5"],
         "text": "A checkpoint was copied in part:",
         "commands": ["scree -q --restart out/scene/scene_chk_0009.h5 scene.nml"],
-        "then": [AGAIN], "see": ["running.md#checkpoints-and-restart"]},
+        "then": [AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
     "is-damaged": {
         "files": {"scene.nml": SERIES},
         "before": [RUN, "cp out/scene/scene_chk_0002.h5 bad.h5",
@@ -391,7 +391,7 @@ SITUATIONS = {
     "results-of-case-are-in-already": {
         "files": {"scene.nml": BAR}, "before": [RUN], "text": "The same command is given a second time:",
         "commands": [RUN], "then": ["scree -q --restart scene.nml --set time.t_end=2e-4",
-                                    "scree -q --overwrite scene.nml"], "see": ["running.md#results-that-are-there"]},
+                                    "scree -q --overwrite scene.nml"], "see": ["../guide/running.md#results-that-are-there"]},
     "it-was-written-with-other-effects": {
         "files": {"scene.nml": BAR.replace("'1d' /", "'1d'  method = 'mpm' /")}, "before": [RUN],
         "text": "The first run had the default `transfer`, whose particles carry no gradient of velocity:",
@@ -463,13 +463,13 @@ SITUATIONS = {
         "commands": ["scree -q --restart scene.nml --set time.t_end=2e-4 --set units.output_units=cgs"],
         "then": ["mv out/scene/scene_history.csv out/scene/first_history.csv",
                  "scree -q --restart scene.nml --set time.t_end=2e-4 --set units.output_units=cgs"],
-        "see": ["running.md#checkpoints-and-restart"]},
+        "see": ["../guide/running.md#checkpoints-and-restart"]},
     "left-out-of-the-series": {
         "files": {"scene.nml": SERIES}, "before": [RUN, "cp out/scene/scene_p_000001.hdf whole.hdf",
                                                    "head -c 999 whole.hdf > out/scene/scene_p_000001.hdf"],
         "text": "A snapshot was copied in part:", "commands": [AGAIN],
         "then": ["cp whole.hdf out/scene/scene_p_000001.hdf", AGAIN],
-        "see": ["running.md#checkpoints-and-restart"]},
+        "see": ["../guide/running.md#checkpoints-and-restart"]},
     "not-an-hdf5-file": {
         "files": {"scene.nml": FURTHER, "first.nml": FIRST},
         "before": [*SNAPSHOT, "mv first.hdf whole.hdf", "head -c 999 whole.hdf > first.hdf"],

@@ -3,11 +3,11 @@
 !! floating point exception in a build with checks.
 module base_decimal
    use base_kinds, only: wp
-   use base_text, only: number
+   use base_text, only: number, split, text_t
    implicit none
    private
 
-   public :: file_number, read_decimal
+   public :: file_number, file_numbers, read_decimal, without_commas
 
    integer, parameter, public :: decimal_good = 0    !! A valid number
    integer, parameter, public :: decimal_none = 1    !! Not a number
@@ -70,4 +70,34 @@ contains
       call read_decimal(text, 0, value, verdict)
       sound = verdict == decimal_good .or. verdict == decimal_small
    end subroutine file_number
+
+   !> Read as many finite numbers as there are values from a line of such a file, no more and no
+   !! less.
+   subroutine file_numbers(line, values, sound)
+      character(len=*), intent(in) :: line           !! With blanks between the numbers
+      real(wp), intent(out) :: values(:)             !! As written, 0 from the first wrong one on
+      logical, intent(out) :: sound                  !! Are they all there?
+      type(text_t), allocatable :: words(:)
+      integer :: k
+
+      values = 0.0_wp
+      call split(line, words)
+      sound = size(words) == size(values)
+      if (.not. sound) return
+      do k = 1, size(values)
+         call file_number(words(k)%text, values(k), sound)
+         if (.not. sound) return
+      end do
+   end subroutine file_numbers
+
+   !> A line of such a file with blanks instead of commas and control characters.
+   pure function without_commas(line) result(clean)
+      character(len=*), intent(in) :: line           !! Any line
+      character(len=len(line)) :: clean
+      integer :: n
+
+      do n = 1, len(line)
+         clean(n:n) = merge(" ", line(n:n), line(n:n) == "," .or. iachar(line(n:n)) < iachar(" "))
+      end do
+   end function without_commas
 end module base_decimal

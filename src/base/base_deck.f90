@@ -251,8 +251,9 @@ contains
       errors = self%problems%errors
    end function deck_errors
 
-   !> True without an error in the groups of a kind, or in one of them: then they can be checked
-   !! further although other groups have errors.
+   !> True without an error in the groups of a kind, or in one of them, and without keys that an
+   !! error elsewhere may have taken from them: then they can be checked further although other
+   !! groups have errors.
    pure logical function deck_sound(self, name, place) result(sound)
       class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! The kind, without &
@@ -270,6 +271,7 @@ contains
          which = self%locate(name, seen)
          associate (group => self%groups(which))
             if (group%first_line == 0) cycle
+            if (group%broken) sound = .false.
             if (self%problems%within(group%path, group%first_line, &
                max(self%index%last_line(which), group%first_line))) sound = .false.
          end associate

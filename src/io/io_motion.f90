@@ -2,10 +2,10 @@
 !> Reads tables of velocities or accelerations: lines of a time and three components, separated by
 !! commas or blanks.
 module io_motion
-   use base_decimal, only: file_number
+   use base_decimal, only: file_numbers, without_commas
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: wp
-   use base_text, only: number, shortened, split, text_t
+   use base_text, only: number, shortened
    implicit none
    private
 
@@ -48,11 +48,11 @@ contains
       entries = 0
       do while (first <= len(text))
          last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
-         line = plain(text(first:last))
+         line = without_commas(text(first:last))
          first = last + 2
          row = row + 1
          if (len_trim(line) == 0 .or. index(adjustl(line), "#") == 1) cycle
-         call read_line(line, values, sound)
+         call file_numbers(line, values, sound)
          if (.not. sound .and. entries == 0 .and. is_title(line)) cycle
          if (.not. sound) then
             call fail_reading(error, path, meaning, "line "//number(row)// &
@@ -85,35 +85,6 @@ contains
 
       call fail(error, exit_file, trim(meaning%fault)//" '"//path//"': "//what)
    end subroutine fail_reading
-
-   !> A line with blanks instead of commas and control characters.
-   pure function plain(line) result(clean)
-      character(len=*), intent(in) :: line               !! Any line
-      character(len=len(line)) :: clean
-      integer :: n
-
-      do n = 1, len(line)
-         clean(n:n) = merge(" ", line(n:n), line(n:n) == "," .or. iachar(line(n:n)) < iachar(" "))
-      end do
-   end function plain
-
-   !> Read exactly four finite numbers.
-   subroutine read_line(line, values, sound)
-      character(len=*), intent(in) :: line               !! With blanks between the words
-      real(wp), intent(out) :: values(columns)
-      logical, intent(out) :: sound                      !! Are there four finite numbers?
-      type(text_t), allocatable :: words(:)
-      integer :: k
-
-      values = 0.0_wp
-      call split(line, words)
-      sound = size(words) == columns
-      if (.not. sound) return
-      do k = 1, columns
-         call file_number(words(k)%text, values(k), sound)
-         if (.not. sound) return
-      end do
-   end subroutine read_line
 
    !> True if a line has column names: its first word begins with a letter.
    pure logical function is_title(line) result(title)

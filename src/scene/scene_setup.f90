@@ -54,8 +54,6 @@ contains
       call read_grid(deck, simulation%space%grid)
       call set_crack_bands(deck, simulation)
       if (present(coarser)) call coarsen(simulation%space%grid, coarser)
-      ! a group that is not closed has lost its keys, without an error of its own
-      if (.not. simulation%space%grid%spacing > 0.0_wp) return
       if (.not. (deck%sound("run") .and. deck%sound("grid") .and. deck%sound("method") .and. &
          deck%sound("effects") .and. deck%sound("boundary"))) return
       if (deck%sound("material")) then

@@ -12,6 +12,7 @@ module scene_velocity_formula
    use mesh_hilbert, only: hilbert_coordinate
    use particle_fill, only: body_t, fill_bodies
    use particle_store, only: store_t
+   use scene_particles, only: number_bodies
    use step_simulation, only: simulation_t
    implicit none
    private
@@ -54,17 +55,14 @@ contains
       type(body_t), allocatable :: numbered(:)
       type(formula_t) :: formula(3)
       type(error_t), allocatable :: error
-      integer(int64) :: next
       integer :: body
 
       if (.not. any([(allocated(bodies(body)%formula), body=1, size(bodies))])) return
       allocate (numbered(size(bodies)))
-      next = 1
       do body = 1, size(bodies)
          numbered(body) = bodies(body)
-         numbered(body)%first_identity = next
-         next = next + product(bodies(body)%sites(simulation%space%grid))
       end do
+      call number_bodies(simulation%space%grid, numbered)
       do body = 1, size(bodies)
          if (.not. allocated(bodies(body)%formula)) cycle
          call compile_formula(bodies(body), formula)

@@ -138,16 +138,16 @@ contains
       integer :: begin
 
       do begin = first, last, most_lanes
-         call gather(begin, min(begin + most_lanes - 1, last), state%mass, state%volume, &
-            state%energy, lanes)
-         call self%table%find_cells(lanes)
+         call find_lanes(self, begin, min(begin + most_lanes - 1, last), state%mass, &
+            state%volume, state%energy, lanes)
          call self%table%interpolate(lanes, begin - first, deformation%pressure, &
             deformation%wave_speed)
       end do
    end subroutine table_update
 
-   !> Densities and energies of some particles.
-   pure subroutine gather(first, last, mass, volume, energy, lanes)
+   !> Densities and energies of some particles, and their cells of the table.
+   pure subroutine find_lanes(eos, first, last, mass, volume, energy, lanes)
+      class(eos_table_t), intent(in) :: eos
       integer, intent(in) :: first                   !! First particle
       integer, intent(in) :: last                    !! Last particle
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
@@ -162,7 +162,8 @@ contains
          lanes%density(l) = mass(first - 1 + l)/volume(first - 1 + l)
          lanes%energy(l) = energy(first - 1 + l)
       end do
-   end subroutine gather
+      call eos%table%find_cells(lanes)
+   end subroutine find_lanes
 
    !> Pressure and square of the sound speed of one state.
    pure subroutine find_state(eos, density, energy, pressure, square)
@@ -200,9 +201,8 @@ contains
       integer :: begin
 
       do begin = first, last, most_lanes
-         call gather(begin, min(begin + most_lanes - 1, last), state%mass, state%volume, &
-            state%energy, lanes)
-         call self%table%find_cells(lanes)
+         call find_lanes(self, begin, min(begin + most_lanes - 1, last), state%mass, &
+            state%volume, state%energy, lanes)
          call self%table%find_temperatures(lanes, begin - 1, state%temperature)
       end do
    end subroutine table_find_temperature

@@ -3,10 +3,10 @@
 !! SI units. The lines of a density follow each other with ascending temperatures, which are the
 !! same for all densities; densities ascend.
 module tabulated_text
-   use base_decimal, only: file_number
+   use base_decimal, only: file_numbers, without_commas
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: wp
-   use base_text, only: brief, number, shortened, split, text_t
+   use base_text, only: brief, number, shortened
    use tabulated_states, only: state_table_t
    implicit none
    private
@@ -60,11 +60,11 @@ contains
       row = 0
       do while (first <= len(text))
          last = first + index(text(first:)//new_line("a"), new_line("a")) - 2
-         line = plain(text(first:last))
+         line = without_commas(text(first:last))
          first = last + 2
          row = row + 1
          if (len_trim(line) == 0 .or. index(adjustl(line), "#") == 1) cycle
-         call read_line(line, listing%value(:, listing%count + 1), sound)
+         call file_numbers(line, listing%value(:, listing%count + 1), sound)
          if (.not. sound .and. listing%count == 0 .and. is_title(line)) cycle
          if (.not. sound) then
             fault = "line "//number(row)//": expected four numbers density, temperature, "// &
@@ -75,35 +75,6 @@ contains
          listing%line(listing%count) = row
       end do
    end subroutine read_listing
-
-   !> A line with blanks instead of commas and control characters.
-   pure function plain(line) result(clean)
-      character(len=*), intent(in) :: line           !! Any line
-      character(len=len(line)) :: clean
-      integer :: n
-
-      do n = 1, len(line)
-         clean(n:n) = merge(" ", line(n:n), line(n:n) == "," .or. iachar(line(n:n)) < iachar(" "))
-      end do
-   end function plain
-
-   !> Read exactly four finite numbers.
-   subroutine read_line(line, values, sound)
-      character(len=*), intent(in) :: line           !! With blanks between the words
-      real(wp), intent(out) :: values(columns)       !! As written
-      logical, intent(out) :: sound                  !! Are there four finite numbers?
-      type(text_t), allocatable :: words(:)
-      integer :: k
-
-      values = 0.0_wp
-      call split(line, words)
-      sound = size(words) == columns
-      if (.not. sound) return
-      do k = 1, columns
-         call file_number(words(k)%text, values(k), sound)
-         if (.not. sound) return
-      end do
-   end subroutine read_line
 
    !> True if a line has column names: its first word begins with a letter, but for NaN and Inf.
    pure logical function is_title(line) result(title)

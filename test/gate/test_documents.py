@@ -18,15 +18,15 @@ from sources import ROOT, lines_of, place, project_files
 
 LONGEST = 250
 # by scripts: as long as there are keys and scenes
-WRITTEN = {ROOT / "doc" / "guide" / "keys.md", ROOT / "doc" / "gallery.md"}
+WRITTEN = {ROOT / "doc" / "reference" / "keys.md", ROOT / "doc" / "gallery.md"}
 DOCUMENTS = project_files(".md")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 NAMED = re.compile(r"`((?:src|scripts|test|cmake|doc|input)/[a-z0-9_./]+)`")
-FIRST_STEPS = ROOT / "doc" / "guide" / "first_steps.md"
+FIRST_STEPS = ROOT / "doc" / "learn" / "first_deck.md"
 DECK = ROOT / "doc" / "guide" / "deck.md"
 RUNNING = ROOT / "doc" / "guide" / "running.md"
-MATTER_OUTPUTS = ROOT / "doc" / "guide" / "matter_outputs.md"
-OUTPUT = ROOT / "doc" / "guide" / "output.md"
+MATTER_OUTPUTS = ROOT / "doc" / "reference" / "matter_outputs.md"
+OUTPUT = ROOT / "doc" / "reference" / "output.md"
 SCENE = "input/two_discs/scene.nml"
 
 if "--scree" not in sys.argv:

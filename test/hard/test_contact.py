@@ -39,6 +39,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import bodies  # noqa: E402
 import case    # noqa: E402
 import report  # noqa: E402
+import slope   # noqa: E402
 import tier    # noqa: E402
 
 TARGET, REBOUND = 0.02, 0.872          # energy of the discs; kinetic energy after the rebound in fine runs
@@ -151,14 +152,7 @@ def block(options, name, law, angle, friction=0.0, method="ddmp", words=""):
     along, down = float(10.0 * np.sin(np.radians(angle))), float(-10.0 * np.cos(np.radians(angle)))
     run = case.Case(options, name, SLIDE.format(method=method, words=words, along=along, down=down, law=law,
                                                 contact="contact=.true.", fields=FIELDS)).run("-q")
-    times, places, speed = [], [], 0.0
-    for time, snap in run.snapshots():
-        here = snap.fields["body"] == 2
-        if time > SETTLED:
-            times.append(time)
-            places.append(snap.points[here, 0].mean() + friction * snap.points[here, 2].mean())
-        speed = np.average(snap.fields["velocity"][here, 0], weights=snap.fields["mass"][here])
-    return 2.0 * np.polyfit(times, places, 2)[0], speed
+    return slope.sliding(run, lambda snap: snap.fields["body"] == 2, SETTLED, friction)
 
 
 def slides(options, sheet):

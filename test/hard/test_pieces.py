@@ -24,6 +24,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import case    # noqa: E402
 import report  # noqa: E402
+import slope   # noqa: E402
 import tier    # noqa: E402
 
 CROSSED = 0.2 / 36.7                   # time of a pressure wave through the height of the block [s]
@@ -133,14 +134,7 @@ def slide_deck(law, angle, itself=True):
 def block(options, name, law, friction=0.0, itself=True):
     """Acceleration of the block along the slope plus friction times normal to it, and its last velocity."""
     run = case.Case(options, name, slide_deck(law, 20.0, itself)).run("-q")
-    times, places, speed = [], [], 0.0
-    for time, snap in run.snapshots():
-        here = snap.fields["body"] >= 3
-        if time > SETTLED:
-            times.append(time)
-            places.append(snap.points[here, 0].mean() + friction * snap.points[here, 2].mean())
-        speed = np.average(snap.fields["velocity"][here, 0], weights=snap.fields["mass"][here])
-    return 2.0 * np.polyfit(times, places, 2)[0], speed
+    return slope.sliding(run, lambda snap: snap.fields["body"] >= 3, SETTLED, friction)
 
 
 def slides(options, sheet):

@@ -14,7 +14,7 @@ import broken_scenes as scenes
 import broken_values as values
 import case
 
-PAGE = "".join((case.ROOT / f"doc/guide/{name}.md").read_text(encoding="utf-8") for name in ("errors", "errors_runs"))
+PAGE = "".join((case.ROOT / f"doc/reference/{name}.md").read_text(encoding="utf-8") for name in ("errors", "errors_runs"))
 TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS, scenes.CELLS,
           scenes.NAMES, scenes.ORPHANS, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
           scenes.INCLUDES, scenes.WARNINGS]
@@ -33,7 +33,7 @@ def rows():
 
 def shown(name):
     """What the program prints on a page; test_message_pages compares that with the program."""
-    text = (case.ROOT / "doc/guide" / name).read_text(encoding="utf-8")
+    text = (case.ROOT / "doc/reference" / name).read_text(encoding="utf-8")
     return re.findall(r"^```console\n(.*?)^```", text, re.M | re.S)
 
 

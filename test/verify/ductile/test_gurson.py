@@ -11,7 +11,7 @@ bits depend on its neighbours, failure that does not come or is undone, books th
   Implicit steps are of first order: error halved with half the steps, and 1e-3 with the most.
 * Without pores the law is that of von Mises: 1e-12, where roots are found to 1e-13.
 * Work of the stress along a path is stored elastically or is plastic work, to 1e-6 of it with 2000 steps; the onset of
-  flow within a step keeps it from second order, first is asked for.
+  flow within a step keeps it from second order, so the limit is first order.
 * Plates of metal that spalls: energy to rounding where particles carry it; without, the books of a shock are no worse
   than those of von_mises in the same scene, by 1e-3 of the energy. Same bits for all layouts.
 """
