@@ -271,7 +271,7 @@ contains
          which = self%locate(name, seen)
          associate (group => self%groups(which))
             if (group%first_line == 0) cycle
-            if (group%broken) sound = .false.
+            if (group%broken .or. .not. all(group%values%valid)) sound = .false.
             if (self%problems%within(group%path, group%first_line, &
                max(self%index%last_line(which), group%first_line))) sound = .false.
          end associate
