@@ -16,7 +16,7 @@ TARGET = Path(__file__).resolve().parents[1] / "doc" / "reference" / "keys.md"
 HEAD = """# Groups and keys
 
 This file is written by [scripts/document_keys.py](../../scripts/document_keys.py) from
-`scree --explain`; do not edit it. How a deck is written stands in [deck.md](deck.md).
+`scree --explain`; do not edit it. How a deck is written stands in [deck.md](../guide/deck.md).
 `scree --template` prints the same keys as a deck, `scree --explain GROUP.KEY` explains one.
 
 A unit is that of SI; with `&units system` the number is in the unit of that system. A default of

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from . import plot as plot
     from .errors import DeckError, FileProblem, InternalError, Interrupted, PhysicsError, ScreeError
     from .launch import run
-    from .program import find_program
+    from .program import example, find_program
     from .results import Run, Tables, read_table
     from .results import open_run as open
     from .snapshot import Snapshot, Snapshots
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 __all__ = ["DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Run", "ScreeError", "Snapshot",
-           "Snapshots", "Tables", "find_program", "open", "plot", "read_table", "run", "sweep"]
+           "Snapshots", "Tables", "example", "find_program", "open", "plot", "read_table", "run", "sweep"]
 
 _MODULES = {
     "errors": ("DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "ScreeError"),
-    "launch": ("run",), "program": ("find_program",), "results": ("Run", "Tables", "open_run", "read_table"),
+    "launch": ("run",), "program": ("example", "find_program"), "results": ("Run", "Tables", "open_run", "read_table"),
     "snapshot": ("Snapshot", "Snapshots"), "study": ("sweep",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

@@ -2,6 +2,7 @@
 """Running the program: options, progress, and errors by its exit code."""
 from __future__ import annotations
 
+import importlib.util
 import os
 import re
 import shutil
@@ -70,15 +71,20 @@ def bar_is_seen() -> bool:
     return "ipykernel" in sys.modules or sys.stderr.isatty()
 
 
+def progress_bar(*arguments: Any, **options: Any) -> Any:
+    """A bar of tqdm: one of widgets in a notebook where they are installed, else of characters."""
+    widgets = "ipykernel" in sys.modules and importlib.util.find_spec("ipywidgets")
+    return importlib.import_module("tqdm.notebook" if widgets else "tqdm").tqdm(*arguments, **options)
+
+
 class Progress:
     """A bar of tqdm that follows what the program prints."""
 
     def __init__(self, shown: bool, label: str) -> None:
         self._bar: Any = None
         if shown and bar_is_seen():
-            from tqdm.auto import tqdm
-            self._bar = tqdm(total=100.0, desc=label, bar_format="{desc} {percentage:3.0f} % |{bar}| {elapsed}"
-                             " < {remaining}{postfix}")
+            self._bar = progress_bar(total=100.0, desc=label, bar_format="{desc} {percentage:3.0f} % |{bar}| {elapsed}"
+                                     " < {remaining}{postfix}")
 
     def line(self, text: str) -> None:
         """A line of the program."""

@@ -160,7 +160,10 @@ def field(snapshot: Snapshot, name: str, *, axes: Axes | None = None, limits: tu
     axes.set_ylabel(label("z", unit_length))
     finite = colours[np.isfinite(colours)]
     beyond = (bool((finite < factor * low).any()), bool((finite > factor * high).any()))
-    figure.colorbar(squares, ax=axes, label=label(name, unit),
+    # as high as the axes, whose aspect is that of the particles
+    narrow = max(1.0, float(np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())))
+    beside = axes.inset_axes((1.0 + 0.03 * narrow, 0.0, 0.035 * narrow, 1.0))
+    figure.colorbar(squares, cax=beside, label=label(name, unit),
                     extend={(True, True): "both", (True, False): "min", (False, True): "max"}.get(beyond, "neither"))
     return figure
 

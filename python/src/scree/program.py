@@ -6,7 +6,7 @@ import os
 import shutil
 from pathlib import Path
 
-from .errors import FileProblem
+from .errors import FileProblem, unknown
 
 
 def beside_package() -> list[Path]:
@@ -26,3 +26,15 @@ def find_program(path: str | os.PathLike[str] | None = None) -> str:
     raise FileProblem(f"no program {path}" if path else
                       "no program scree was found; name it with --scree build/bin/scree or in the "
                       "environment variable SCREE")
+
+
+def example(name: str, program: str | os.PathLike[str] | None = None) -> Path:
+    """Deck of an example that comes with the program, such as scree.example("debris_cloud").
+
+    `scree --list examples` lists the names. The program is found as by find_program.
+    """
+    folder = Path(find_program(program)).resolve().parents[1] / "share" / "scree" / "input"
+    decks = {deck.parent.name: deck for deck in sorted(folder.glob("*/scene.nml"))}
+    if name not in decks:
+        raise unknown("example", name, decks, str(folder))
+    return decks[name]

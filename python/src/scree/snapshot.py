@@ -164,8 +164,12 @@ class Snapshot:
         return self._read[name]
 
     def size(self) -> NDArray[np.float64]:
-        """Present width of each particle in the plane of the model [m]."""
-        volume = np.maximum(np.nan_to_num(self["volume"].astype(np.float64)), 0.0)
+        """Present width of each particle in the plane of the model [m], from its volume, or its mass and density."""
+        if "volume" not in self.names and {"mass", "density"} <= {*self.names}:
+            volume = self["mass"].astype(np.float64) / np.maximum(self["density"].astype(np.float64), 1.0e-300)
+        else:
+            volume = self["volume"].astype(np.float64)
+        volume = np.maximum(np.nan_to_num(volume), 0.0)
         width: NDArray[np.float64]
         if self.dimension == "3d":
             width = np.cbrt(volume)

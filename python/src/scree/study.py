@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import DeckError, FileProblem, ScreeError
-from .launch import bar_is_seen, deck_value, is_text, stop
+from .launch import bar_is_seen, deck_value, is_text, progress_bar, stop
 from .launch import run as run_deck
 from .results import Run
 
@@ -68,8 +68,7 @@ def sweep(deck: str | os.PathLike[str], key: str, values: Sequence[Any], measure
     with ThreadPoolExecutor(jobs) as pool:
         waiting = [pool.submit(one, value, folder) for value, folder in zip(values, folders)]
         try:
-            from tqdm.auto import tqdm
-            for future in tqdm(waiting, desc=key, disable=not (progress and bar_is_seen())):
+            for future in progress_bar(waiting, desc=key, disable=not (progress and bar_is_seen())):
                 rows.append(future.result())
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
