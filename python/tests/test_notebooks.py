@@ -28,12 +28,13 @@ def test_all_notebooks_are_known() -> None:
 
 
 @pytest.mark.parametrize("path", BOOKS, ids=lambda path: path.stem)
-def test_notebook(path: Path, tmp_path: Path) -> None:
+def test_notebook(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Would catch a cell that fails, a picture that is empty, results left in the file, and more than 40 lines."""
     book: Any = nbformat.read(path, as_version=4)
     code = [cell for cell in book.cells if cell.cell_type == "code"]
     assert all(not cell.outputs and cell.execution_count is None for cell in code), "clear the outputs"
     assert sum(len(cell.source.splitlines()) for cell in code) <= 40
+    monkeypatch.delenv("MPLBACKEND", raising=False)      # pictures into the notebook
     nbclient.NotebookClient(book, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
     outputs = [output for cell in code for output in cell.outputs]
     pictures = [output.data["image/png"] for output in outputs if "image/png" in output.get("data", {})]

@@ -64,7 +64,7 @@ def test_field(run: scree.Run, tmp_path: Path) -> None:
     squares = squares_of(figure)
     factor, unit = plot.readable_unit(np.abs(snap["pressure"]).max(), "Pa")
     assert np.asarray(squares.get_array()) == pytest.approx(factor * snap["pressure"])
-    assert figure.axes[1].get_ylabel() == f"pressure [{unit}]"
+    assert figure.axes[0].child_axes[0].get_ylabel() == f"pressure [{unit}]"
     corners = corners_of(squares)
     assert corners.mean(axis=1) == pytest.approx(1e3 * snap.points[:, [0, 2]])
     edges = np.ptp(corners, axis=1)
