@@ -20,16 +20,19 @@ if TYPE_CHECKING:
     from .errors import DeckError, FileProblem, InternalError, Interrupted, PhysicsError, ScreeError
     from .launch import run
     from .program import example, find_program
+    from .refinement import Accuracy, accuracy
     from .results import Run, Tables, read_table
     from .results import open_run as open
     from .snapshot import Snapshot, Snapshots
     from .study import sweep
 
 __version__ = "0.1.0"
-__all__ = ["DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Run", "ScreeError", "Snapshot",
-           "Snapshots", "Tables", "example", "find_program", "open", "plot", "read_table", "run", "sweep"]
+__all__ = ["Accuracy", "DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Run", "ScreeError",
+           "Snapshot", "Snapshots", "Tables", "accuracy", "example", "find_program", "open", "plot",
+           "read_table", "run", "sweep"]
 
 _MODULES = {
+    "refinement": ("Accuracy", "accuracy"),
     "errors": ("DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "ScreeError"),
     "launch": ("run",), "program": ("example", "find_program"), "results": ("Run", "Tables", "open_run", "read_table"),
     "snapshot": ("Snapshot", "Snapshots"), "study": ("sweep",),

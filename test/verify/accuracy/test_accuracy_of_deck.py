@@ -22,7 +22,7 @@ import case    # noqa: E402
 import report  # noqa: E402
 
 case.post()
-from scree_post.commands import accuracy as scree_accuracy  # noqa: E402
+from scree import convergence as scree_accuracy  # noqa: E402
 
 DECK = """
 &run  dimension='1d' /

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The grid of a deck, with larger or smaller cells."""
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .errors import DeckError, readable
+from .units import deck_length
+
+AXES: dict[str, tuple[int, ...]] = {"3d": (0, 1, 2), "plane_strain": (0, 2), "axisymmetric": (0, 2), "1d": (0,)}
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells of a deck, which may be made larger and smaller alike."""
+
+    cells: tuple[int, ...]               # along x, y, z
+    key: str                             # dx or cells: what the deck gives
+    axes: tuple[int, ...]                # along which there is more than a cell
+    spacing: float                       # edge of a cell, in the unit of the deck
+    unit: str = "m"                      # of lengths in the deck
+
+    @property
+    def common(self) -> int:
+        """Greatest number of parts into which all axes can be divided with whole cells in each."""
+        return math.gcd(*(self.cells[axis] for axis in self.axes))
+
+    def parts(self, factor: float) -> int:
+        """The number of those parts for cells that are `factor` times as large."""
+        return max(1, round(self.common / factor))
+
+    def size(self, parts: int) -> float:
+        """Edge of a cell, in the unit of the deck."""
+        return self.spacing * self.common / parts
+
+    def setting(self, parts: int) -> dict[str, Any]:
+        """What `set` of scree.run must be for these cells."""
+        if self.key == "dx":
+            return {"grid.dx": self.size(parts)}
+        return {"grid.cells": tuple(count * parts // self.common if axis in self.axes else count
+                                    for axis, count in enumerate(self.cells))}
+
+
+def groups(deck: str) -> list[dict[str, Any]]:
+    """The groups of a deck and of the files that it includes."""
+    import f90nml
+    try:
+        read = f90nml.read(readable(deck))
+    except (ValueError, UnicodeDecodeError, StopIteration, AssertionError) as error:
+        raise DeckError(f"{deck} is not a deck: {error}") from error
+    found = [{name: value for name, value in read.items() if isinstance(value, dict)}]
+    more = read.get("include", [])
+    for entry in more if isinstance(more, list) else [more]:
+        found += groups(os.path.join(os.path.dirname(deck), entry["file"]))
+    return found
+
+
+def value_of(text: Any) -> Any:
+    """A value of --set as a number, a list of numbers, or text without quotes."""
+    if not isinstance(text, str):
+        return text
+    try:
+        found = [float(word) for word in text.split(",")]
+    except ValueError:
+        return text.strip("'\"")
+    return found if len(found) > 1 else found[0]
+
+
+def read_grid(deck: str, settings: Mapping[str, Any]) -> Grid:
+    """The grid of a deck, with what the settings change of it."""
+    found: dict[str, Any] = {}
+    for read in groups(deck):
+        for group in ("run", "units", "grid"):
+            found.update({f"{group}.{key}": value for key, value in read.get(group, {}).items()})
+    found.update({name: value_of(value) for name, value in settings.items()})
+    for key in ("lo", "hi"):
+        if len(found.get(f"grid.{key}", ())) != 3:
+            raise DeckError(f"{deck}: &grid {key} must be three numbers")
+    key = "dx" if "grid.dx" in found else "cells"
+    dimension = found.get("run.dimension", "3d")
+    if dimension not in AXES or f"grid.{key}" not in found:
+        raise DeckError(f"{deck}: &grid needs dx or cells, and &run a known dimension; try 'scree --check {deck}'")
+    axes = AXES[dimension]
+    spans = [high - low for low, high in zip(found["grid.lo"], found["grid.hi"])]
+    if key == "cells":
+        cells = [int(count) for count in found["grid.cells"]]
+    else:
+        cells = [max(1, round(span / found["grid.dx"])) if axis in axes else 1 for axis, span in enumerate(spans)]
+    return Grid(tuple(cells), key, axes, spans[axes[0]] / cells[axes[0]], deck_length(found.get("units.system", "si")))
+
+
+def choose_parts(grid: Grid, factors: Iterable[float]) -> Sequence[int]:
+    """Parts for cells so many times as large as those of the deck, coarse first."""
+    factors = list(factors)
+    chosen = {grid.parts(factor) for factor in factors}
+    if len(chosen) < 3 or len(chosen) < len({*factors}):
+        near = {grid.parts(factor) for factor in (3.0, 2.5, 2.0, 1.7, 1.4, 1.2, 1.0, 0.7, 0.5, 0.3)}
+        fitting = ", ".join(f"{grid.common / parts:.4g}" for parts in sorted(near))
+        raise DeckError(
+            f"the factors {','.join(f'{factor:g}' for factor in factors)} do not give as many different grids, and at "
+            f"least three: {' x '.join(map(str, grid.cells))} cells have {grid.common} as greatest common divisor, so "
+            f"cells may be larger by {fitting}; name three of these, or change &grid hi")
+    return sorted(chosen)

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""scree.accuracy: orders, extrapolated values and costs of numbers of a deck."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import LINE
+
+import scree
+from scree.convergence import cost_law, forecast, judge
+
+SET = {"grid.dx": 0.001}
+
+
+def shock_mean(run: scree.Run) -> dict[str, float]:
+    """Mean pressure near the wall, and the number of particles as something that is exact."""
+    near = run.snapshots[-1].along((0, 0, 0), (0.002, 0, 0), "pressure")
+    return {"pressure": float(near["pressure"].mean()), "length": 0.018}
+
+
+def test_accuracy_of_measured_numbers(tmp_path: Path) -> None:
+    """Would catch grids in the wrong order, numbers of functions that are lost, and cells in other units than SI."""
+    found = scree.accuracy(LINE, shock_mean, factors=(2, 1, 0.5), set=SET, outdir=tmp_path, progress=False)
+    assert found.table["cell_size"].tolist() == pytest.approx([0.002, 0.001, 0.0005])
+    assert found.table["particles"].tolist() == [18, 36, 72]
+    assert list(found.verdicts) == ["pressure", "length"]
+    assert found.verdicts["length"].kind == "does not change"
+    assert found.table["pressure"].iloc[-1] == pytest.approx(2.1e10, rel=0.2)
+    assert found.table.attrs["units"]["cell_size"] == "m" and len(found.folders) == 3
+    assert [axes.get_xlabel() for axes in found.plot().axes[:1]] == ["edge of a cell [m]"]
+
+
+def test_failures_are_errors_of_the_package(tmp_path: Path) -> None:
+    """Would catch a wrong deck that is run, and another class of error than scree.run raises."""
+    with pytest.raises(scree.DeckError, match="the deck is not accepted"):
+        scree.accuracy(LINE, shock_mean, factors=(2, 1, 0.5), set={"grid.dxx": 1}, outdir=tmp_path, progress=False)
+    with pytest.raises(scree.DeckError, match="name three of these"):
+        scree.accuracy(LINE, shock_mean, factors=(1, 1.001, 1.002), outdir=tmp_path, progress=False)
+    assert not list(tmp_path.glob("accuracy_*"))
+
+
+@pytest.mark.parametrize("order", [0.7, 1.0, 2.0, 2.4])
+@pytest.mark.parametrize("sizes", [(2.0, 1.4, 1.0), (4.0, 2.0, 1.0), (3.0, 2.7, 0.9)])
+def test_power_laws(order: float, sizes: tuple[float, float, float]) -> None:
+    """Would catch a wrong order, extrapolation or forecast."""
+    verdict = judge(sizes, [5.0 - 0.3 * size ** order for size in sizes])
+    assert verdict.order == pytest.approx(order, abs=1e-9) and verdict.limit == pytest.approx(5.0, abs=1e-9)
+    seconds = [7.0 * size ** -3.0 for size in sizes]
+    assert cost_law(sizes, seconds, 2) == pytest.approx((7.0, 3.0))
+    plan = forecast(sizes, seconds, verdict, 0.5 * verdict.error, 2)
+    assert plan is not None
+    assert plan[0] == pytest.approx(sizes[-1] * 0.5 ** (1.0 / order))
+    assert plan[1] == pytest.approx(7.0 * plan[0] ** -3.0)
+
+
+def test_cost_needs_an_order() -> None:
+    """Would catch a forecast from values that oscillate."""
+    verdict = judge((2.0, 1.4, 1.0), (1.0, 1.2, 1.1))
+    assert forecast((2.0, 1.4, 1.0), (1.0, 2.0, 4.0), verdict, 1e-3, 3) is None
+    assert np.isnan(verdict.order)
