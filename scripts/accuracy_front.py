@@ -123,12 +123,12 @@ def number(value):
 
 
 def tables(rows, targets=(0.1, 0.01, 0.001)):
-    """Markdown: the cheapest run for each error, then what each method needs for it."""
-    lines = ["| error | cheapest run | its error | core-seconds | by the model |",
+    """Markdown: the run of lowest cost for each error, then what each method needs for it."""
+    lines = ["| error | run of lowest cost | its error | core-seconds | by the model |",
              "|---|---|---|---|---|"]
     for target in targets:
         row = cheapest(rows, target)
-        cells = ["none of those that were run", "", "", ""] if row is None else [
+        cells = ["not reached by any run", "", "", ""] if row is None else [
             setting_text(row), percent(row["error"]), number(row["core_seconds"]),
             number(row["model_seconds"])]
         lines.append(f"| {percent(target)} | " + " | ".join(cells) + " |")

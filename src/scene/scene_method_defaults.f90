@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Defaults of &method that depend on other keys and on the material, and keys that do not go
-!! together. All are by measurement: see doc/theory/choice_of_defaults.md.
+!! together. All are by measurement: see doc/theory/methods_compared.md.
 module scene_method_defaults
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp

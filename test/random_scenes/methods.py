@@ -19,7 +19,7 @@ class Method:
     keys: dict
     cfl: float = 0.4
     filters: bool = False         # loses kinetic energy by intent
-    unstable: bool = False        # doc/theory/matrix_of_methods.md says that it is
+    unstable: bool = False        # doc/theory/methods_compared.md says that it is
     loses_momentum: bool = False  # doc/theory/quadratures.md says that it does
     open_books: bool = False      # doc/theory/quadratures.md says that its energy is not exact
     split: bool = False

@@ -2,7 +2,7 @@
 """Every method, basis, transfer and order of the stress update flies a bar and throws two discs.
 
 Would catch: a combination that stops to run or to fail, loses momentum, or changes its energy beyond its class. The
-table is in doc/theory/matrix_of_methods.md.
+table is in doc/theory/methods_compared.md.
 
 The problems are those of the tests free_bar and two_discs (cells of 0.5 m and of 0.025 m), without
 artificial viscosity. A figure is the change of energy over that at the start, in percent: of the vibration of the
