@@ -1,96 +1,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pieces of connected particles: neighbours by distance or by cells, and what holds together."""
-import itertools
-
+"""Pieces of connected particles: neighbours by distance or by cells, and what is connected."""
 import numpy as np
-
-MOST_PAIRS = 4000000     # that are looked at in one go
-
-
-def half_stencil(axes):
-    """Offsets of neighbouring cells, one of each pair of opposite ones, the cell itself first."""
-    offsets = list(itertools.product((-1, 0, 1), repeat=axes))
-    return [offset for offset in offsets if offset >= (0,) * axes]
-
-
-def cell_numbers(points, width):
-    """A whole number for the cell of each point, and what one step along each axis adds to it."""
-    cells = np.floor((points - points.min(axis=0)) / width).astype(np.int64) + 1
-    room = [int(cells[:, axis].max()) + 2 for axis in range(points.shape[1])]
-    steps = np.cumprod([1] + room[:-1], dtype=np.int64)
-    return cells @ steps, steps
-
-
-def runs_of(starts, counts):
-    """Concatenation of the ranges start, start + 1, ... of these lengths."""
-    ends = np.cumsum(counts)
-    return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - counts - starts, counts)
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 
 def close_pairs(points, reach, factor):
-    """Yields arrays (one, other) of pairs whose distance is at most the mean of their reaches.
+    """Pairs (n, 2) whose distance is at most `factor` times the mean of their reaches.
 
-    points  (n, axes) [m];  reach  (n) [m], times `factor`
+    points  (n, axes) [m];  reach  (n) [m]
     """
-    if len(points) < 2:
-        return
-    reach = factor * reach
-    number, steps = cell_numbers(points, float(reach.max()))
-    order = np.argsort(number, kind="stable")
-    ordered = number[order]
-    for offset in half_stencil(points.shape[1]):
-        wanted = ordered + int(np.dot(offset, steps))
-        first = np.searchsorted(ordered, wanted, side="left")
-        last = np.searchsorted(ordered, wanted, side="right")
-        if not any(offset):
-            first = np.arange(1, len(ordered) + 1)       # each pair of one cell once
-        counts = np.maximum(last - first, 0)
-        total, begin = np.cumsum(counts), 0
-        while begin < len(order):
-            done = total[begin - 1] if begin else 0
-            end = max(begin + 1, int(np.searchsorted(total, done + MOST_PAIRS, side="right")))
-            part = slice(begin, end)
-            one = order[np.repeat(np.arange(begin, min(end, len(order))), counts[part])]
-            other = order[runs_of(first[part], counts[part])]
-            apart = ((points[one] - points[other]) ** 2).sum(axis=1)
-            near = apart <= (0.5 * (reach[one] + reach[other])) ** 2
-            yield one[near], other[near]
-            begin = end
+    pairs = cKDTree(points).query_pairs(factor * float(reach.max()), output_type="ndarray")
+    one, other = pairs.T
+    distance = np.linalg.norm(points[one] - points[other], axis=1)
+    return pairs[distance <= 0.5 * factor * (reach[one] + reach[other])]
 
 
 def touching_cells(points, width):
-    """Yields arrays (one, other) that tie points of the same cell and of touching cells."""
-    if len(points) == 0:
-        return
-    number, steps = cell_numbers(points, width)
-    cells, first, inverse = np.unique(number, return_index=True, return_inverse=True)
-    yield np.arange(len(points)), first[inverse.ravel()]
-    for offset in half_stencil(points.shape[1])[1:]:
-        wanted = cells + int(np.dot(offset, steps))
-        place = np.minimum(np.searchsorted(cells, wanted), len(cells) - 1)
-        there = cells[place] == wanted
-        yield first[there], first[place[there]]
-
-
-def connected(count, pairs):
-    """Number of the piece of each of `count` particles, from arrays of tied pairs."""
-    parent = np.arange(count)
-    for one, other in pairs:
-        while len(one):
-            one, other = parent[one], parent[other]
-            apart = one != other
-            one, other = one[apart], other[apart]
-            np.minimum.at(parent, np.maximum(one, other), np.minimum(one, other))
-            while True:                                  # everybody points to the root of all
-                above = parent[parent]
-                if np.array_equal(above, parent):
-                    break
-                parent = above
-    return np.unique(parent, return_inverse=True)[1].ravel()
+    """Pairs (n, 2) that connect points of the same cell and of cells that touch, corners included."""
+    cells = np.floor((points - points.min(axis=0)) / width)
+    different, first, inverse = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    neighbours = cKDTree(different).query_pairs(1.5, p=np.inf, output_type="ndarray")
+    return np.concatenate([np.stack([np.arange(len(points)), first[inverse.ravel()]], axis=1), first[neighbours]])
 
 
 def with_ghosts(points, reach, box, axes):
-    """Points with copies beyond periodic faces, and the row of the point each is a copy of.
+    """Points with copies beyond periodic boundaries, and the row of the point each is a copy of.
 
     axes  positions of the periodic axes among the columns, with the axis of the box: [(0, 0)]
     """
@@ -105,16 +41,15 @@ def with_ghosts(points, reach, box, axes):
 
 
 def find_pieces(points, reach, factor=None, cell=None, box=None, periodic=()):
-    """Number of the piece of each point: neighbours within factor * reach, or of touching cells."""
+    """Number of the piece of each point: neighbours within factor * reach, or of touching cells.
+
+    Pieces are numbered in the order of their first points.
+    """
     if len(points) == 0:
         return np.zeros(0, np.int64)
     far = cell if cell is not None else factor * float(reach.max())
     spread, rows = with_ghosts(points, 2.0 * far, box, periodic)
-    if cell is not None:
-        pairs = touching_cells(spread, cell)
-    else:
-        pairs = close_pairs(spread, reach[rows], factor)
-    ghosts = np.arange(len(points), len(rows))
-    tied = itertools.chain(pairs, [(ghosts, rows[ghosts])])
-    labels = connected(len(spread), tied)[:len(points)]
-    return np.unique(labels, return_inverse=True)[1].ravel()
+    pairs = touching_cells(spread, cell) if cell is not None else close_pairs(spread, reach[rows], factor)
+    one, other = rows[pairs].T                           # a copy is the same particle
+    links = coo_array((np.ones(len(one), bool), (one, other)), shape=(len(points), len(points)))
+    return connected_components(links, directed=False)[1]
