@@ -2,9 +2,9 @@
 """How accurate a number of the user's own deck is, and what more accuracy would cost.
 
 The deck is run with cells of three or more sizes. From three of them follow the observed order of
-convergence, the value for cells of size zero (L. F. Richardson 1911) and a bound of the error of the
-finest run (grid convergence index: P. J. Roache, J. Fluids Eng. 116 (1994) 405; I. B. Celik and
-others, ibid. 130 (2008) 078001). A quantity is one of:
+convergence, the value for cells of size zero (L. F. Richardson 1911) and a bound of the error of
+the finest run (grid convergence index: P. J. Roache, J. Fluids Eng. 116 (1994) 405; I. B. Celik
+and others, ibid. 130 (2008) 078001). A quantity is one of:
 
   NAME     a column of the history: its last row; NAME:max, NAME:min, NAME:at=TIME
   PLACE    a number of the summary, such as ledger.energy_error
