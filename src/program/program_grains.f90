@@ -25,6 +25,7 @@ module program_grains
    use program_existing_results, only: protect_results
    use program_grains_loop, only: follow_path, grains_run_t, restart_cell, start_run
    use program_information, only: version_line
+   use program_messages, only: coded
    use program_run_limits, only: read_limits
    use program_run_setup, only: run_setup_t
    use scene_run, only: check_case, set_output_units
@@ -65,7 +66,7 @@ contains
          /(grains_per_thread*run%cell%communicator%size))))
       call describe_run(setup, run)
       if (setup%command%check) then
-         call log%info(setup%deck%report())
+         call log%info(coded(setup%deck%report()))
          call log%info(cost_text(run))
          return
       end if

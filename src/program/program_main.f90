@@ -24,6 +24,7 @@ module program_main
    use program_information, only: print_information
    use program_log_files, only: open_log
    use program_material_point, only: drive_point
+   use program_messages, only: add_codes, coded
    use program_preview, only: draw_preview, write_preview
    use program_restart, only: log_restart, restart_run
    use program_run_setup, only: build_setup, declare_deck_keys, read_setup, run_setup_t
@@ -57,6 +58,7 @@ contains
 
       code = exit_success
       call ignore_file_size_limit()
+      session%log%annotate => add_codes
       call parse_command_line(program_arguments(), session%command, error)
       if (.not. allocated(error)) then
          if (session%command%information%is_set()) then
@@ -173,7 +175,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The first state cannot be built
       character(len=:), allocatable :: text
 
-      write (output_unit, "(a)") session%deck%report()
+      write (output_unit, "(a)") coded(session%deck%report())
       write (output_unit, "(a)", advance="no") effects_text(session%deck)
       write (output_unit, "(a)", advance="no") cost_report(session%simulation, session%bodies, &
          session%survey, session%limits, session%outputs%full_snapshots(session%limits%time_end))
