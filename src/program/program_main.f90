@@ -24,7 +24,7 @@ module program_main
    use program_information, only: print_information
    use program_log_files, only: open_log
    use program_material_point, only: drive_point
-   use program_messages, only: add_codes, coded
+   use program_messages, only: add_codes, coded, with_code
    use program_preview, only: draw_preview, write_preview
    use program_restart, only: log_restart, restart_run
    use program_run_setup, only: build_setup, declare_deck_keys, read_setup, run_setup_t
@@ -232,7 +232,7 @@ contains
          timing, code, reason, late)
       call agree(session%simulation%machine%communicator, late)
       if (.not. allocated(error)) then
-         call session%log%info("ended     "//reason)
+         call session%log%info(with_code("ended     "//reason))
          if (code == exit_again) call session%log%info("go on     "//resume_command( &
             session%simulation%machine%communicator%size))
          call move_alloc(late, error)

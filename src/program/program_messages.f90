@@ -9,7 +9,7 @@ module program_messages
    implicit none
    private
 
-   public :: add_codes, coded, explain_message, is_message, message_code, message_list
+   public :: add_codes, coded, explain_message, is_message, message_code, message_list, with_code
 
    character(len=*), parameter :: newline = new_line("a")
    character(len=*), parameter :: wildcard = "..."  !! Stands for any text in a pattern
@@ -60,6 +60,14 @@ contains
       if (with_codes(len(with_codes):) /= newline) with_codes = with_codes//newline
       with_codes = with_codes//hint
    end function coded
+
+   !> A line with its code, if it is a message, and no hint.
+   function with_code(line) result(text)
+      character(len=*), intent(in) :: line
+      character(len=:), allocatable :: text, hint
+
+      call add_codes(line, text, hint)
+   end function with_code
 
    !> Code of a line; empty if it is no message.
    function message_code(line) result(code)
