@@ -115,6 +115,17 @@ class Message:
         return line
 
 
+def patterns(known):
+    """Code, letters and expression of each pattern of some messages."""
+    return [(message.code, len(text.replace("...", "")), re.compile(".*?".join(map(re.escape, text.split("...")))))
+            for message in known for text in message.says]
+
+
+def scores(text, fitting):
+    """Pairs of the number of letters that fit and a code, of all patterns that fit a text; the best first."""
+    return sorted({(letters, code) for code, letters, pattern in fitting if pattern.search(text)}, reverse=True)
+
+
 def records(text):
     """Pairs of a code and the text of its record."""
     parts = RECORD.split(text)
@@ -243,12 +254,20 @@ def labelled(label, lines):
     return [((f"{label}:" if n == 0 else "").ljust(LABEL) + line).rstrip() for n, line in enumerate(broken)]
 
 
-def deck_example(message, runner):
+def first_fault(message, fitting):
+    """A wrong deck of the tables whose message has this code; None if there is none."""
+    for table in FAULTS:
+        for deck, old, new, _, said in table:
+            if message.pattern().search(said) and scores(said, fitting)[0][1] == message.code:
+                return deck, old, new, None
+    return None
+
+
+def deck_example(message, runner, fitting):
     """The line with the message, and lines that show a deck that brings it; None if there is none."""
     given = examples.DECKS.get(message.code)
     if given is None:
-        given = next(((deck, old, new, None) for table in FAULTS for deck, old, new, _, said in table
-                      if message.pattern().search(said)), None)
+        given = first_fault(message, fitting)
     if given is None:
         return None
     deck, old, new, better = given
@@ -367,15 +386,15 @@ def see_also(message, group, named):
     return f" See {', '.join(links)}." if links else ""
 
 
-def record(message, runner, known):
+def record(message, runner, known, fitting):
     """The record of a message on the page, and its example for the program."""
-    example = situation_example(message, runner) or deck_example(message, runner)
+    example = situation_example(message, runner) or deck_example(message, runner, fitting)
     told, lines = example or ("", [])
     group, named = related_keys(message, told, known)
     when = f" ({message.when})" if message.when else ""
     text = (", ".join(f"`{one}`" for one in message.says) + when + f"  \n**Cause:** {message.cause}"
             f"  \n**Remedy:** {message.remedy}")
-    text += "".join(f"  \n{note}" for note in message.notes) + see_also(message, group, named)
+    text += "".join(f" {note}" for note in message.notes) + see_also(message, group, named)
     block = "\n".join(["", "```text", *lines, "```", ""]) if lines else ""
     wanted = [f"{group}.{key}" for key in named] or ([group] if group else [])
     more = [f"keys:   scree --explain {name}" for name in wanted[:1]]
@@ -394,6 +413,7 @@ def documents(program):
     """Texts by path: the page and the examples."""
     found, known, faults = sections(), keys(), []
     messages = [message for _, part in found.values() for message in part]
+    fitting = patterns(messages)
     strange = (set(situations.SITUATIONS).union(examples.DECKS, examples.FILES)
                - {message.code for message in messages})
     if strange:
@@ -405,7 +425,7 @@ def documents(program):
             if runner.traps and situations.SITUATIONS.get(message.code, {}).get("traps"):
                 return message.code, old_record(message)
             try:
-                return message.code, record(message, runner, known)
+                return message.code, record(message, runner, known, fitting)
             except ValueError as fault:
                 faults.append(str(fault))
                 return message.code, ("", "")

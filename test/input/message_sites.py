@@ -3,7 +3,7 @@
 
     for site in sites(root): print(site.path, site.line, site.text)
 
-A site is a call that reports an error or a warning; its text has `...` in place of each variable.
+A site is a call that reports an error or a warning, or the words for one in a variable; its text has `...` in place of each variable.
 """
 
 import re
@@ -13,6 +13,11 @@ from typing import NamedTuple
 REPORTS = {"complain", "warn", "error", "warning", "fail", "command_line_error", "fail_reading", "fail_path", "fail_at",
            "fail_check", "refuse", "refuse_key", "warn_of_particle"}
 CALL = re.compile(r"\bcall\s+((?:\w+(?:\([^()]*\))?\s*%\s*)*)(\w+)\s*\(", re.I)
+# Variables that hold the words of a message until it is reported.
+WORDS = re.compile(r"(?:^|\)\s*)(?:fault|complaint|doubt)\s*=(?!=)", re.I)
+# The same in a function that is named after them.
+RESULT = re.compile(r"(?:^|\)\s*)text\s*=(?!=)", re.I)
+FUNCTION = re.compile(r"^(?!end).*\bfunction\s+(\w+)", re.I)
 LITERAL = re.compile(r'"((?:[^"]|"")*)"')
 FEWEST = 2                       # words in quotes of a text that is a message
 
@@ -87,11 +92,18 @@ def shape(argument):
 def sites(root):
     """All calls that report a message with words of its own."""
     for path in sorted((root / "src").rglob("*.f90")):
+        inside = False
         for line, statement in statements(path.read_text(encoding="utf-8")):
             for call in CALL.finditer(statement):
                 if call.group(2).lower() not in REPORTS:
                     continue
                 shapes = [shape(part) for part in arguments(statement[call.end():])]
                 text = max(shapes, key=lambda one: len(one.replace("...", "").split()), default="")
-                if len(re.findall(r"[A-Za-z]{2,}", text)) >= FEWEST:
+                if len(re.findall(r"\w{2,}", text)) >= FEWEST:
+                    yield Site(str(path.relative_to(root)), line, text)
+            name = FUNCTION.search(statement)
+            inside = "fault" in name.group(1) if name else inside
+            for words in [*WORDS.finditer(statement), *(RESULT.finditer(statement) if inside else [])]:
+                text = shape(statement[words.end():].strip())
+                if len(re.findall(r"\w{2,}", text)) >= FEWEST:
                     yield Site(str(path.relative_to(root)), line, text)
