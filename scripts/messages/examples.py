@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Decks for the pages of messages, where the first row of the tables of test/input is not the best example.
+"""Decks for the page of messages, where the first row of the tables of test/input is not the best example.
 
-DECKS: name of the page: (deck, old text, wrong text, right text). The deck is one of broken_values.py by its name, or
+DECKS: code: (deck, old text, wrong text, right text). The deck is one of broken_values.py by its name, or
 a text of its own; a right text of None is the old one. Both are run: the wrong one must bring the message, the right
-one neither error nor warning. FILES: name of the page: files beside both decks.
+one neither error nor warning. FILES: code: files beside both decks.
 """
 
 BAR = """&run dimension = 'plane_strain' /
@@ -81,6 +81,8 @@ FLAT_GRAINS = GRAINS.replace("3d", "plane_strain").replace(
     "'grains.csv' /", "'grains.csv'  rotate = 0 30 0 /")
 THREE = "x,y,z,volume\n0.2,0.2,0.2,1e-3\n0.5,0.5,0.5,1e-3\n0.7,0.7,0.7,1e-3\n"
 
+SLOPE = BAR + METAL.replace(
+    " /", "\n  strength_model = 'mohr_coulomb'  friction_angle = 30  dilation_angle = 10 /") + BODY
 MODE = "&exact solution = 'bar_mode'  bar_length = 1  mode_speed = 1"
 SECOND = """&region name = 'cube'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /
 &body name = 'two'  region = 'cube'  material = 'metal' /
@@ -249,11 +251,26 @@ DECKS = {
     "D507": ("shock", "velocity = 0 0 6.7", "velocity = 0 0 6.7  temperature = 20",
                                      "velocity = 0 0 6.7  temperature = 293"),
     "D105": ("plain", "t_end = 1e-5", "t_end 1e-5", None),
+    "D225": ("plain", "&run", "&run case = '" + 12 * "long_name_" + "' ", "&run case = 'name' "),
+    "D349": ("plain", "young = 70e9  poisson = 0.3", "bulk = 58e9  elastic = 'none'  shear = 26e9",
+             "bulk = 58e9  elastic = 'none'"),
+    "D352": ("plain", "'metal' /", f"'metal' /\n{MODE} /\n&method split = .true. /", f"'metal' /\n{MODE} /"),
+    "D353": ("plain", "'metal' /", "'metal'  initial_stress = 'lithostatic' /", None),
+    "D355": ("plain", "&time", "&method transfer = 'xpic'  order_k = 1 /\n&time", "&method transfer = 'pic' /\n&time"),
+    "D356": ("plain", "'metal' /", "'metal'  packing = 'file' /", None),
+    "D357": (PRISM, "0.1 0.9 /", "0.1 /", None),
+    "D363": (SLOPE, "dilation_angle = 10", "dilation_angle = 40", None),
+    "D364": (CRACK, "fracture_energy = 8", "softening = 'exponential'",
+             "fracture_energy = 10  softening = 'exponential'"),
+    "D366": ("sand", "kind = 'history'", "kind = 'history'  fields = 'velocity_error'", None),
+    "D446": (SOLID, "open.stl", "turned.stl", "whole.stl"),
 }
 
-STONES = {"whole.stl": facets(CORNERS, PYRAMID), "open.stl": facets(CORNERS, PYRAMID[:1] + PYRAMID[2:])}
+STONES = {"whole.stl": facets(CORNERS, PYRAMID), "open.stl": facets(CORNERS, PYRAMID[:1] + PYRAMID[2:]),
+          "turned.stl": facets(CORNERS, [PYRAMID[0][::-1], *PYRAMID[1:]])}
 FILES = {
     "D411": STONES,
+    "D446": STONES,
     "D422": {"grains.csv": THREE},
     "D414": {"grains.csv": THREE},
     "D415": {"grains.csv": FLAT},

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Commands for the pages of messages that no wrong deck alone brings: options, files, and runs that end early.
+"""Commands for the page of messages that no wrong deck alone brings: options, files, and runs that end early.
 
-SITUATIONS: name of the page: a dictionary of
+SITUATIONS: code: a dictionary of
   files      by name, written before; "scene.nml" is the deck
   before     commands that make the situation; they are not shown and must end with 0 or 75
-  text       a sentence above what is shown, shows: lines of a file, language: of the block
-  commands   run and shown with all that they print; a pair is what is shown and what is run
-  last       show only so many of the last lines that a command prints
+  text       a sentence above what is shown, shows: lines of a file
+  commands   run and shown, with the message; a pair is what is shown and what is run
   then       commands that do better: shown, without what they print, and must end with exit code 0
   right      lines of a file that do better, right_files: the whole files, with which what was run
              before and the last of the commands end with exit code 0 and no warning
@@ -212,7 +211,8 @@ SITUATIONS = {
     "C107": {"files": {"scene.nml": BAR}, "commands": ["scree --check --restart scene.nml"],
                            "then": [CHECK], "see": ["../guide/running.md"]},
     "C108": {"files": {"scene.nml": BAR}, "commands": ["scree --no-estimate scene.nml"],
-                          "then": ["scree --check --no-estimate scene.nml"], "see": ["../guide/running.md#what-it-costs"]},
+                          "then": ["scree --check --no-estimate scene.nml"],
+                          "see": ["../guide/running.md#what-it-costs"]},
     "C109": {"commands": ["scree --list material"], "then": ["scree --list materials"],
                    "see": ["materials.md"]},
     "C110": {
@@ -220,7 +220,8 @@ SITUATIONS = {
         "then": ["scree --check scene.nml --set \"run.title='my first run'\""], "see": ["../guide/running.md"]},
     # examples and jobs
     "C201": {"commands": ["scree --new two_disks my_discs"],
-                            "then": ["scree --new two_discs my_discs"], "see": ["../guide/running.md#a-case-of-your-own"]},
+                            "then": ["scree --new two_discs my_discs"],
+                            "see": ["../guide/running.md#a-case-of-your-own"]},
     "C202": {
         "before": ["mkdir my_discs", "touch my_discs/notes.txt"], "commands": ["scree --new two_discs my_discs"],
         "then": ["scree --new two_discs other_discs"], "see": ["../guide/running.md#a-case-of-your-own"]},
@@ -276,11 +277,11 @@ SITUATIONS = {
         "commands": [RUN], "then": ["scree -q --overwrite scene.nml --set time.speed_max=100"]},
     "R109": {
         "files": {"scene.nml": PRESSED.replace("min = 0.5", "min = 0.5  on_bad = 'retire'")},
-        "text": "The deck of [is below volume_ratio_min](#r106) with `on_bad = 'retire'`:",
+        "text": "The deck of R106 with `on_bad = 'retire'`:",
         "shows": "&time t_end = 0.02  volume_ratio_min = 0.5  on_bad = 'retire' /", "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.retire_max=0.5"]},
     "R110": {
-        "files": {"scene.nml": DROP}, "text": "The deck of [is above speed_max](#r108):",
+        "files": {"scene.nml": DROP}, "text": "The deck of R108:",
         "shows": DROP.split("\n")[3], "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml -s time.max_steps={max_steps}"]},
     "R111": {
@@ -288,8 +289,8 @@ SITUATIONS = {
         "shows": FAST, "commands": [RUN], "right": FREE,
         "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.04  dt_collapse = 0", "")}},
     "R112": {
-        "files": {"scene.nml": FAST}, "text": "The deck of [more than there is in the whole run]"
-        "(#r111):", "shows": FAST.split("\n")[2], "commands": [RUN], "right": FREE,
+        "files": {"scene.nml": FAST}, "text": "The deck of R111:", "shows": FAST.split("\n")[2], "commands": [RUN],
+        "right": FREE,
         "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.04  dt_collapse = 0", "")},
         "see": ["output.md#trust"]},
     "R113": {
@@ -315,10 +316,10 @@ SITUATIONS = {
         "right_files": {"scene.nml": SOFT.replace("'usl'", "'usavg'")},
         "see": ["output.md#trust"]},
     "R120": {
-        "files": {"scene.nml": BAR}, "commands": ["scree scene.nml --set \"time.wall_limit='00:00:00'\""], "last": 1,
+        "files": {"scene.nml": BAR}, "commands": ["scree scene.nml --set \"time.wall_limit='00:00:00'\""],
         "then": [AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
     "R121": {
-        "files": {"scene.nml": BAR}, "last": 1, "commands": [(
+        "files": {"scene.nml": BAR}, "commands": [(
             "scree scene.nml --set time.t_end=10 & sleep 60; kill -USR1 $!; wait $!",
             "scree scene.nml --set time.t_end=10 > screen & child=$!; for try in $(seq 600); do "
             "grep -q t/t_end screen && break; sleep 0.1; done; kill -USR1 $child; wait $child; code=$?; "
@@ -329,11 +330,13 @@ SITUATIONS = {
     "R122": {
         "files": {"scene.nml": BAR}, "text": "In a job that `squeue` does not know:",
         "commands": ["SLURM_JOB_ID=12 scree -q scene.nml --set \"time.wall_limit='slurm'\""],
-        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["../guide/running.md#signals"]},
+        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""],
+        "see": ["../guide/running.md#signals"]},
     "R123": {
         "files": {"scene.nml": BAR}, "text": "Outside of a job:",
         "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
-        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["../guide/running.md#signals"]},
+        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""],
+        "see": ["../guide/running.md#signals"]},
     "R119": {
         "files": {"scene.nml": BAR.replace("velocity = 1 ", "velocity = 5000 ")},
         "text": "Boundaries that the deck does not name are open, and the bar flies through one:",
@@ -355,12 +358,14 @@ SITUATIONS = {
                                                 "scree -q scene.nml --set checkpoint.at_end=F"],
         "text": "The run wrote into the folder `first`; that is misspelt once, and once it is left out:",
         "commands": ["scree -q --restart scene.nml --outdir frist", AGAIN],
-        "then": ["scree -q --restart scene.nml --outdir first"], "see": ["../guide/running.md#checkpoints-and-restart"]},
+        "then": ["scree -q --restart scene.nml --outdir first"],
+        "see": ["../guide/running.md#checkpoints-and-restart"]},
     "F105": {
         "files": {"scene.nml": BAR}, "before": [RUN, "cp out/scene/scene_chk_0001.h5 whole.h5",
                                                 "head -c 9999 whole.h5 > out/scene/scene_chk_0001.h5"],
         "text": "The only checkpoint was copied in part:", "commands": [AGAIN],
-        "then": ["cp whole.h5 out/scene/scene_chk_0001.h5", AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
+        "then": ["cp whole.h5 out/scene/scene_chk_0001.h5", AGAIN],
+        "see": ["../guide/running.md#checkpoints-and-restart"]},
     "F106": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"],
                     "see": ["../guide/running.md"]},
     "F107": {
@@ -391,7 +396,8 @@ SITUATIONS = {
     "F111": {
         "files": {"scene.nml": BAR}, "before": [RUN], "text": "The same command is given a second time:",
         "commands": [RUN], "then": ["scree -q --restart scene.nml --set time.t_end=2e-4",
-                                    "scree -q --overwrite scene.nml"], "see": ["../guide/running.md#results-that-are-there"]},
+                                    "scree -q --overwrite scene.nml"],
+                                    "see": ["../guide/running.md#results-that-are-there"]},
     "F112": {
         "files": {"scene.nml": BAR.replace("'1d' /", "'1d'  method = 'mpm' /")}, "before": [RUN],
         "text": "The first run had the default `transfer`, whose particles carry no gradient of velocity:",
@@ -399,31 +405,31 @@ SITUATIONS = {
         "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": [OTHER_DECK]},
     "F113": {
         "files": {"scene.nml": STONE, "stone.stl": "\n".join(FACETS.split("\n")[:11]) + "\n"},
-        "text": "A file `stone.stl` that ends too early; these are its last lines:", "language": "text",
+        "text": "A file `stone.stl` that ends too early; these are its last lines:",
         "shows": "\n".join(FACETS.split("\n")[8:11]), "commands": [CHECK],
         "right": "\n".join(FACETS.split("\n")[-9:]), "right_files": {"scene.nml": STONE, "stone.stl": FACETS}},
     "F114": {
         "files": {"scene.nml": SCAN, "stone.mha": IMAGE.replace("= False", "= True")},
-        "text": "The first lines of `stone.mha`:", "language": "text",
+        "text": "The first lines of `stone.mha`:",
         "shows": "\n".join(IMAGE.replace("= False", "= True").split("\n")[:3]), "commands": [CHECK],
         "right": "\n".join(IMAGE.split("\n")[:3]), "right_files": {"scene.nml": SCAN, "stone.mha": IMAGE}},
     "F115": {
         "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5")},
-        "text": "The table `grains.csv`:", "language": "text", "shows": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5"),
+        "text": "The table `grains.csv`:", "shows": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5"),
         "commands": [CHECK], "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
     "F116": {
         "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("0.5,0.5,0.5", "500,0.5,0.5")},
-        "text": "The table `grains.csv`; the grid of the deck ends at 1:", "language": "text",
+        "text": "The table `grains.csv`; the grid of the deck ends at 1:",
         "shows": THREE.replace("0.5,0.5,0.5", "500,0.5,0.5"), "commands": [CHECK], "right": THREE,
         "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
     "F117": {
         "files": {"scene.nml": GRAINS, "grains.csv": THREE + "0.2,0.2,0.2,1e-3\n"},
-        "text": "The table `grains.csv`:", "language": "text", "shows": THREE + "0.2,0.2,0.2,1e-3\n",
+        "text": "The table `grains.csv`:", "shows": THREE + "0.2,0.2,0.2,1e-3\n",
         "commands": [CHECK], "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
     "D412": {
         "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("1e-3", "8e-3")},
         "text": "The table `grains.csv`; a cell of the deck has 0.125 m x 0.125 m x 0.125 m = 0.00195 m3:",
-        "language": "text", "shows": THREE.replace("1e-3", "8e-3"), "commands": [CHECK],
+        "shows": THREE.replace("1e-3", "8e-3"), "commands": [CHECK],
         "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
     "D413": {
         "files": {"scene.nml": FURTHER, "first.nml": FIRST + "&output name = 'p'  kind = 'particles'  count = 1"
@@ -448,13 +454,13 @@ SITUATIONS = {
         "right_files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .false. /\n"}},
     "F118": {
         "files": {"scene.nml": PUSHED, "ram.csv": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1")},
-        "text": "The table `ram.csv`; a velocity is missing in its third line:", "language": "text",
+        "text": "The table `ram.csv`; a velocity is missing in its third line:",
         "shows": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1"), "commands": [CHECK], "right": RAM,
         "right_files": {"scene.nml": PUSHED, "ram.csv": RAM}},
     "F119": {
         "files": {"scene.nml": STATES_DECK, "states.txt": COLD},
         "text": "The table `states.txt`; the second line has less energy than the first, at a higher temperature:",
-        "language": "text", "shows": COLD,
+        "shows": COLD,
         "commands": [CHECK], "right": STATES, "right_files": {"scene.nml": STATES_DECK, "states.txt": STATES},
         "see": ["materials.md#equations-of-state-as-tables"]},
     "F120": {
@@ -475,4 +481,11 @@ SITUATIONS = {
         "before": [*SNAPSHOT, "mv first.hdf whole.hdf", "head -c 999 whole.hdf > first.hdf"],
         "text": "Points are to come from a snapshot that was copied in part:",
         "shows": FURTHER.split("\n")[4], "commands": [CHECK]},
+    "C112": {"files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set"],
+             "then": ["scree --check scene.nml --set grid.dx=0.05"]},
+    "C113": {"files": {"scene.nml": BAR}, "commands": ["scree --job slurm --ranks 0 scene.nml"],
+             "then": ["scree --job slurm --ranks 4 scene.nml"]},
+    "C114": {"commands": ["scree --new two_discs"], "then": ["scree --new two_discs my_discs"]},
+    "C115": {"files": {"scene.nml": BAR}, "commands": ["scree --check"], "then": ["scree --check scene.nml"]},
+    "C116": {"commands": ["scree --explain grid.dxx"], "then": ["scree --explain grid.dx"]},
 }

@@ -168,11 +168,11 @@ contains
          end do
       end do
       if (.not. lights) then
-         call deck%complain(group, "lights no explosive; write eos_model = 'jwl' in the "// &
+         call deck%complain(group, "ignites no explosive; write eos_model = 'jwl' in the "// &
             "&material that burns, or remove the group", "material")
       else if (.not. touches) then
          call deck%warn(group, "lies outside of every explosive, more than a cell from the box "// &
-            "around it; it lights what it sees as if it were filled with explosive", "point")
+            "around it; it ignites what it sees, as if the space between were explosive", "point")
       end if
    end subroutine share_out
 

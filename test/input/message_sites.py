@@ -3,7 +3,8 @@
 
     for site in sites(root): print(site.path, site.line, site.text)
 
-A site is a call that reports an error or a warning, or the words for one in a variable; its text has `...` in place of each variable.
+A site is a call that reports an error or a warning, or the words for one in a variable; its text
+has `...` in place of each variable.
 """
 
 import re

@@ -55,7 +55,8 @@ def from_sources():
     for site in message_sites.sites(case.ROOT):
         module = site.path.split("/")[-1].removesuffix(".f90")
         if not any(module == name and site.text.startswith(text) for name, text in COMPOSED):
-            yield f"{site.path}:{site.line}", BEFORE.get(module, "") + site.text + ("" if module != "io_file" else " '...': ...")
+            behind = " '...': ..." if module == "io_file" else ""
+            yield f"{site.path}:{site.line}", BEFORE.get(module, "") + site.text + behind
 
 
 def ask(*arguments, expect=0):
@@ -80,8 +81,8 @@ class Codes(unittest.TestCase):
         self.assertGreater(len(found), 400)
         for place, text in found:
             with self.subTest(f"{place}: {text}"):
-                self.assertEqual(len(best(text, self.patterns)), 1, f"{messages.scores(text, self.patterns)[:3]}; add a record to "
-                                 "src/program/messages")
+                fits = messages.scores(text, self.patterns)[:3]
+                self.assertEqual(len(best(text, self.patterns)), 1, f"{fits}; add a record to src/program/messages")
 
     def test_each_message_of_the_tables_has_one_code(self):
         """Would catch the same for messages whose words are variables."""
