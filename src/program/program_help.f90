@@ -29,8 +29,8 @@ contains
          "  -v, --verbose          print details as well"//newline// &
          "      --force            override the limits on particles and output size"//newline// &
          "      --template         print a deck with all keys and defaults"//newline// &
-         "      --explain WHAT     explain a key or group of the deck, or a message by its"//newline// &
-         "                         code or its words"//newline// &
+         "      --explain WHAT     explain a key, a group or a message (code or text)"// &
+         newline// &
          "      --point            drive one material point, write CASE_point.csv"// &
          newline// &
          "      --grains           run a periodic cell of grains along its &stage groups"// &

@@ -80,7 +80,7 @@ contains
          call group%get("eos_model", word)
          if (word /= "jwl" .or. .not. deck%sound("material", n)) cycle
          if (deck%count("detonation") == 0) call deck%warn(group, "is an explosive that no "// &
-            "&detonation lights: it starts as hot products under their full pressure; write a "// &
+            "&detonation ignites: it starts as hot products under their full pressure; write a "// &
             "&detonation with the point where it begins", "eos_model")
          if (.not. group%given("detonation_speed")) cycle
          call group%get("detonation_speed", speed)

@@ -34,7 +34,8 @@ COMPOSED = {
     ("base_deck_number", "... such as"), ("io_fields", "output field '...' ..."), ("io_restart", "step and time"),
     ("output_history_columns", "output field '...' ..."), ("program_command_line", "command line: error: ..."),
     ("program_time_loop", "warning: ... before t_end"), ("scene_velocity_formula", "... in its component"),
-    ("output_history_columns", "...;"), ("step_trust", "...;"), ("step_trust", "...: they lose each other")}
+    ("output_history_columns", "...;"), ("output_history_columns", "is unknown in a history"),
+    ("step_trust", "...;"), ("step_trust", "...: they lose each other")}
 # The number of codes in each hundred: codes are only added, at the end.
 FEWEST = {"D1": 16, "D2": 29, "D3": 66, "D4": 47, "D5": 7, "C1": 16, "C2": 6, "R1": 27, "F1": 24}
 
