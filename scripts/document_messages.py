@@ -137,7 +137,7 @@ def sections():
     found = {}
     for name in SECTIONS:
         text = (SOURCES / f"{name}.txt").read_text(encoding="utf-8")
-        found[name] = (text.split("\n", 1)[0][2:], [Message(name, *record) for record in records(text)])
+        found[name] = (text.split("\n", 2)[1][2:], [Message(name, *record) for record in records(text)])
     codes = [message.code for _, messages in found.values() for message in messages]
     if len(codes) != len(set(codes)):
         raise ValueError(f"codes of two messages: {sorted(code for code in codes if codes.count(code) > 1)}")
@@ -438,7 +438,7 @@ def documents(program):
     page = HEAD
     for heading, part in found.values():
         page += f"\n## {heading}\n" + "".join(made[message.code][0] for message in part)
-    shown = ("# Examples of messages, written by scripts/document_messages.py; do not edit them.\n\n"
+    shown = ("# SPDX-License-Identifier: BSD-3-Clause\n# Examples of messages, written by scripts/document_messages.py; do not edit them.\n\n"
              + "\n".join(made[message.code][1] for message in messages))
     return {PAGE: page, EXAMPLES: shown}
 

@@ -108,7 +108,8 @@ contains
       if (associated(self%annotate)) then
          call self%annotate(text, with_codes, hint)
          if (hint /= "" .and. .not. self%hinted) then
-            if (with_codes(len(with_codes):) /= new_line("a")) with_codes = with_codes//new_line("a")
+            if (with_codes(len(with_codes):) /= new_line("a")) &
+               with_codes = with_codes//new_line("a")
             with_codes = with_codes//hint
             self%hinted = .true.
          end if

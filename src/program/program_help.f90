@@ -35,7 +35,8 @@ contains
          newline// &
          "      --grains           run a periodic cell of grains along its &stage groups"// &
          newline// &
-         "      --list [WHAT]      materials, fields, shapes, units, examples, messages"//newline// &
+         "      --list [WHAT]      materials, fields, shapes, units, examples, messages"// &
+         newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &

@@ -110,7 +110,7 @@ contains
    !> Explain a message: its cause, the remedy, an example.
    subroutine explain_message(words, text, error)
       character(len=*), intent(in) :: words         !! A code, or a line as the program prints it
-      character(len=:), allocatable, intent(out) :: text !! The explanation
+      character(len=:), allocatable, intent(out) :: text !! Cause, remedy, example
       type(error_t), allocatable, intent(out) :: error !! There is no such message
       character(len=:), allocatable :: code
       type(message_t), allocatable :: messages(:)
