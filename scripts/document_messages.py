@@ -438,7 +438,8 @@ def documents(program):
     page = HEAD
     for heading, part in found.values():
         page += f"\n## {heading}\n" + "".join(made[message.code][0] for message in part)
-    shown = ("# SPDX-License-Identifier: BSD-3-Clause\n# Examples of messages, written by scripts/document_messages.py; do not edit them.\n\n"
+    shown = ("# SPDX-License-Identifier: BSD-3-Clause\n"
+             "# Examples of messages, written by scripts/document_messages.py; do not edit them.\n\n"
              + "\n".join(made[message.code][1] for message in messages))
     return {PAGE: page, EXAMPLES: shown}
 
