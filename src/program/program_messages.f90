@@ -351,15 +351,15 @@ contains
    pure function without_links(text) result(plain)
       character(len=*), intent(in) :: text          !! Such as [the deck](../guide/deck.md)
       character(len=:), allocatable :: plain
-      integer :: close, i
+      integer :: bracket, i
 
       plain = ""
       i = 1
       do while (i <= len(text))
-         close = index(text(i:), "]")
-         if (text(i:i) == "[" .and. close > 0 .and. close == index(text(i:), "](")) then
-            plain = plain//text(i + 1:i + close - 2)
-            i = i + close - 1 + index(text(i + close - 1:), ")")
+         bracket = index(text(i:), "]")
+         if (text(i:i) == "[" .and. bracket > 0 .and. bracket == index(text(i:), "](")) then
+            plain = plain//text(i + 1:i + bracket - 2)
+            i = i + bracket - 1 + index(text(i + bracket - 1:), ")")
          else
             if (text(i:i) /= "`") plain = plain//text(i:i)
             i = i + 1
