@@ -36,7 +36,10 @@ _scree() {
       --explain | -s | --set | --unset)
          words="$("${program}" --template 2> /dev/null \\
             | awk '/^&/ {g = substr($1, 2); if ("'"${before}"'" == "--explain") print g}
-                   g != "" && /^[! ] *[a-z_0-9]+ *=/ {sub(/^! */, ""); print g "." $1} /^\\/$/ {g = ""}')" ;;
+                   g != "" && /^[! ] *[a-z_0-9]+ *=/ {sub(/^! */, ""); print g "." $1} /^\\/$/ {g = ""}')"
+         if [[ "${before}" == --explain ]]; then
+            words+=" $("${program}" --list messages 2> /dev/null | cut -d ' ' -f 1)"
+         fi ;;
 @CASES@      *)
          if [[ "${word}" == -* ]]; then
             words="@OPTIONS@"

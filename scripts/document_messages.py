@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write doc/reference/messages/, a page for each row of the tables of messages, and link the rows to them.
+"""Write doc/reference/messages.md and the examples of `scree --explain CODE` from src/program/messages.
 
-    python3 scripts/document_messages.py --scree build/bin/scree             write the pages
+    python3 scripts/document_messages.py --scree build/bin/scree             write both
     python3 scripts/document_messages.py --scree build/bin/scree --check     exit code 1 if out of date
 
-A page has cause and remedy of its row, sentences of scripts/messages/*.txt, and an example: the
-program is run on a wrong deck, and what it prints is shown. The deck is that of a row of the tables
-of test/input (broken_values.py, broken_scenes.py) with this message, unless scripts/messages holds
-another one (examples.py: decks; situations.py: commands, files and runs).
+src/program/messages/*.txt hold the code, the words, cause and remedy of each message. The build puts them into the
+program, which prints the code behind a message that has these words. An example of each message is made here: the
+program is run on a wrong deck, and the message must come with its code. The deck is that of a row of the tables of
+test/input (broken_*.py) with this message, unless scripts/messages holds another one (examples.py: decks;
+situations.py: commands, files and runs). Examples are written to src/program/messages/examples.txt, which the build
+puts into the program too, and to the page.
 
-A new message: write its row into doc/reference/errors.md or errors_runs.md without a link, run this script, look at
-the page. Only the standard library is needed.
+A new message: add a record with the next free code of its section, build, run this script, look at the page, build
+again. A code is never used for another message. Only the standard library is needed.
 """
 import argparse
 import os
@@ -18,16 +20,19 @@ import re
 import subprocess
 import sys
 import tempfile
+import textwrap
 from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 GUIDE = ROOT / "doc" / "reference"
-TABLES = [GUIDE / "errors.md", GUIDE / "errors_runs.md"]
-PAGES = GUIDE / "messages"
-NOTES = ROOT / "scripts" / "messages"
+PAGE = GUIDE / "messages.md"
+SOURCES = ROOT / "src" / "program" / "messages"
+EXAMPLES = SOURCES / "examples.txt"
+SECTIONS = ["format", "values", "keys", "scene", "units", "command_line", "jobs", "runs", "files"]
 sys.path[:0] = [str(ROOT / "scripts" / "messages"), str(ROOT / "test" / "input")]
+import broken_instruments as instruments  # noqa: E402
 import broken_scenes as scenes   # noqa: E402
 import broken_values as values   # noqa: E402
 import examples                  # noqa: E402
@@ -35,78 +40,107 @@ import situations                # noqa: E402
 
 FAULTS = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS, scenes.CELLS,
           scenes.NAMES, scenes.ORPHANS, scenes.BODIES, scenes.ANGLES, scenes.SIZES, scenes.INCLUDES,
-          scenes.RARE, scenes.WARNINGS]
+          scenes.RARE, scenes.WARNINGS, instruments.INSTRUMENTS]
 DECK = "scene.nml"
 CHECK = f"scree --check {DECK}"
-# In a table: the link, what stands behind it in the first cell, cause, remedy.
-LINKED = re.compile(r"\| \[(`.+`)\]\(messages/([a-z0-9-]+)\.md\)(.*?) \| (.*) \| (.*) \|$")
-PLAIN = re.compile(r"\| ((?:`[^`]+`(?:, )?)+)(.*?) \| (.*) \| (.*) \|$")
+RECORD = re.compile(r"^\[([A-Z]\d{3})\]\n", re.M)
+FIELDS = ("says", "when", "cause", "remedy", "note")
 # What the run time library of a Debug build adds.
 DEBUG = re.compile(r"At line \d+ of file |Fortran runtime warning: An array temporary")
-WORDS = 7                        # of a message that become the name of its page
-WIDEST = 110                     # columns of a line of a deck that is shown whole
+WIDEST = 110                     # columns of a line that is shown whole
 FEW = 4                          # lines of a deck that are shown in a row
-# Where to read on: about a group, besides its keys, or where there is none about a kind of messages.
+LABEL = 8                        # columns of the labels of an example
+# Where to read on: about a group, besides its keys, or where there is none about a section.
 ABOUT = {
-    "run": "../guide/deck.md#dimension", "units": "../guide/deck.md#units", "include": "../guide/deck.md#rules", "grid": "../guide/deck.md#dimension",
-    "region": "../guide/shapes.md", "body": "../guide/deck.md#shapes-and-bodies", "material": "materials.md",
-    "boundary": "../guide/deck.md#faces", "effects": "effects.md", "contact": "../guide/deck.md#contact", "output": "../guide/deck.md#output",
+    "run": "../guide/deck.md#dimension", "units": "../guide/deck.md#units", "include": "../guide/deck.md#rules",
+    "grid": "../guide/deck.md#dimension", "region": "../guide/shapes.md", "body": "../guide/deck.md#shapes-and-bodies",
+    "material": "materials.md", "boundary": "../guide/deck.md#faces", "effects": "effects.md",
+    "contact": "../guide/deck.md#contact", "output": "../guide/deck.md#output",
     "time": "../guide/running.md#how-a-run-ends", "checkpoint": "../guide/running.md#checkpoints-and-restart",
-    "Letters and groups": "../guide/deck.md#rules", "Units": "../guide/deck.md#units", "Command line": "../guide/running.md",
-    "Runs that end early": "../guide/running.md#how-a-run-ends", "Files": "../guide/running.md#checkpoints-and-restart"}
+    "section format": "../guide/deck.md#rules", "section units": "../guide/deck.md#units",
+    "section command_line": "../guide/running.md", "section runs": "../guide/running.md#how-a-run-ends",
+    "section files": "../guide/running.md#checkpoints-and-restart"}
 # Keys that are words of prose as well: they count only before an equals sign.
 PROSE = {"at", "axis", "bodies", "body", "fields", "file", "law", "material", "name", "of", "region", "shape",
          "solution", "type", "scale", "velocity", "stress", "spin"}
+HEAD = """# Messages
 
-class Row:
-    """A row of a table."""
+Every error and warning of the program ends with a code such as `[D209]`. `scree --explain D209`, or `scree --explain`
+with the line as printed, shows what this page says about it; `scree --list messages` lists all codes.
 
-    def __init__(self, heading, messages, name, behind, cause, remedy):
-        self.heading, self.name = heading, name
-        self.messages = re.findall("`([^`]+)`", messages)
-        self.behind, self.cause, self.remedy = behind, cause, remedy
+A message on a deck has the form `FILE:LINE: error: &GROUP 'NAME': ... [CODE]`, with `command line` in place of file
+and line for values of `--set`. All errors of a deck are reported together, in the order of the lines; nothing is
+computed and no file is changed. Checks that depend on faulty input are skipped, so one mistake does not cause
+follow-up errors. The program ends with exit code 2 after an error in the deck or on the command line, 3 after an error
+of a file, 4 if a run had to stop, 5 after a defect of the program, 75 if `--restart` continues the run. Warnings do not
+stop a run.
+
+Below, `...` stands for names and numbers. Examples show a wrong deck, file or command, the message, and what is right.
+[scripts/document_messages.py](../../scripts/document_messages.py) writes this page from
+[src/program/messages](../../src/program/messages) and runs the examples.
+"""
+
+
+class Message:
+    """A record of a section."""
+
+    def __init__(self, section, code, text):
+        self.section, self.code = section, code
+        fields = {name: [] for name in FIELDS}
+        for field in re.split(r"\n(?=\S)", text.strip()):
+            name, colon, value = field.partition(": ")
+            if name not in fields or not colon:
+                raise ValueError(f"{code}: no field of a message: {field!r}")
+            fields[name].append(" ".join(value.split()))
+        for name in ("cause", "remedy"):
+            if len(fields[name]) != 1:
+                raise ValueError(f"{code} needs one {name}")
+        if not fields["says"]:
+            raise ValueError(f"{code} says nothing")
+        self.says, self.notes = fields["says"], fields["note"]
+        self.cause, self.remedy = fields["cause"][0], fields["remedy"][0]
+        self.when = fields["when"][0] if fields["when"] else ""
 
     def pattern(self):
         """What fits one of the messages: three points stand for anything."""
-        return re.compile("|".join(".*?".join(map(re.escape, text.split("..."))) for text in self.messages))
+        return re.compile("|".join(".*?".join(map(re.escape, text.split("..."))) for text in self.says))
+
+    def told(self, lines):
+        """The first line with the message, which must end with the code; None if there is none."""
+        line = next((line for line in lines if self.pattern().search(line)
+                     and line.endswith(f"[{self.code}]")), None)
+        other = next((line for line in lines if self.pattern().search(line)), None)
+        if line is None and other is not None:
+            raise ValueError(f"{self.code}: the program prints another code: {other}")
+        return line
 
 
-def name_of(messages):
-    """Name of a page: the first words of the message."""
-    first = re.findall("`([^`]+)`", messages)[0].lower()
-    return "-".join(re.findall(r"[a-z0-9]+", first)[:WORDS])
+def patterns(known):
+    """Code, letters and expression of each pattern of some messages."""
+    return [(message.code, len(text.replace("...", "")), re.compile(".*?".join(map(re.escape, text.split("...")))))
+            for message in known for text in message.says]
 
 
-def linked(text):
-    """The text of a table with a link in each row."""
-    lines = []
-    for line in text.splitlines():
-        found = PLAIN.match(line)
-        if found:
-            messages, behind, cause, remedy = found.groups()
-            line = f"| [{messages}](messages/{name_of(messages)}.md){behind} | {cause} | {remedy} |"
-        lines.append(line)
-    return "\n".join(lines) + "\n"
+def scores(text, fitting):
+    """Pairs of the number of letters that fit and a code, of all patterns that fit a text; the best first."""
+    return sorted({(letters, code) for code, letters, pattern in fitting if pattern.search(text)}, reverse=True)
 
 
-def rows(text):
-    """Rows of a table, all with links."""
-    heading, found = "", []
-    for line in text.splitlines():
-        if line.startswith("## "):
-            heading = line[3:]
-        match = LINKED.match(line)
-        if match:
-            found.append(Row(heading, *match.groups()))
-    return found
+def records(text):
+    """Pairs of a code and the text of its record."""
+    parts = RECORD.split(text)
+    return list(zip(parts[1::2], parts[2::2]))
 
 
-def notes():
-    """Further sentences by the name of the page."""
+def sections():
+    """Headings and messages of each section."""
     found = {}
-    for path in sorted(NOTES.glob("*.txt")):
-        parts = re.split(r"^\[([a-z0-9-]+)\]\n", path.read_text(encoding="utf-8"), flags=re.M)
-        found.update((name, text.strip()) for name, text in zip(parts[1::2], parts[2::2]))
+    for name in SECTIONS:
+        text = (SOURCES / f"{name}.txt").read_text(encoding="utf-8")
+        found[name] = (text.split("\n", 2)[1][2:], [Message(name, *record) for record in records(text)])
+    codes = [message.code for _, messages in found.values() for message in messages]
+    if len(codes) != len(set(codes)):
+        raise ValueError(f"codes of two messages: {sorted(code for code in codes if codes.count(code) > 1)}")
     return found
 
 
@@ -159,11 +193,11 @@ class Runner:
         return code, [line.replace(str(place), "/opt/programs").replace(self.version, "scree X.Y.Z")
                       for line in lines]
 
-    def succeed(self, row, place, command):
+    def succeed(self, message, place, command):
         """Run a command that must not fail."""
         code, said = self.run(place, command)
         if code not in (0, 75) or any(" 1 warnings" in line for line in said):
-            raise ValueError(f"{row.name}: {command} has exit code {code}:\n" + "\n".join(said))
+            raise ValueError(f"{message.code}: {command} has exit code {code}:\n" + "\n".join(said))
 
     def faults(self, files):
         """What is said of a deck that should have neither errors nor warnings; empty if it has none."""
@@ -196,11 +230,9 @@ def changed(old, new):
     return first, len(old) - last, len(new) - last
 
 
-def excerpt(lines, first, last, told=0):
-    """Lines of a deck with marks: those that differ, that of the message, and one more if there is none."""
+def excerpt(lines, first, last):
+    """Lines of a deck that differ, and one more if there is none."""
     chosen = set(range(first, last))
-    if told:
-        chosen.add(told - 1)
     if not any(lines[place] for place in chosen):
         chosen = {max(first - 1, 0), min(last, len(lines) - 1)}
     if max(chosen) - min(chosen) < FEW:
@@ -209,92 +241,94 @@ def excerpt(lines, first, last, told=0):
     for place in sorted(chosen):
         if place > before + 1:
             shown.append("...")
-        mark = f"   ! <-- line {place + 1}" if place + 1 == told else ""
-        shown.append(shorter(lines[place]) + mark)
+        shown.append(shorter(lines[place]))
         before = place
     return shown
 
 
-def block(language, lines):
-    """A fenced block."""
-    return "\n".join([f"```{language}", *lines, "```"])
+def labelled(label, lines):
+    """Lines with a label before the first one, long ones broken."""
+    broken = [part for line in lines for part in textwrap.wrap(
+        line, WIDEST, subsequent_indent="  ", drop_whitespace=True, replace_whitespace=False,
+        break_long_words=False, break_on_hyphens=False) or [""]]
+    return [((f"{label}:" if n == 0 else "").ljust(LABEL) + line).rstrip() for n, line in enumerate(broken)]
 
 
-def deck_example(row, runner):
-    """The line with the message, and text of a deck that brings it; None if there is none."""
-    given = examples.DECKS.get(row.name)
+def first_fault(message, fitting):
+    """A wrong deck of the tables whose message has this code; None if there is none."""
+    for table in FAULTS:
+        for deck, old, new, _, said in table:
+            if message.pattern().search(said) and scores(said, fitting)[0][1] == message.code:
+                return deck, old, new, None
+    return None
+
+
+def deck_example(message, runner, fitting):
+    """The line with the message, and lines that show a deck that brings it; None if there is none."""
+    given = examples.DECKS.get(message.code)
     if given is None:
-        given = next(((deck, old, new, None) for table in FAULTS for deck, old, new, _, said in table
-                      if row.pattern().search(said)), None)
+        given = first_fault(message, fitting)
     if given is None:
         return None
     deck, old, new, better = given
     text = values.DECKS.get(deck, deck)
     if old not in text:
-        raise ValueError(f"{row.name}: the deck does not hold {old!r}")
+        raise ValueError(f"{message.code}: the deck does not hold {old!r}")
     wrong = text.replace(old, new, 1)
     right = text.replace(old, old if better is None else better, 1)
-    files = examples.FILES.get(row.name, {})
+    files = examples.FILES.get(message.code, {})
     faults = runner.faults({**files, DECK: right})
     if faults:
-        raise ValueError(f"{row.name}: the deck that should be right is not:\n{right}{faults}")
-    code, said = runner.run(runner.place({**files, DECK: wrong}), CHECK)
-    told = next((line for line in said if row.pattern().search(line)), None)
+        raise ValueError(f"{message.code}: the deck that should be right is not:\n{right}{faults}")
+    said = runner.run(runner.place({**files, DECK: wrong}), CHECK)[1]
+    told = message.told(said)
     if told is None:
-        raise ValueError(f"{row.name}: the example does not bring the message, but\n" + "\n".join(said))
-    line = re.match(rf"{DECK}:(\d+):", told)
-    line = int(line.group(1)) if line else 0
+        raise ValueError(f"{message.code}: the example does not bring the message, but\n" + "\n".join(said))
     wrong_lines, right_lines = (re.split("\r?\n", part.rstrip("\n")) for part in (wrong, right))
     first, wrong_last, right_last = changed(wrong_lines, right_lines)
-    parts = [f"Wrong, in `{DECK}`:", block("fortran", excerpt(wrong_lines, first, wrong_last, line)),
-             f"What the program says{' as a warning' if code == 0 else ''}; its exit code is {code}:",
-             block("console", [f"$ {CHECK}", *map(visible, said)]),
-             "Right:", block("fortran", excerpt(right_lines, max(0, first - (wrong_last == first)), right_last))]
-    return told, "\n\n".join(parts)
+    return told, [*labelled("wrong", excerpt(wrong_lines, first, wrong_last)), *labelled("prints", [visible(told)]),
+                  *labelled("right", excerpt(right_lines, max(0, first - (wrong_last == first)), right_last))]
 
 
-def situation_example(row, runner):
-    """The line with the message, and text of commands and what they print; None if there are none."""
-    situation = situations.SITUATIONS.get(row.name)
+def situation_example(message, runner):
+    """The line with the message, and lines of commands and what they print; None if there are none."""
+    situation = situations.SITUATIONS.get(message.code)
     if situation is None:
         return None
-    place, language = runner.place(situation.get("files", {})), situation.get("language", "fortran")
+    place = runner.place(situation.get("files", {}))
     for command in situation.get("before", []):
-        runner.succeed(row, place, command)
-    lines, everything, code = [], [], 0
+        runner.succeed(message, place, command)
+    lines, everything = [], []
     for command in situation["commands"]:
         shown, command = (command, command) if isinstance(command, str) else command
-        code, said = runner.run(place, command)
-        everything += said
-        if len(said) > situation.get("last", len(said)):
-            said = ["...", *said[-situation["last"]:]]
-        lines += [f"$ {shown}", *map(visible, said)]
-    told = next((line for line in everything if row.pattern().search(line)), None)
+        everything += runner.run(place, command)[1]
+        lines.append(shown)
+    told = message.told(everything)
     if told is None:
-        raise ValueError(f"{row.name}: the example does not bring the message, but\n" + "\n".join(everything))
-    text = situation.get("text", "")
-    parts = [text if "shows" in situation else text.rstrip(":") + "."] if text else []
+        raise ValueError(f"{message.code}: the example does not bring the message, but\n" + "\n".join(everything))
+    parts = []
+    if "text" in situation:
+        text = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", situation["text"]).replace("`", "").rstrip(":.")
+        parts += labelled("case", textwrap.wrap(text, WIDEST - LABEL))
     if "shows" in situation:
-        parts.append(block(language, situation["shows"].strip("\n").split("\n")))
-    parts += [f"What the program says{' as a warning' if ' warning: ' in told else ''}; its exit code is {code}:",
-              block("console", lines)]
+        parts += labelled("wrong", situation["shows"].strip("\n").split("\n"))
+    parts += [*labelled("run", lines), *labelled("prints", [visible(told)])]
     better = []
     for command in situation.get("then", []):
         shown, command = (command, command) if isinstance(command, str) else command
         steps = re.search(r"time\.max_steps=(\d+)", " ".join(everything))
         if steps:
             shown, command = (text.format(max_steps=steps.group(1)) for text in (shown, command))
-        runner.succeed(row, place, command)
-        better.append(f"$ {shown}")
+        runner.succeed(message, place, command)
+        better.append(shown)
+    better += situation["right"].strip("\n").split("\n") if "right" in situation else []
     if better:
-        parts += ["Right:", block("console", better)]
-    if "right" in situation:
-        parts += ["Right:", block(language, situation["right"].strip("\n").split("\n"))]
+        parts += labelled("right", better)
     if "right_files" in situation:
         place = runner.place({**situation["files"], **situation["right_files"]})
         for command in [*situation.get("before", []), situation["commands"][-1]]:
-            runner.succeed(row, place, command)
-    return told, "\n\n".join(parts)
+            runner.succeed(message, place, command)
+    return told, parts
 
 
 def keys():
@@ -321,90 +355,99 @@ def title_of(target):
     return f"{headings[0]}, {slugs[anchor]}"
 
 
-def see_also(row, told, known):
-    """Links to keys and pages that concern a message."""
-    links, about = [], row.heading
-    found = re.search(r"&(\w+)", told or "")
+def related_keys(message, told, known):
+    """The group that a message concerns, None without one, and up to three of its keys."""
+    found = re.search(r"&(\w+)", told)
     group = found.group(1) if found and found.group(1) in known else None
-    text = re.sub("'[^']*'", "", told.split(f"&{group}", 1)[1]) if group else " ".join(row.messages)
+    text = re.sub("'[^']*'", "", told.split(f"&{group}", 1)[1]) if group else " ".join(message.says)
     words = dict.fromkeys(re.findall(r"\b[a-z]\w*\b", text))
     if not group:    # a message of no group may name a key that only one group has
         owners = [name for name in known for key in known[name] if key in words and "_" in key]
         group = owners[0] if len(set(owners)) == 1 else None
+    named = [key for key in words if key in known.get(group, [])
+             and (key not in PROSE or re.search(rf"\b{key} =", text))][:3]
+    return group, named
+
+
+def see_also(message, group, named):
+    """Links to keys and pages that concern a message; empty if there are none."""
+    links = []
     if group:
-        named = [f"`{key}`" for key in words
-                 if key in known[group] and (key not in PROSE or re.search(rf"\b{key} =", text))][:3]
-        links.append((f"{' and '.join(named)} of " if named else "") + f"[&{group}](../keys.md#{group})")
-        about = group
-    targets = re.findall(r"\]\(([^)\s]+)\)", row.cause + row.remedy)
-    targets += situations.SITUATIONS.get(row.name, {}).get("see", [])
-    about = row.heading if row.heading in ("Letters and groups", "Units") else about
-    targets += [ABOUT[about]] if about in ABOUT and not targets else []
-    links += [f"[{title_of(target)}](../{target})" for target in dict.fromkeys(targets) if target != "keys.md"]
-    return f"See {', '.join(links + ['[all messages](../errors.md)'])}."
+        links.append((" and ".join(f"`{key}`" for key in named) + " of " if named else "")
+                     + f"[&{group}](keys.md#{group})")
+    given = re.findall(r"\]\(([^)\s]+)\)", " ".join([message.cause, message.remedy, *message.notes]))
+    targets = list(situations.SITUATIONS.get(message.code, {}).get("see", []))
+    section = f"section {message.section}"
+    about = section if message.section in ("format", "units") or not group else group
+    if about in ABOUT and not targets and not given:
+        targets = [ABOUT[about]]
+    links += [f"[{title_of(target)}]({target})" for target in dict.fromkeys(targets)
+              if target != "keys.md" and target not in given]
+    return f" See {', '.join(links)}." if links else ""
 
 
-def sentence(text):
-    """A capital in front, a stop behind, links as seen from a folder below."""
-    text = re.sub(r"\]\((?!http)", "](../", text.strip())
-    return text[0].upper() + text[1:] + ("" if text.endswith((".", "?")) else ".")
+def record(message, runner, known, fitting):
+    """The record of a message on the page, and its example for the program."""
+    example = situation_example(message, runner) or deck_example(message, runner, fitting)
+    told, lines = example or ("", [])
+    group, named = related_keys(message, told, known)
+    when = f" ({message.when})" if message.when else ""
+    text = (", ".join(f"`{one}`" for one in message.says) + when + f"  \n**Cause:** {message.cause}"
+            f"  \n**Remedy:** {message.remedy}")
+    text += "".join(f" {note}" for note in message.notes) + see_also(message, group, named)
+    block = "\n".join(["", "```text", *lines, "```", ""]) if lines else ""
+    wanted = [f"{group}.{key}" for key in named] or ([group] if group else [])
+    more = [f"keys:   scree --explain {name}" for name in wanted[:1]]
+    more += [f"        scree --explain {name}" for name in wanted[1:]]
+    return f"\n### {message.code}\n\n{text}\n{block}", "\n".join([f"[{message.code}]", *lines, *more, ""])
 
 
-def page(row, runner, more, known):
-    """The whole page of a row."""
-    example = situation_example(row, runner) or deck_example(row, runner)
-    parts = ["# " + ", ".join(f"`{text.strip()}`" for text in row.messages) + row.behind,
-             f"**What is wrong.** {sentence(row.cause)}", f"**What to do.** {sentence(row.remedy)}"]
-    if row.name in more:
-        parts.append(more[row.name])
-    if example:
-        parts.append(example[1])
-    parts.append(see_also(row, example and example[0], known))
-    return "\n\n".join(parts) + "\n"
+def old_record(message):
+    """Both as they are in the files: what a Debug build cannot make."""
+    page = re.search(rf"\n### {message.code}\n.*?(?=\n##|\Z)", PAGE.read_text(encoding="utf-8"), re.S)
+    old = dict(records(EXAMPLES.read_text(encoding="utf-8")))[message.code]
+    return page.group(), f"[{message.code}]\n{old.rstrip()}\n"
 
 
 def documents(program):
-    """Texts by path: the tables with their links, and all pages."""
-    tables = {path: linked(path.read_text(encoding="utf-8")) for path in TABLES}
-    for path, table in tables.items():
-        if not 0 < len(rows(table)) == len(re.findall(r"^\| \[?`", table, re.M)):
-            raise ValueError(f"a row of {path.name} is no row of three cells")
-    found, more, known = [row for table in tables.values() for row in rows(table)], notes(), keys()
-    names = [row.name for row in found]
-    twice = {name for name in names if names.count(name) > 1}
-    if twice:
-        raise ValueError(f"pages of two rows: {twice}; write the link of one by hand")
-    strange = set(more).union(situations.SITUATIONS, examples.DECKS, examples.FILES) - set(names)
+    """Texts by path: the page and the examples."""
+    found, known, faults = sections(), keys(), []
+    messages = [message for _, part in found.values() for message in part]
+    fitting = patterns(messages)
+    strange = (set(situations.SITUATIONS).union(examples.DECKS, examples.FILES)
+               - {message.code for message in messages})
     if strange:
-        raise ValueError(f"sentences or examples of no row: {sorted(strange)}")
-    faults = []
+        raise ValueError(f"examples of no message: {sorted(strange)}")
     with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
         runner = Runner(program, folder)
 
-        def write(row):
-            path = PAGES / f"{row.name}.md"
-            if runner.traps and situations.SITUATIONS.get(row.name, {}).get("traps"):
-                return path, path.read_text(encoding="utf-8")
+        def write(message):
+            if runner.traps and situations.SITUATIONS.get(message.code, {}).get("traps"):
+                return message.code, old_record(message)
             try:
-                return path, page(row, runner, more, known)
+                return message.code, record(message, runner, known, fitting)
             except ValueError as fault:
                 faults.append(str(fault))
-                return path, ""
+                return message.code, ("", "")
 
         # most of the time goes into the start of message passing, which waits
         with ThreadPoolExecutor(4) as pool:
-            texts = {**tables, **dict(pool.map(write, found))}
+            made = dict(pool.map(write, messages))
     if faults:
         raise ValueError("\n\n".join(faults))
-    return texts
+    page = HEAD
+    for heading, part in found.values():
+        page += f"\n## {heading}\n" + "".join(made[message.code][0] for message in part)
+    shown = ("# SPDX-License-Identifier: BSD-3-Clause\n"
+             "# Examples of messages, written by scripts/document_messages.py; do not edit them.\n\n"
+             + "\n".join(made[message.code][1] for message in messages))
+    return {PAGE: page, EXAMPLES: shown}
 
 
 def out_of_date(texts):
     """Files that are not as they should be, each with why."""
-    there = {path: path.read_text(encoding="utf-8") for path in [*TABLES, *sorted(PAGES.glob("*"))]}
-    return ([f"{path.name} is missing" for path in texts if path not in there]
-            + [f"{path.name} belongs to no row of a table" for path in there if path not in texts]
-            + [f"{path.name} differs" for path in texts if path in there and there[path] != texts[path]])
+    return [f"{path.name} differs" if path.is_file() else f"{path.name} is missing" for path, text in texts.items()
+            if not path.is_file() or path.read_text(encoding="utf-8") != text]
 
 
 def main():
@@ -425,10 +468,6 @@ def main():
         if wrong:
             print(*wrong, "run scripts/document_messages.py", sep="\n", file=sys.stderr)
         return 1 if wrong else 0
-    PAGES.mkdir(exist_ok=True)
-    for path in PAGES.glob("*.md"):
-        if path not in texts:
-            path.unlink()
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")
     return 0

@@ -4,12 +4,15 @@ _scree() {
    local IFS=$' \t\n'
    COMPREPLY=()
    case "${before}" in
-      --list) words="materials fields shapes units examples" ;;
+      --list) words="materials fields shapes units examples messages" ;;
       --new) words="$("${program}" --list examples 2> /dev/null | cut -d ' ' -f 1)" ;;
       --explain | -s | --set | --unset)
          words="$("${program}" --template 2> /dev/null \
             | awk '/^&/ {g = substr($1, 2); if ("'"${before}"'" == "--explain") print g}
-                   g != "" && /^[! ] *[a-z_0-9]+ *=/ {sub(/^! */, ""); print g "." $1} /^\/$/ {g = ""}')" ;;
+                   g != "" && /^[! ] *[a-z_0-9]+ *=/ {sub(/^! */, ""); print g "." $1} /^\/$/ {g = ""}')"
+         if [[ "${before}" == --explain ]]; then
+            words+=" $("${program}" --list messages 2> /dev/null | cut -d ' ' -f 1)"
+         fi ;;
       --case | -c) words="" ;;
       --outdir | -o)
          mapfile -t COMPREPLY < <(compgen -d -- "${word}")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Decks for the pages of messages, where the first row of the tables of test/input is not the best example.
+"""Decks for the page of messages, where the first row of the tables of test/input is not the best example.
 
-DECKS: name of the page: (deck, old text, wrong text, right text). The deck is one of broken_values.py by its name, or
+DECKS: code: (deck, old text, wrong text, right text). The deck is one of broken_values.py by its name, or
 a text of its own; a right text of None is the old one. Both are run: the wrong one must bring the message, the right
-one neither error nor warning. FILES: name of the page: files beside both decks.
+one neither error nor warning. FILES: code: files beside both decks.
 """
 
 BAR = """&run dimension = 'plane_strain' /
@@ -81,6 +81,8 @@ FLAT_GRAINS = GRAINS.replace("3d", "plane_strain").replace(
     "'grains.csv' /", "'grains.csv'  rotate = 0 30 0 /")
 THREE = "x,y,z,volume\n0.2,0.2,0.2,1e-3\n0.5,0.5,0.5,1e-3\n0.7,0.7,0.7,1e-3\n"
 
+SLOPE = BAR + METAL.replace(
+    " /", "\n  strength_model = 'mohr_coulomb'  friction_angle = 30  dilation_angle = 10 /") + BODY
 MODE = "&exact solution = 'bar_mode'  bar_length = 1  mode_speed = 1"
 SECOND = """&region name = 'cube'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /
 &body name = 'two'  region = 'cube'  material = 'metal' /
@@ -102,160 +104,175 @@ def facets(corners, triangles):
 CORNERS = [(0.2, 0.2, 0.2), (0.8, 0.2, 0.2), (0.2, 0.8, 0.2), (0.2, 0.2, 0.8)]
 PYRAMID = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
 DECKS = {
-    "is-not-closed": ("plain", "'plane_strain' /", "'plane_strain'", None),
-    "text-outside-a-group": ("plain", "&time t_end", "time t_end", None),
-    "character-is-not-allowed": ("plain", "&time", "\x1b[1m&time", None),
-    "the-line-is-too-long": ("plain", "'plane_strain' /", "'plane_strain' /  ! " + 60 * "a long word ", None),
-    "unknown-key": ("plain", "centre", "center", None),
-    "this-is-an-older-scree": ("plain", "&run", "&run deck_version = 9 ", "&run deck_version = 1 "),
-    "is-given-twice": ("plain", "density = 2700", "density = 2700  density = 7800", None),
-    "appears-twice": ("plain", "&time t_end = 1e-5 /", "&time t_end = 1e-5 /\n&time cfl = 0.3 /",
+    "D102": ("plain", "'plane_strain' /", "'plane_strain'", None),
+    "D104": ("plain", "&time t_end", "time t_end", None),
+    "D107": ("plain", "&time", "\x1b[1m&time", None),
+    "D108": ("plain", "'plane_strain' /", "'plane_strain' /  ! " + 60 * "a long word ", None),
+    "D113": ("plain", "centre", "center", None),
+    "D219": ("plain", "&run", "&run deck_version = 9 ", "&run deck_version = 1 "),
+    "D114": ("plain", "density = 2700", "density = 2700  density = 7800", None),
+    "D115": ("plain", "&time t_end = 1e-5 /", "&time t_end = 1e-5 /\n&time cfl = 0.3 /",
                       "&time t_end = 1e-5  cfl = 0.3 /"),
-    "the-name-is-taken": (
+    "D116": (
         "plain", "&body name = 'one'  region = 'ball'  material = 'metal' /",
         "&region name = 'ball'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /\n"
         "&body name = 'one'  region = 'ball'  material = 'metal' /",
         "&region name = 'cube'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /\n"
         "&body name = 'one'  region = 'ball'  material = 'metal' /"),
-    "expects-a-number": ("plain", "dx = 0.1", "dx = 1e", None),
-    "expects-some-numbers": ("plain", "'metal' /", "'metal'  velocity = 100 /", "'metal'  velocity = 100 0 0 /"),
-    "expects-up-to-some-numbers": ("sand", "every = 20", "times = now", "times = 0.1 0.5 1"),
-    "expects-an-integer": ("sand", "every = 20", "every = 2e1", None),
-    "expects-a-text-that-is-not-empty": ("plain", "'metal' /", "'metal'  packing = '' /", None),
-    "misses-a-value-before-a-comma": ("plain", "'metal' /", "'metal'  velocity = 1,,3 /",
+    "D201": ("plain", "dx = 0.1", "dx = 1e", None),
+    "D209": ("plain", "'metal' /", "'metal'  velocity = 100 /", "'metal'  velocity = 100 0 0 /"),
+    "D210": ("sand", "every = 20", "times = now", "times = 0.1 0.5 1"),
+    "D206": ("sand", "every = 20", "every = 2e1", None),
+    "D211": ("plain", "'metal' /", "'metal'  packing = '' /", None),
+    "D212": ("plain", "'metal' /", "'metal'  velocity = 1,,3 /",
                                       "'metal'  velocity = 1, 0, 3 /"),
-    "the-subscript-must-be-from-1": ("plain", "'metal' /", "'metal'  velocity(0) = 1 /",
+    "D213": ("plain", "'metal' /", "'metal'  velocity(0) = 1 /",
                                   "'metal'  velocity(1) = 1 /"),
-    "must-be-in-range": ("plain", "density = 2700", "density = -2700", None),
-    "must-not-be-beyond": ("plain", "t_end = 1e-5", "t_end = 1e-5  max_steps = 99999999999",
+    "D214": ("plain", "density = 2700", "density = -2700", None),
+    "D217": ("plain", "t_end = 1e-5", "t_end = 1e-5  max_steps = 99999999999",
                            "t_end = 1e-5  max_steps = 2000000000"),
-    "is-too-large-or-too-small": ("plain", "t_end = 1e-5", "t_end = 1e-320", None),
-    "is-none-of": ("plain", "shape = 'sphere'", "shape = 'ball'", None),
-    "no-such-name": ("plain", "region = 'ball'", "region = 'bal'", None),
-    "must-be-given": ("plain", "radius = 0.2 /", "/", None),
-    "must-be-set": ("plain", "young = 70e9  poisson = 0.3", "poisson = 0.3", None),
-    "given-but-does-not-use-it": ("plain", "shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2",
+    "D218": ("plain", "t_end = 1e-5", "t_end = 1e-320", None),
+    "D220": ("plain", "shape = 'sphere'", "shape = 'ball'", None),
+    "D222": ("plain", "region = 'ball'", "region = 'bal'", None),
+    "D301": ("plain", "radius = 0.2 /", "/", None),
+    "D302": ("plain", "young = 70e9  poisson = 0.3", "poisson = 0.3", None),
+    "D304": ("plain", "shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2",
                                   "shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2  height = 1", None),
-    "given-but-effect-is-off": ("sand", "gravity = .true.", "gravity = .false.", None),
-    "needs-effects": ("shock", "thermal = T  damage = T", "thermal = T", None),
-    "are-both-given-keep-one": ("plain", "dx = 0.1", "dx = 0.1  cells = 10 1 10", None),
-    "volume-from-grid-needs": (
+    "D305": ("sand", "gravity = .true.", "gravity = .false.", None),
+    "D306": ("shock", "thermal = T  damage = T", "thermal = T", None),
+    "D307": ("plain", "dx = 0.1", "dx = 0.1  cells = 10 1 10", None),
+    "D316": (
         BAR.replace(" /", "  method = 'ddmp' /", 1) + METAL.replace(
             "0.3 /", "0.3\n  strength_model = 'mohr_coulomb'  friction_angle = 30  volume_from = 'grid' /") + BODY,
         "method = 'ddmp'", "method = 'mpm'", None),
-    "volume-from-grid-is-for-grains": (
+    "D317": (
         BAR + METAL.replace("0.3 /", "0.3\n  strength_model = 'drucker_prager'  friction_angle = 30  "
                             "volume_from = 'grid' /") + BODY,
         "friction_angle = 30", "friction_angle = 30  cohesion = 1e3", None),
-    "remove-heat-flux": ("plain", "&time t_end = 1e-5 /", "&method heat_flux = 2 /\n&time t_end = 1e-5 /", None),
-    "give-one-of-dt-every-times-count": ("sand", "every = 20", "every = 20  dt = 0.1", "dt = 0.1"),
-    "the-flow-must-be-along-x-y": (
+    "D318": ("plain", "&time t_end = 1e-5 /", "&method heat_flux = 2 /\n&time t_end = 1e-5 /", None),
+    "D319": ("sand", "every = 20", "every = 20  dt = 0.1", "dt = 0.1"),
+    "D444": (
         "plain", "&body", "&inflow body = 'one'  velocity = 1 0 1 /\n&body", None),
-    "is-made-of-this-region-itself": (
+    "D321": (
         "plain", "&body", "&region name = 'both'  shape = 'union'  of = 'ball' 'both' /\n&body",
         "&region name = 'cube'  shape = 'box'  lo = 0 0 0  hi = 0.2 1 0.2 /\n"
         "&region name = 'both'  shape = 'union'  of = 'ball' 'cube' /\n&body"),
-    "periodic-needs-both-faces": (
+    "D322": (
         "plain", "&time", "&boundary face = 'xlo'  type = 'periodic' /\n&time",
         "&boundary face = 'xlo'  type = 'periodic' /\n&boundary face = 'xhi'  type = 'periodic' /\n&time"),
-    "face-or-region-must-be-given": ("plain", "&time", "&boundary type = 'stick' /\n&time",
+    "D326": ("plain", "&time", "&boundary type = 'stick' /\n&time",
                                      "&boundary face = 'zlo'  type = 'stick' /\n&time"),
-    "a-region-cannot-be-type": (
+    "D328": (
         "plain", "&time", "&region name = 'wall'  shape = 'box'  lo = 0 0 0  hi = 1 1 0.1 /\n"
         "&boundary region = 'wall'  type = 'symmetry' /\n&time",
         "&region name = 'wall'  shape = 'box'  lo = 0 0 0  hi = 1 1 0.1 /\n"
         "&boundary region = 'wall'  type = 'slip' /\n&time"),
-    "a-face-moves-only-with-type-velocity": (
+    "D329": (
         "plain", "&time", "&boundary face = 'zlo'  type = 'stick'  velocity = 1 0 0 /\n&time",
         "&boundary face = 'zlo'  type = 'velocity'  velocity = 1 0 0 /\n&time"),
-    "temperature-is-that-of-a-whole-face": (
+    "D330": (
         "shock", "&output",
         "&boundary face = 'xhi'  region = 'ball'  type = 'stick'  temperature = 300 /\n&output",
         "&boundary face = 'xhi'  type = 'stick'  temperature = 300 /\n&output"),
-    "t-off-must-be-after-t-on": (
+    "D331": (
         "plain", "&time", "&boundary face = 'zlo'  type = 'stick'  t_on = 5e-6  t_off = 2e-6 /\n&time",
         "&boundary face = 'zlo'  type = 'stick'  t_on = 2e-6  t_off = 5e-6 /\n&time"),
-    "must-be-0-in-this-dimension": ("plain", "'metal' /", "'metal'  velocity = 0 100 0 /",
+    "D332": ("plain", "'metal' /", "'metal'  velocity = 0 100 0 /",
                                     "'metal'  velocity = 0 0 100 /"),
-    "poisson-makes-the-wave-speed-infinite": ("plain", "poisson = 0.3", "poisson = 0.5", "poisson = 0.49"),
-    "a-file-cannot-include-itself": ("plain", "&time", "&include file = 'scene.nml' /\n&time", None),
-    "contact-of-a-body-with-itself": (TOUCHING, "'low' 'high'", "'low' 'low'", "'low' 'high'"),
-    "share-a-velocity-field": (TOUCHING, "field = 2", "field = 1", None),
-    "have-a-law-already-in-line": (
+    "D334": ("plain", "poisson = 0.3", "poisson = 0.5", "poisson = 0.49"),
+    "D335": ("plain", "&time", "&include file = 'scene.nml' /\n&time", None),
+    "D336": (TOUCHING, "'low' 'high'", "'low' 'low'", "'low' 'high'"),
+    "D337": (TOUCHING, "field = 2", "field = 1", None),
+    "D338": (
         TOUCHING, "friction = 0.3 /", "friction = 0.3 /\n&contact bodies = 'high' 'low'  law = 'stick' /", None),
-    "knows-at-most-velocity-fields": (NINE, "field = 9", "field = 9", "field = 8"),
-    "does-not-go-with-exact": (
+    "D339": (NINE, "field = 9", "field = 9", "field = 8"),
+    "D340": (
         "plain", "&time", "&effects contact = .true. /\n"
         "&exact solution = 'bar_mode'  bar_length = 1  mode_speed = 1 /\n&time",
         "&exact solution = 'bar_mode'  bar_length = 1  mode_speed = 1 /\n&time"),
-    "does-not-go-with-the-conductivity-of": (
+    "D346": (
         "plain", "poisson = 0.3 /", "poisson = 0.3  specific_heat = 900  conductivity = 200 /\n"
         "&effects contact = .true.  thermal = .true. /",
         "poisson = 0.3  specific_heat = 900  conductivity = 200 /\n&effects thermal = .true. /"),
-    "is-not-whole": ("plain", "hi = 1 0.1 1  dx = 0.1", "hi = 1 0.1 1  dx = 0.15",
+    "D404": ("plain", "hi = 1 0.1 1  dx = 0.1", "hi = 1 0.1 1  dx = 0.15",
                      "hi = 1.05 0.1 1.05  dx = 0.15"),
-    "is-more-than-a-million-cells": ("plain", "dx = 0.1", "dx = 1e-7", None),
-    "lies-outside-of-the-grid": ("plain", "centre = 0.5 0 0.5", "centre = 5 0 0.5", None),
-    "open-edges-it-leaks": (SOLID, "open.stl", "open.stl", "whole.stl"),
-    "edges-of-the-polygon-cross": (PRISM, "0.9 0.9  0.1 0.9", "0.1 0.9  0.9 0.9", None),
-    "its-region-is-a-list-of-points": (GRAINS, "  packing = 'file'", "", None),
-    "is-a-list-of-points": (
+    "D405": ("plain", "dx = 0.1", "dx = 1e-7", None),
+    "D409": ("plain", "centre = 0.5 0 0.5", "centre = 5 0 0.5", None),
+    "D411": (SOLID, "open.stl", "open.stl", "whole.stl"),
+    "D421": (PRISM, "0.9 0.9  0.1 0.9", "0.1 0.9  0.9 0.9", None),
+    "D422": (GRAINS, "  packing = 'file'", "", None),
+    "D414": (
         GRAINS, "&body", "&boundary region = 'grains'  type = 'stick' /\n&body",
         "&region name = 'wall'  shape = 'box'  lo = 0 0 0  hi = 1 1 0.125 /\n"
         "&boundary region = 'wall'  type = 'stick' /\n&body"),
-    "turns-its-points-out": (FLAT_GRAINS, "rotate = 0 30 0", "rotate = 0 0 30", None),
-    "which-cannot-be-turned": (FLAT_GRAINS.replace("plane_strain", "axisymmetric"), "  rotate = 0 30 0",
+    "D415": (FLAT_GRAINS, "rotate = 0 30 0", "rotate = 0 0 30", None),
+    "D416": (FLAT_GRAINS.replace("plane_strain", "axisymmetric"), "  rotate = 0 30 0",
                                "  rotate = 0 30 0", ""),
-    "basis-needs": (
+    "D311": (
         "plain", "'plane_strain' /", "'plane_strain' /\n&method basis = 'gimp' /",
         "'plane_strain'  method = 'mpm' /\n&method basis = 'gimp' /"),
-    "of-exact-holds-for": (VORTEX, "  strength_model = 'neo_hookean'", "", None),
-    "exact-gives-the": ("plain", "'metal' /", f"'metal'  velocity = 0 0 1 /\n{MODE} /", f"'metal' /\n{MODE} /"),
-    "has-a-flight-speed-only-with-ends": (
+    "D341": (VORTEX, "  strength_model = 'neo_hookean'", "", None),
+    "D342": ("plain", "'metal' /", f"'metal'  velocity = 0 0 1 /\n{MODE} /", f"'metal' /\n{MODE} /"),
+    "D343": (
         "plain", "'metal' /", f"'metal' /\n{MODE}  flight_speed = 2 /", f"'metal' /\n{MODE} /"),
-    "is-of-the-material-of-a-body": (
+    "D344": (
         "plain", "'metal' /", f"'metal' /\n{SECOND}{MODE}  bodies = 'one' /",
         f"'metal' /\n{SECOND}{MODE}  bodies = 'one' 'two' /"),
-    "does-not-know-the-hoop-stress": (
+    "D345": (
         "sand", "'axisymmetric' /", "'axisymmetric' /\n&method quadrature = 'lsd' /",
         "'axisymmetric' /\n&method quadrature = 'point' /"),
-    "has-its-stress-from-its-deformation": (
+    "D423": (
         SOIL, "initial_stress = 'lithostatic'", "initial_stress = 'lithostatic'", "initial_stress = 'zero'"),
-    "would-write-in-files": ("shock", "dt = 1 /", "dt = 1e-6 /", None),
-    "would-write-cells-at-a-time": (FINE_GRID, "  region = 'near'", "", None),
-    "would-write-rows": ("sand", "every = 20", "dt = 1e-12", "dt = 1e-3"),
-    "the-plane-lies-outside-of-the-grid": (
+    "D430": ("shock", "dt = 1 /", "dt = 1e-6 /", None),
+    "D431": (FINE_GRID, "  region = 'near'", "", None),
+    "D437": ("sand", "every = 20", "dt = 1e-12", "dt = 1e-3"),
+    "D432": (
         "shock", "kind = 'particles'", "kind = 'slice'  axis = 'z'  at = 11", "kind = 'slice'  axis = 'z'  at = 1"),
-    "is-a-direction-that-the-scene-lacks": (
+    "D433": (
         "sand", "kind = 'history'", "kind = 'profile'  axis = 'y'", "kind = 'profile'  axis = 'z'"),
-    "is-a-number-without-a-mean": (
+    "D436": (
         "shock", "kind = 'particles'", "kind = 'grid'  fields = 'body' 'velocity'",
         "kind = 'grid'  fields = 'velocity'"),
-    "output-field-is-unknown": (
+    "D221": (
         "shock", "kind = 'particles'", "kind = 'particles'  fields = 'velocty'",
         "kind = 'particles'  fields = 'velocity'"),
-    "dt-gives-checkpoints": ("plain", "&time", "&checkpoint dt = 1e-12 /\n&time", "&checkpoint dt = 1e-6 /\n&time"),
-    "are-too-large-for-this-fracture-energy": (CRACK, "fracture_energy = 8", "fracture_energy = 0.8", None),
-    "fracture-energy-and-failure-delay": (CRACK, "fracture_energy = 8", "fracture_energy = 8  failure_delay = 1e-3",
+    "D438": ("plain", "&time", "&checkpoint dt = 1e-12 /\n&time", "&checkpoint dt = 1e-6 /\n&time"),
+    "D440": (CRACK, "fracture_energy = 8", "fracture_energy = 0.8", None),
+    "D441": (CRACK, "fracture_energy = 8", "fracture_energy = 8  failure_delay = 1e-3",
                                           None),
-    "failure-delay-power-needs-failure-delay": (CRACK, "fracture_energy = 8", "failure_delay_power = 2",
+    "D442": (CRACK, "fracture_energy = 8", "failure_delay_power = 2",
                                                 "failure_delay = 1e-6  failure_delay_power = 2"),
-    "fracture-energy-needs-a-bulk-modulus": (GAS, "  fracture_energy = 8", "  fracture_energy = 8", ""),
-    "is-lighter-than-polystyrene": ("plain", "density = 2700", "density = 2.7", None),
-    "is-heavier-than-osmium": ("shock", "density = 2.79", "density = 2790", None),
-    "makes-waves-of-another-speed": ("plain", "young = 70e9", "young = 70", None),
-    "is-faster-than-any-wave": ("shock", "mg_c0 = 5.35", "mg_c0 = 5350", None),
-    "is-that-of-a-table-per-mbar": (COPPER, "scg_gp = 2.83e-11", "scg_gp = 2.83", None),
-    "did-you-mean-degrees-celsius": ("shock", "velocity = 0 0 6.7", "velocity = 0 0 6.7  temperature = 20",
+    "D443": (GAS, "  fracture_energy = 8", "  fracture_energy = 8", ""),
+    "D501": ("plain", "density = 2700", "density = 2.7", None),
+    "D502": ("shock", "density = 2.79", "density = 2790", None),
+    "D503": ("plain", "young = 70e9", "young = 70", None),
+    "D504": ("shock", "mg_c0 = 5.35", "mg_c0 = 5350", None),
+    "D505": (COPPER, "scg_gp = 2.83e-11", "scg_gp = 2.83", None),
+    "D507": ("shock", "velocity = 0 0 6.7", "velocity = 0 0 6.7  temperature = 20",
                                      "velocity = 0 0 6.7  temperature = 293"),
-    "expects-key-value": ("plain", "t_end = 1e-5", "t_end 1e-5", None),
+    "D105": ("plain", "t_end = 1e-5", "t_end 1e-5", None),
+    "D225": ("plain", "&run", "&run case = '" + 12 * "long_name_" + "' ", "&run case = 'name' "),
+    "D349": ("plain", "young = 70e9  poisson = 0.3", "bulk = 58e9  elastic = 'none'  shear = 26e9",
+             "bulk = 58e9  elastic = 'none'"),
+    "D352": ("plain", "'metal' /", f"'metal' /\n{MODE} /\n&method split = .true. /", f"'metal' /\n{MODE} /"),
+    "D353": ("plain", "'metal' /", "'metal'  initial_stress = 'lithostatic' /", None),
+    "D355": ("plain", "&time", "&method transfer = 'xpic'  order_k = 1 /\n&time", "&method transfer = 'pic' /\n&time"),
+    "D356": ("plain", "'metal' /", "'metal'  packing = 'file' /", None),
+    "D357": (PRISM, "0.1 0.9 /", "0.1 /", None),
+    "D363": (SLOPE, "dilation_angle = 10", "dilation_angle = 40", None),
+    "D364": (CRACK, "fracture_energy = 8", "softening = 'exponential'",
+             "fracture_energy = 10  softening = 'exponential'"),
+    "D366": ("sand", "kind = 'history'", "kind = 'history'  fields = 'velocity_error'", None),
+    "D446": (SOLID, "open.stl", "turned.stl", "whole.stl"),
 }
 
-STONES = {"whole.stl": facets(CORNERS, PYRAMID), "open.stl": facets(CORNERS, PYRAMID[:1] + PYRAMID[2:])}
+STONES = {"whole.stl": facets(CORNERS, PYRAMID), "open.stl": facets(CORNERS, PYRAMID[:1] + PYRAMID[2:]),
+          "turned.stl": facets(CORNERS, [PYRAMID[0][::-1], *PYRAMID[1:]])}
 FILES = {
-    "open-edges-it-leaks": STONES,
-    "its-region-is-a-list-of-points": {"grains.csv": THREE},
-    "is-a-list-of-points": {"grains.csv": THREE},
-    "turns-its-points-out": {"grains.csv": FLAT},
-    "which-cannot-be-turned": {"grains.csv": FLAT},
+    "D411": STONES,
+    "D446": STONES,
+    "D422": {"grains.csv": THREE},
+    "D414": {"grains.csv": THREE},
+    "D415": {"grains.csv": FLAT},
+    "D416": {"grains.csv": FLAT},
 }

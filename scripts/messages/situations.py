@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Commands for the pages of messages that no wrong deck alone brings: options, files, and runs that end early.
+"""Commands for the page of messages that no wrong deck alone brings: options, files, and runs that end early.
 
-SITUATIONS: name of the page: a dictionary of
+SITUATIONS: code: a dictionary of
   files      by name, written before; "scene.nml" is the deck
   before     commands that make the situation; they are not shown and must end with 0 or 75
-  text       a sentence above what is shown, shows: lines of a file, language: of the block
-  commands   run and shown with all that they print; a pair is what is shown and what is run
-  last       show only so many of the last lines that a command prints
+  text       a sentence above what is shown, shows: lines of a file
+  commands   run and shown, with the message; a pair is what is shown and what is run
   then       commands that do better: shown, without what they print, and must end with exit code 0
   right      lines of a file that do better, right_files: the whole files, with which what was run
              before and the last of the commands end with exit code 0 and no warning
@@ -174,151 +173,153 @@ SOFT_GRAINS = GRAIN_CELL.replace("1e6", "1e2").replace("1e3 /", "1e3  speed = 0.
 
 SITUATIONS = {
     # cells of grains
-    "discs-have-no-z": {
+    "D347": {
         "files": {"cell.nml": GRAIN_CELL.replace("'isotropic'", "'xyz'")},
         "text": "Discs are compressed along three axes:",
         "shows": "&stage servo = 'xyz'  duration = 1e-4 /", "commands": ["scree --grains --check cell.nml"],
         "right": "&stage servo = 'isotropic'  duration = 1e-4 /", "right_files": {"cell.nml": GRAIN_CELL}},
-    "grains-overlap-by-more-than-a-tenth": {
+    "R125": {
         "files": {"cell.nml": SOFT_GRAINS}, "text": "Grains collide at 0.1 m/s with springs of 100 N/m:",
         "shows": SOFT_GRAINS.splitlines()[0], "commands": ["scree --grains -q --overwrite cell.nml"],
         "right": GRAIN_CELL.splitlines()[0], "right_files": {"cell.nml": GRAIN_CELL}},
-    "all-stages-of-the-deck-are-done": {
+    "R126": {
         "files": {"cell.nml": GRAIN_CELL}, "before": ["scree --grains -q cell.nml"],
         "commands": ["scree --grains -q --restart cell.nml"]},
     # the command line
-    "the-deck-is-empty": {
+    "D109": {
         "files": {"scene.nml": "! density 2700, young 70e9\n"}, "text": "A deck that holds a comment alone:",
         "shows": "! density 2700, young 70e9", "commands": [CHECK],
         "then": ["scree --template > scene.nml"], "see": ["../learn/first_deck.md"]},
-    "unknown-option": {"files": {"scene.nml": BAR}, "commands": ["scree --chek scene.nml"],
+    "C101": {"files": {"scene.nml": BAR}, "commands": ["scree --chek scene.nml"],
                        "then": [CHECK], "see": ["../guide/running.md"]},
-    "expects-group-key-value": {
+    "C102": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set dx=0.05"],
         "then": ["scree --check scene.nml --set grid.dx=0.05"],
         "see": ["../guide/deck.md#values-from-the-command-line"]},
-    "no-group-of-this-name": {
+    "C103": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'material[steel].young=200e9'"],
         "then": ["scree --check scene.nml --set 'material[metal].young=200e9'"],
         "see": ["../guide/deck.md#values-from-the-command-line"]},
-    "is-not-a-value": {
+    "C104": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set 'time.t_end=1e-4 /'"],
         "then": ["scree --check scene.nml --set time.t_end=1e-4"],
         "see": ["../guide/deck.md#values-from-the-command-line"]},
-    "the-value-of-is-empty": {"files": {"scene.nml": BAR}, "commands": ["scree --check --case= scene.nml"],
+    "C105": {"files": {"scene.nml": BAR}, "commands": ["scree --check --case= scene.nml"],
                               "then": ["scree --check --case=first scene.nml"], "see": ["../guide/running.md"]},
-    "takes-no-value": {"files": {"scene.nml": BAR}, "commands": ["scree --check --force=yes scene.nml"],
+    "C106": {"files": {"scene.nml": BAR}, "commands": ["scree --check --force=yes scene.nml"],
                        "then": ["scree --check --force scene.nml"], "see": ["../guide/running.md"]},
-    "exclude-each-other": {"files": {"scene.nml": BAR}, "commands": ["scree --check --restart scene.nml"],
+    "C107": {"files": {"scene.nml": BAR}, "commands": ["scree --check --restart scene.nml"],
                            "then": [CHECK], "see": ["../guide/running.md"]},
-    "no-estimate-needs": {"files": {"scene.nml": BAR}, "commands": ["scree --no-estimate scene.nml"],
-                          "then": ["scree --check --no-estimate scene.nml"], "see": ["../guide/running.md#what-it-costs"]},
-    "list-knows": {"commands": ["scree --list material"], "then": ["scree --list materials"],
+    "C108": {"files": {"scene.nml": BAR}, "commands": ["scree --no-estimate scene.nml"],
+                          "then": ["scree --check --no-estimate scene.nml"],
+                          "see": ["../guide/running.md#what-it-costs"]},
+    "C109": {"commands": ["scree --list material"], "then": ["scree --list materials"],
                    "see": ["materials.md"]},
-    "one-deck-at-a-time": {
+    "C110": {
         "files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set run.title=my first run"],
         "then": ["scree --check scene.nml --set \"run.title='my first run'\""], "see": ["../guide/running.md"]},
     # examples and jobs
-    "there-is-no-example": {"commands": ["scree --new two_disks my_discs"],
-                            "then": ["scree --new two_discs my_discs"], "see": ["../guide/running.md#a-case-of-your-own"]},
-    "exists-and-is-not-overwritten": {
+    "C201": {"commands": ["scree --new two_disks my_discs"],
+                            "then": ["scree --new two_discs my_discs"],
+                            "see": ["../guide/running.md#a-case-of-your-own"]},
+    "C202": {
         "before": ["mkdir my_discs", "touch my_discs/notes.txt"], "commands": ["scree --new two_discs my_discs"],
         "then": ["scree --new two_discs other_discs"], "see": ["../guide/running.md#a-case-of-your-own"]},
-    "the-examples-are-not-in-the-folder": {
+    "C203": {
         "before": ['cp "$(command -v scree)" scree'], "text": "The program was copied alone to another folder:",
         "commands": ["./scree --list examples"], "see": ["../guide/running.md#a-case-of-your-own"]},
-    "job-knows-slurm-and-pbs": {"files": {"scene.nml": BAR}, "commands": ["scree --job lsf scene.nml"],
+    "C204": {"files": {"scene.nml": BAR}, "commands": ["scree --job lsf scene.nml"],
                                 "then": ["scree --job slurm scene.nml > job.sh"],
                                 "see": ["../guide/running.md#a-batch-script"]},
-    "the-scheduler-announces-the-end": {
+    "C205": {
         "files": {"scene.nml": BAR + "&checkpoint on_signal = 'TERM' /\n"}, "text": "With this line in the deck:",
         "shows": "&checkpoint on_signal = 'TERM' /", "commands": ["scree --job slurm scene.nml"],
         "right": "&checkpoint on_signal = 'TERM' 'USR1' /",
         "right_files": {"scene.nml": BAR + "&checkpoint on_signal = 'TERM' 'USR1' /\n"},
         "see": ["../guide/running.md#a-batch-script"]},
-    "needs-job": {"files": {"scene.nml": BAR}, "commands": ["scree --ranks 4 scene.nml"],
+    "C206": {"files": {"scene.nml": BAR}, "commands": ["scree --ranks 4 scene.nml"],
                   "then": ["scree --job slurm --ranks 4 scene.nml > job.sh"],
                   "see": ["../guide/running.md#ranks-and-threads"]},
     # runs that end early
-    "is-below-dt-min": {
+    "R101": {
         "files": {"scene.nml": BAR.replace("1e-4", "1e-4  dt_min = 1e-5")}, "text": "A whole deck:",
         "shows": BAR.replace("1e-4", "1e-4  dt_min = 1e-5"), "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.dt_min=1e-9"]},
-    "has-fallen-below-dt-collapse": {
+    "R102": {
         "files": {"scene.nml": BLOCK}, "text": "A whole deck; its step is ten times the stable one:", "shows": BLOCK,
         "commands": [RUN], "right": FREE,
         "right_files": {"scene.nml": BLOCK.replace("  dt_fixed = 0.08", "")}},
-    "would-come-nearer-or-part": {
+    "R103": {
         "files": {"scene.nml": MEET}, "text": "A whole deck:", "shows": MEET, "commands": [RUN],
         "right": "&time t_end = 0.02 /",
         "right_files": {"scene.nml": MEET.replace("  cfl = 0.9  dt_min = 2e-3", "")}},
-    "is-not-a-finite-number": {
+    "R104": {
         "files": {"scene.nml": CUBE}, "text": "A whole deck; its modulus was mistyped, and `dt_fixed` and "
         "`dt_collapse = 0` keep the run from being ended for its step:", "shows": CUBE, "commands": [RUN],
         "right": "&time t_end = 10 /", "traps": True,
         "right_files": {"scene.nml": CUBE.replace("10  dt_fixed = 0.08  dt_collapse = 0", "0.5").replace(
             "1e60", "1e6")}},
-    "it-has-turned-inside-out": {
+    "R105": {
         "files": {"scene.nml": INSIDE_OUT}, "text": "A whole deck; its step is far too long, and two guards that "
         "would have seen it before are switched off:", "shows": INSIDE_OUT, "commands": [RUN], "right": FREE,
         "right_files": {"scene.nml": INSIDE_OUT.replace(
             "  dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0", "")}},
-    "is-below-volume-ratio-min": {
+    "R106": {
         "files": {"scene.nml": PRESSED}, "text": "A whole deck, of soft blocks that meet at eight times their speed "
         "of sound; nothing may be pressed to less than half:", "shows": PRESSED, "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.volume_ratio_min=0.01"]},
-    "is-above-volume-ratio-max": {
+    "R107": {
         "files": {"scene.nml": PULLED}, "text": "A whole deck, of a bar that is torn from a wall; nothing may grow by "
         "more than 2 %:", "shows": PULLED, "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.volume_ratio_max=1e12"]},
-    "is-above-speed-max": {
+    "R108": {
         "files": {"scene.nml": DROP}, "text": "A whole deck, of a cube that falls:", "shows": DROP,
         "commands": [RUN], "then": ["scree -q --overwrite scene.nml --set time.speed_max=100"]},
-    "more-than-retire-max": {
+    "R109": {
         "files": {"scene.nml": PRESSED.replace("min = 0.5", "min = 0.5  on_bad = 'retire'")},
-        "text": "The deck of [is below volume_ratio_min](is-below-volume-ratio-min.md) with `on_bad = 'retire'`:",
+        "text": "The deck of R106 with `on_bad = 'retire'`:",
         "shows": "&time t_end = 0.02  volume_ratio_min = 0.5  on_bad = 'retire' /", "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.retire_max=0.5"]},
-    "this-state-goes-into-no-checkpoint": {
-        "files": {"scene.nml": DROP}, "text": "The deck of [is above speed_max](is-above-speed-max.md):",
+    "R110": {
+        "files": {"scene.nml": DROP}, "text": "The deck of R108:",
         "shows": DROP.split("\n")[3], "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml -s time.max_steps={max_steps}"]},
-    "more-than-there-is-in-the-whole": {
+    "R111": {
         "files": {"scene.nml": FAST}, "text": "A whole deck; its step is a little longer than the stable one:",
         "shows": FAST, "commands": [RUN], "right": FREE,
         "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.04  dt_collapse = 0", "")}},
-    "times-what-start-walls-gravity-and-work": {
-        "files": {"scene.nml": FAST}, "text": "The deck of [more than there is in the whole run]"
-        "(more-than-there-is-in-the-whole.md):", "shows": FAST.split("\n")[2], "commands": [RUN], "right": FREE,
+    "R112": {
+        "files": {"scene.nml": FAST}, "text": "The deck of R111:", "shows": FAST.split("\n")[2], "commands": [RUN],
+        "right": FREE,
         "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.04  dt_collapse = 0", "")},
         "see": ["output.md#trust"]},
-    "times-what-was-put-in": {
+    "R113": {
         "files": {"scene.nml": JET}, "text": "A whole deck, of a gas whose step is too long:", "shows": JET,
         "commands": [RUN], "right": JET.split("\n")[2].replace("  dt_fixed = 0.015  dt_collapse = 0", ""),
         "right_files": {"scene.nml": JET.replace("  dt_fixed = 0.015  dt_collapse = 0", "")},
         "see": ["output.md#trust"]},
-    "of-the-mass-neighbours-are-more-than": {
+    "R114": {
         "files": {"scene.nml": GUM}, "text": "A whole deck, of a bar that is drawn out:", "shows": GUM,
         "commands": [RUN], "then": ["scree -q --overwrite scene.nml --set method.split=T"], "see": ["output.md#trust"]},
-    "more-volume-than-there-is": {
+    "R115": {
         "files": {"scene.nml": GAS},
         "text": "A whole deck, of a gas at rest in a box, with irregular particles and sums that are not normalised:",
         "shows": GAS, "commands": [RUN], "right": "&method normalise = 'gases' /",
         "right_files": {"scene.nml": GAS.replace("'none'", "'gases'")}, "see": ["output.md#trust"]},
-    "its-pressure-differs-most-from-that-around": {
+    "R116": {
         "files": {"scene.nml": LOCKED}, "text": "A whole deck, of nearly incompressible rubber that hits a wall:",
         "shows": LOCKED, "commands": [RUN], "right": "poisson = 0.3",
         "right_files": {"scene.nml": LOCKED.replace("0.49", "0.3")}, "see": ["output.md#trust"]},
-    "of-the-energy-is-lost": {
+    "R117": {
         "files": {"scene.nml": SOFT}, "text": "A whole deck, of two blocks of rubber that collide:", "shows": SOFT,
         "commands": [RUN], "right": "&method stress_update = 'usavg' /",
         "right_files": {"scene.nml": SOFT.replace("'usl'", "'usavg'")},
         "see": ["output.md#trust"]},
-    "wall-limit-reached": {
-        "files": {"scene.nml": BAR}, "commands": ["scree scene.nml --set \"time.wall_limit='00:00:00'\""], "last": 1,
+    "R120": {
+        "files": {"scene.nml": BAR}, "commands": ["scree scene.nml --set \"time.wall_limit='00:00:00'\""],
         "then": [AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
-    "ended-signal": {
-        "files": {"scene.nml": BAR}, "last": 1, "commands": [(
+    "R121": {
+        "files": {"scene.nml": BAR}, "commands": [(
             "scree scene.nml --set time.t_end=10 & sleep 60; kill -USR1 $!; wait $!",
             "scree scene.nml --set time.t_end=10 > screen & child=$!; for try in $(seq 600); do "
             "grep -q t/t_end screen && break; sleep 0.1; done; kill -USR1 $child; wait $child; code=$?; "
@@ -326,106 +327,111 @@ SITUATIONS = {
         "then": [("scree -q --restart scene.nml --set time.t_end=10",
                   "scree -q --restart scene.nml --set time.t_end=10 --set \"time.wall_limit='00:00:00'\"")],
         "see": ["../guide/running.md#signals"]},
-    "the-end-of-the-job-is-not-known": {
+    "R122": {
         "files": {"scene.nml": BAR}, "text": "In a job that `squeue` does not know:",
         "commands": ["SLURM_JOB_ID=12 scree -q scene.nml --set \"time.wall_limit='slurm'\""],
-        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["../guide/running.md#signals"]},
-    "this-is-not-a-slurm-job": {
+        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""],
+        "see": ["../guide/running.md#signals"]},
+    "R123": {
         "files": {"scene.nml": BAR}, "text": "Outside of a job:",
         "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
-        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""], "see": ["../guide/running.md#signals"]},
-    "all-material-has-left-the-grid": {
+        "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""],
+        "see": ["../guide/running.md#signals"]},
+    "R119": {
         "files": {"scene.nml": BAR.replace("velocity = 1 ", "velocity = 5000 ")},
         "text": "Boundaries that the deck does not name are open, and the bar flies through one:",
         "commands": ["scree -q scene.nml --set time.t_end=1e-3"],
         "then": ["scree -q --overwrite scene.nml"], "see": ["../guide/running.md#how-a-run-ends"]},
     # files
-    "this-is-a-folder-not-a-deck": {
+    "F101": {
         "before": ["scree --new two_discs my_discs"], "commands": ["scree --check my_discs"],
         "then": ["scree --check my_discs/two_discs.nml"], "see": ["../guide/running.md#a-case-of-your-own"]},
-    "cannot-make-the-folder": {
+    "F102": {
         "files": {"scene.nml": BAR, "results": "a file\n"}, "text": "There is a file `results` already:",
         "commands": ["scree -q scene.nml --outdir results"], "then": ["scree -q scene.nml --outdir results_2"],
         "see": ["output.md"]},
-    "cannot-write": {
+    "F103": {
         "files": {"scene.nml": BAR}, "before": ["mkdir -p out/scene", "ln -s /dev/full out/scene/scene.echo.nml.part"],
         "text": "On a disk that is full:", "commands": [RUN], "see": ["../guide/running.md#checkpoints-and-restart"]},
-    "no-checkpoint": {
+    "F104": {
         "files": {"scene.nml": BAR}, "before": ["scree -q scene.nml --outdir first",
                                                 "scree -q scene.nml --set checkpoint.at_end=F"],
         "text": "The run wrote into the folder `first`; that is misspelt once, and once it is left out:",
         "commands": ["scree -q --restart scene.nml --outdir frist", AGAIN],
-        "then": ["scree -q --restart scene.nml --outdir first"], "see": ["../guide/running.md#checkpoints-and-restart"]},
-    "no-checkpoint-can-be-used": {
+        "then": ["scree -q --restart scene.nml --outdir first"],
+        "see": ["../guide/running.md#checkpoints-and-restart"]},
+    "F105": {
         "files": {"scene.nml": BAR}, "before": [RUN, "cp out/scene/scene_chk_0001.h5 whole.h5",
                                                 "head -c 9999 whole.h5 > out/scene/scene_chk_0001.h5"],
         "text": "The only checkpoint was copied in part:", "commands": [AGAIN],
-        "then": ["cp whole.h5 out/scene/scene_chk_0001.h5", AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
-    "cannot-read": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"],
+        "then": ["cp whole.h5 out/scene/scene_chk_0001.h5", AGAIN],
+        "see": ["../guide/running.md#checkpoints-and-restart"]},
+    "F106": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"],
                     "see": ["../guide/running.md"]},
-    "is-cut-short-or-no-checkpoint": {
+    "F107": {
         "files": {"scene.nml": SERIES},
         "before": [RUN, "head -c 9999 out/scene/scene_chk_0002.h5 > out/scene/scene_chk_0009.h5"],
         "text": "A checkpoint was copied in part:",
         "commands": ["scree -q --restart out/scene/scene_chk_0009.h5 scene.nml"],
         "then": [AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
-    "is-damaged": {
+    "F108": {
         "files": {"scene.nml": SERIES},
         "before": [RUN, "cp out/scene/scene_chk_0002.h5 bad.h5",
                    "printf X | dd of=bad.h5 bs=1 seek=3000 conv=notrunc 2> /dev/null"],
         "text": "One letter of a checkpoint was changed:", "commands": ["scree --digest bad.h5"],
         "then": [AGAIN], "see": ["output.md#checkpoints-and-the-digest"]},
-    "is-of-another-version": {
+    "F109": {
         "files": {"scene.nml": BAR},
         "before": [RUN, "sed 's/scree-checkpoint-[0-9]/scree-checkpoint-0/' out/scene/scene_chk_0001.h5 > old.h5",
                    "mv old.h5 out/scene/scene_chk_0002.h5"],
         "text": "A checkpoint of an older program:",
         "commands": ["scree -q --restart out/scene/scene_chk_0002.h5 scene.nml"],
         "see": ["output.md#checkpoints-and-the-digest"]},
-    "is-of-another-deck": {
+    "F110": {
         "files": {"scene.nml": BAR}, "before": [RUN],
         "text": "A finished run is to go on with smaller cells and another density, and with another modulus:",
         "commands": ["scree -q --restart scene.nml --set grid.dx=0.05 --set material.density=2650",
                      "scree -q --restart scene.nml --set material.poisson=0.25"],
         "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": [OTHER_DECK]},
-    "results-of-case-are-in-already": {
+    "F111": {
         "files": {"scene.nml": BAR}, "before": [RUN], "text": "The same command is given a second time:",
         "commands": [RUN], "then": ["scree -q --restart scene.nml --set time.t_end=2e-4",
-                                    "scree -q --overwrite scene.nml"], "see": ["../guide/running.md#results-that-are-there"]},
-    "it-was-written-with-other-effects": {
+                                    "scree -q --overwrite scene.nml"],
+                                    "see": ["../guide/running.md#results-that-are-there"]},
+    "F112": {
         "files": {"scene.nml": BAR.replace("'1d' /", "'1d'  method = 'mpm' /")}, "before": [RUN],
         "text": "The first run had the default `transfer`, whose particles carry no gradient of velocity:",
         "commands": ["scree -q --restart scene.nml --set time.t_end=2e-4 --set method.transfer=apic"],
         "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": [OTHER_DECK]},
-    "cannot-read-the-facets-of": {
+    "F113": {
         "files": {"scene.nml": STONE, "stone.stl": "\n".join(FACETS.split("\n")[:11]) + "\n"},
-        "text": "A file `stone.stl` that ends too early; these are its last lines:", "language": "text",
+        "text": "A file `stone.stl` that ends too early; these are its last lines:",
         "shows": "\n".join(FACETS.split("\n")[8:11]), "commands": [CHECK],
         "right": "\n".join(FACETS.split("\n")[-9:]), "right_files": {"scene.nml": STONE, "stone.stl": FACETS}},
-    "cannot-read-the-voxels-of": {
+    "F114": {
         "files": {"scene.nml": SCAN, "stone.mha": IMAGE.replace("= False", "= True")},
-        "text": "The first lines of `stone.mha`:", "language": "text",
+        "text": "The first lines of `stone.mha`:",
         "shows": "\n".join(IMAGE.replace("= False", "= True").split("\n")[:3]), "commands": [CHECK],
         "right": "\n".join(IMAGE.split("\n")[:3]), "right_files": {"scene.nml": SCAN, "stone.mha": IMAGE}},
-    "cannot-read-the-points-of": {
+    "F115": {
         "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5")},
-        "text": "The table `grains.csv`:", "language": "text", "shows": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5"),
+        "text": "The table `grains.csv`:", "shows": THREE.replace("0.5,0.5,0.5", "0.5;0.5;0.5"),
         "commands": [CHECK], "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
-    "a-point-lies-outside-of-the-grid": {
+    "F116": {
         "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("0.5,0.5,0.5", "500,0.5,0.5")},
-        "text": "The table `grains.csv`; the grid of the deck ends at 1:", "language": "text",
+        "text": "The table `grains.csv`; the grid of the deck ends at 1:",
         "shows": THREE.replace("0.5,0.5,0.5", "500,0.5,0.5"), "commands": [CHECK], "right": THREE,
         "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
-    "two-points-at": {
+    "F117": {
         "files": {"scene.nml": GRAINS, "grains.csv": THREE + "0.2,0.2,0.2,1e-3\n"},
-        "text": "The table `grains.csv`:", "language": "text", "shows": THREE + "0.2,0.2,0.2,1e-3\n",
+        "text": "The table `grains.csv`:", "shows": THREE + "0.2,0.2,0.2,1e-3\n",
         "commands": [CHECK], "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
-    "points-are-larger-than-a-cell": {
+    "D412": {
         "files": {"scene.nml": GRAINS, "grains.csv": THREE.replace("1e-3", "8e-3")},
         "text": "The table `grains.csv`; a cell of the deck has 0.125 m x 0.125 m x 0.125 m = 0.00195 m3:",
-        "language": "text", "shows": THREE.replace("1e-3", "8e-3"), "commands": [CHECK],
+        "shows": THREE.replace("1e-3", "8e-3"), "commands": [CHECK],
         "right": THREE, "right_files": {"scene.nml": GRAINS, "grains.csv": THREE}},
-    "there-the-material-starts-undeformed": {
+    "D413": {
         "files": {"scene.nml": FURTHER, "first.nml": FIRST + "&output name = 'p'  kind = 'particles'  count = 1"
                   "  fields = 'default' 'stress' /\n"},
         "before": SNAPSHOT, "text": "The first run wrote:",
@@ -434,45 +440,52 @@ SITUATIONS = {
         "right": "&output name = 'p'  kind = 'particles'  count = 1  fields = 'state' /",
         "right_files": {
             "first.nml": FIRST + "&output name = 'p'  kind = 'particles'  count = 1  fields = 'state' /\n"}},
-    "boxes-cannot-be-turned": {
+    "D417": {
         "files": {"scene.nml": TURNED, "first.nml": BOXES}, "before": SNAPSHOT,
         "text": "The boxes of `basis = 'gimp'` lie along the coordinates; the points of the snapshot are turned:",
         "shows": TURNED.split("\n")[5], "commands": [CHECK],
         "right": TURNED.split("\n")[5].replace(*QUARTER),
         "right_files": {"scene.nml": TURNED.replace(*QUARTER)}},
-    "velocities-are-earlier-than-positions": {
+    "D418": {
         "files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .true. /\n",
                   "first.nml": STATE}, "before": LAST,
         "text": "The run that wrote the snapshot was without this line:", "shows": "&method paper = .true. /",
         "commands": [CHECK], "right": "&method paper = .false. /",
         "right_files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .false. /\n"}},
-    "cannot-read-the-velocities-of": {
+    "F118": {
         "files": {"scene.nml": PUSHED, "ram.csv": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1")},
-        "text": "The table `ram.csv`; a velocity is missing in its third line:", "language": "text",
+        "text": "The table `ram.csv`; a velocity is missing in its third line:",
         "shows": RAM.replace("1e-6, 0, 0, -1", "1e-6, 0, -1"), "commands": [CHECK], "right": RAM,
         "right_files": {"scene.nml": PUSHED, "ram.csv": RAM}},
-    "cannot-use-the-table": {
+    "F119": {
         "files": {"scene.nml": STATES_DECK, "states.txt": COLD},
         "text": "The table `states.txt`; the second line has less energy than the first, at a higher temperature:",
-        "language": "text", "shows": COLD,
+        "shows": COLD,
         "commands": [CHECK], "right": STATES, "right_files": {"scene.nml": STATES_DECK, "states.txt": STATES},
         "see": ["materials.md#equations-of-state-as-tables"]},
-    "has-other-columns-than-this-run": {
+    "F120": {
         "files": {"scene.nml": BAR}, "before": [RUN],
         "text": "The run is to go on with outputs in other units:",
         "commands": ["scree -q --restart scene.nml --set time.t_end=2e-4 --set units.output_units=cgs"],
         "then": ["mv out/scene/scene_history.csv out/scene/first_history.csv",
                  "scree -q --restart scene.nml --set time.t_end=2e-4 --set units.output_units=cgs"],
         "see": ["../guide/running.md#checkpoints-and-restart"]},
-    "left-out-of-the-series": {
+    "F121": {
         "files": {"scene.nml": SERIES}, "before": [RUN, "cp out/scene/scene_p_000001.hdf whole.hdf",
                                                    "head -c 999 whole.hdf > out/scene/scene_p_000001.hdf"],
         "text": "A snapshot was copied in part:", "commands": [AGAIN],
         "then": ["cp whole.hdf out/scene/scene_p_000001.hdf", AGAIN],
         "see": ["../guide/running.md#checkpoints-and-restart"]},
-    "not-an-hdf5-file": {
+    "F122": {
         "files": {"scene.nml": FURTHER, "first.nml": FIRST},
         "before": [*SNAPSHOT, "mv first.hdf whole.hdf", "head -c 999 whole.hdf > first.hdf"],
         "text": "Points are to come from a snapshot that was copied in part:",
         "shows": FURTHER.split("\n")[4], "commands": [CHECK]},
+    "C112": {"files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set"],
+             "then": ["scree --check scene.nml --set grid.dx=0.05"]},
+    "C113": {"files": {"scene.nml": BAR}, "commands": ["scree --job slurm --ranks 0 scene.nml"],
+             "then": ["scree --job slurm --ranks 4 scene.nml"]},
+    "C114": {"commands": ["scree --new two_discs"], "then": ["scree --new two_discs my_discs"]},
+    "C115": {"files": {"scene.nml": BAR}, "commands": ["scree --check"], "then": ["scree --check scene.nml"]},
+    "C116": {"commands": ["scree --explain grid.dxx"], "then": ["scree --explain grid.dx"]},
 }

@@ -172,7 +172,7 @@ contains
       pending = 1
       do i = 1, size(tokens)
          if (tokens(i)%comma) then
-            if (after_comma) complaint = "misses a value before a comma"
+            if (after_comma) complaint = "lacks a value before a comma"
             after_comma = .true.
             cycle
          end if

@@ -20,6 +20,9 @@ module base_log
       logical, private :: writes = .true.                !! Does this rank write?
       logical, private :: screen = .true.                !! Also to the screen?
       integer, private :: unit = no_unit                 !! Unit of the file
+      logical, private :: hinted = .false.               !! Was the hint of a message printed?
+      !> Adds codes to errors and warnings, if it is set
+      procedure(annotate_lines), pointer, nopass :: annotate => null()
    contains
       procedure :: open => log_open                      !! Choose rank, file and level
       procedure :: error => log_print_error              !! Errors
@@ -28,6 +31,16 @@ module base_log
       procedure :: debug => log_print_debug              !! Details, never on the screen
       procedure :: close => log_close                    !! Close the file
    end type log_t
+
+   abstract interface
+      !> Add codes to lines of errors and warnings.
+      subroutine annotate_lines(text, with_codes, hint)
+         implicit none
+         character(len=*), intent(in) :: text            !! One or more lines
+         character(len=:), allocatable, intent(out) :: with_codes !! The same lines
+         character(len=:), allocatable, intent(out) :: hint !! How to read more, or empty
+      end subroutine annotate_lines
+   end interface
 
    !> Content of a line of progress.
    type :: progress_t
@@ -73,9 +86,7 @@ contains
       class(log_t), intent(inout) :: self
       character(len=*), intent(in) :: text               !! One or more lines
 
-      if (.not. self%writes) return
-      call write_to_stream(error_unit, text)
-      call write_to_file(self, text)
+      if (self%writes) call write_message(self, text)
    end subroutine log_print_error
 
    !> Write a warning, also to the standard error stream, quiet or not.
@@ -84,10 +95,28 @@ contains
       character(len=*), intent(in) :: text               !! One or more lines
 
       self%warnings = self%warnings + 1
-      if (.not. self%writes .or. self%level < log_warn) return
-      call write_to_stream(error_unit, text)
-      call write_to_file(self, text)
+      if (self%writes .and. self%level >= log_warn) call write_message(self, text)
    end subroutine log_print_warning
+
+   !> Write an error or a warning with its code, and once how to read more about it.
+   subroutine write_message(self, text)
+      class(log_t), intent(inout) :: self
+      character(len=*), intent(in) :: text               !! One or more lines
+      character(len=:), allocatable :: hint, with_codes
+
+      with_codes = text
+      if (associated(self%annotate)) then
+         call self%annotate(text, with_codes, hint)
+         if (hint /= "" .and. .not. self%hinted) then
+            if (with_codes(len(with_codes):) /= new_line("a")) &
+               with_codes = with_codes//new_line("a")
+            with_codes = with_codes//hint
+            self%hinted = .true.
+         end if
+      end if
+      call write_to_stream(error_unit, with_codes)
+      call write_to_file(self, with_codes)
+   end subroutine write_message
 
    !> Write progress and results.
    subroutine log_print_info(self, text)

@@ -96,7 +96,7 @@ contains
          read (unit, pos=bytes - seal_bytes + 1, iostat=status) seal
          close (unit)
       end if
-      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"'")
+      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"': it ends too early")
    end subroutine read_seal
 
    !> Hash the first bytes of a file, in parallel. Collective.
@@ -125,7 +125,7 @@ contains
          sum = add_hash(sum, hash_integers(0_int64, word_number(:filled), words(:filled)))
          block = block + communicator%size
       end do
-      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"'")
+      if (status /= 0) call fail(error, exit_file, "cannot read '"//path//"': it ends too early")
       if (status == 0) close (unit)
       call communicator%total(sum)
       hash = mix(add_hash(sum(1), mix(bytes)))

@@ -165,7 +165,7 @@ contains
       if (n == potential .and. .not. with_gravity) text = "needs &effects gravity = .true."
       lacks = n == height .and. .not. grid%active(3)
       if (n >= front .and. n < stretch) lacks = .not. grid%active(mod(n - front, 3) + 1)
-      if (lacks) text = "is along a direction that the scene lacks; remove it"
+      if (lacks) text = "is along a direction that the scene does not have; remove it"
    end function find_fault
 
    !> Names of the columns with units.

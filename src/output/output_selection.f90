@@ -91,7 +91,7 @@ contains
       call group%get("axis", word)
       axis = max(index("xyz", word(:1)), 1)
       if (.not. grid%active(axis)) call deck%complain(group, &
-         "axis = '"//word//"' is a direction that the scene lacks; take one that it has", "axis")
+         "axis = '"//word//"' is a direction that the scene does not have; use another one", "axis")
    end subroutine read_axis
 
    !> Read a plane, as the layer that is less than half a cell away from it.

@@ -90,7 +90,8 @@ contains
             if (known(k)%text == wanted(n)%text) exit
          end do
          if (k > size(known)) then
-            call deck%complain(group, "'"//wanted(n)%text//"' is no wall"//listed(wanted(n)%text, &
+            call deck%complain(group, "'"//wanted(n)%text//"' is not a wall"// &
+               listed(wanted(n)%text, &
                known), "walls")
             cycle
          end if

@@ -173,7 +173,7 @@ contains
       gauge%axis = (n + 1)/2
       gauge%side = merge(1.0_wp, -1.0_wp, mod(n, 2) == 0)
       if (.not. simulation%space%grid%active(gauge%axis)) call deck%complain(group, &
-         "side = '"//word//"' is along a direction that the scene lacks; take one that it has", &
+         "side = '"//word//"' is along a direction that the scene does not have; use another one", &
          "side")
    end subroutine read_side
 

@@ -85,8 +85,8 @@ module program_command_line
       option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing), &
       option_t("preview ", "p", nothing), option_t("unset   ", " ", a_value), &
       option_t("grains  ", " ", nothing)]
-   character(len=9), parameter :: lists(5) = [character(len=9) :: "materials", "fields", &
-      "shapes", "units", "examples"]
+   character(len=9), parameter :: lists(6) = [character(len=9) :: "materials", "fields", &
+      "shapes", "units", "examples", "messages"]
    character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
 
 contains
@@ -452,8 +452,8 @@ contains
       end do
       near = closest(name, names)
       if (near /= "") near = "; did you mean "//near//"?"
-      call command_line_error(error, "--list knows materials, fields, shapes, units and "// &
-         "examples, not '"//name//"'"//near)
+      call command_line_error(error, "--list knows materials, fields, shapes, units, "// &
+         "examples and messages, not '"//name//"'"//near)
    end subroutine check_list
 
    !> Check the options of a job script, which is printed and not run.

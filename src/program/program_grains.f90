@@ -25,6 +25,7 @@ module program_grains
    use program_existing_results, only: protect_results
    use program_grains_loop, only: follow_path, grains_run_t, restart_cell, start_run
    use program_information, only: version_line
+   use program_messages, only: coded, with_code
    use program_run_limits, only: read_limits
    use program_run_setup, only: run_setup_t
    use scene_run, only: check_case, set_output_units
@@ -65,7 +66,7 @@ contains
          /(grains_per_thread*run%cell%communicator%size))))
       call describe_run(setup, run)
       if (setup%command%check) then
-         call log%info(setup%deck%report())
+         call log%info(coded(setup%deck%report()))
          call log%info(cost_text(run))
          return
       end if
@@ -214,7 +215,7 @@ contains
          " million grain steps/s   pairs found ", run%cell%searches, " times in ", run%cell%step, &
          " steps"
       call log%info(trim(line))
-      call log%info("ended     "//run%reason)
+      call log%info(with_code("ended     "//run%reason))
       if (run%cell%communicator%rank == 0) then
          call json%add("version", version_text)
          call json%add("git", git_commit)

@@ -29,12 +29,14 @@ contains
          "  -v, --verbose          print details as well"//newline// &
          "      --force            override the limits on particles and output size"//newline// &
          "      --template         print a deck with all keys and defaults"//newline// &
-         "      --explain KEY      explain a key or group of the deck"//newline// &
+         "      --explain WHAT     explain a key, a group or a message (code or text)"// &
+         newline// &
          "      --point            drive one material point, write CASE_point.csv"// &
          newline// &
          "      --grains           run a periodic cell of grains along its &stage groups"// &
          newline// &
-         "      --list [WHAT]      materials, fields, shapes, units, examples, former"//newline// &
+         "      --list [WHAT]      materials, fields, shapes, units, examples, messages"// &
+         newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
          "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
          newline//"                         --threads N and --time HH:MM:SS"//newline// &

@@ -14,6 +14,7 @@ module program_information
    use program_examples, only: examples_text
    use program_help, only: help_text
    use program_lists, only: list_text
+   use program_messages, only: explain_message, is_message
    implicit none
    private
 
@@ -37,7 +38,11 @@ contains
       else if (request%template) then
          text = template(schema)
       else if (allocated(request%explain)) then
-         call explain(schema, request%explain, text, error)
+         if (is_message(request%explain)) then
+            call explain_message(request%explain, text, error)
+         else
+            call explain(schema, request%explain, text, error)
+         end if
       else if (allocated(request%list)) then
          if (request%list == "examples") then
             call examples_text(text, error)

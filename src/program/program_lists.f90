@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Lists of `scree --list`: models of materials, fields, shapes, units.
+!> Lists of `scree --list`: models of materials, fields, shapes, units, messages.
 module program_lists
    use base_schema, only: schema_t
    use base_text, only: join
@@ -9,6 +9,7 @@ module program_lists
    use io_means, only: profile_names
    use material_catalogue, only: damage_names, eos_names, law_names
    use output_history_columns, only: history_names
+   use program_messages, only: message_list
    implicit none
    private
 
@@ -33,6 +34,8 @@ contains
          associate (region => schema%groups(schema%find("region")))
             text = join(region%keys(region%find("shape"))%words, " ")
          end associate
+      case ("messages")
+         text = message_list()
       case ("units")
          text = unit_list()
       case default
@@ -53,7 +56,8 @@ contains
          "   fields      fields of outputs, columns of histories"//newline// &
          "   shapes      shapes of regions"//newline// &
          "   units       units and systems of units"//newline// &
-         "   examples    scenes that scree --new copies"
+         "   examples    scenes that scree --new copies"//newline// &
+         "   messages    errors and warnings with their codes"
    end function lists_text
 
    !> One line for each preset.

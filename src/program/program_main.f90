@@ -24,6 +24,7 @@ module program_main
    use program_information, only: print_information
    use program_log_files, only: open_log
    use program_material_point, only: drive_point
+   use program_messages, only: add_codes, coded, with_code
    use program_preview, only: draw_preview, write_preview
    use program_restart, only: log_restart, restart_run
    use program_run_setup, only: build_setup, declare_deck_keys, read_setup, run_setup_t
@@ -57,6 +58,7 @@ contains
 
       code = exit_success
       call ignore_file_size_limit()
+      session%log%annotate => add_codes
       call parse_command_line(program_arguments(), session%command, error)
       if (.not. allocated(error)) then
          if (session%command%information%is_set()) then
@@ -173,7 +175,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The first state cannot be built
       character(len=:), allocatable :: text
 
-      write (output_unit, "(a)") session%deck%report()
+      write (output_unit, "(a)") coded(session%deck%report())
       write (output_unit, "(a)", advance="no") effects_text(session%deck)
       write (output_unit, "(a)", advance="no") cost_report(session%simulation, session%bodies, &
          session%survey, session%limits, session%outputs%full_snapshots(session%limits%time_end))
@@ -230,7 +232,7 @@ contains
          timing, code, reason, late)
       call agree(session%simulation%machine%communicator, late)
       if (.not. allocated(error)) then
-         call session%log%info("ended     "//reason)
+         call session%log%info(with_code("ended     "//reason))
          if (code == exit_again) call session%log%info("go on     "//resume_command( &
             session%simulation%machine%communicator%size))
          call move_alloc(late, error)

@@ -77,7 +77,7 @@ contains
       integer :: i
 
       if (deck%count("body") == 0) call deck%complain("body", 1, &
-         "there is none, so nothing to compute")
+         "there is no body, so nothing to compute")
       do i = 1, deck%count("body")
          call check_plane(deck, deck%group("body", i), "velocity")
          call check_plane(deck, deck%group("body", i), "direction")

@@ -239,14 +239,14 @@ contains
       do k = 1, 6
          if ((active(row(k)) .and. active(column(k))) .or. .not. abs(rate(k)) > 0.0_wp) cycle
          call deck%complain(stage, "rate has a component along a direction that the scene "// &
-            "lacks; in a plane there are the first, third and fifth", "rate")
+            "does not have; in a plane use the first, third and fifth", "rate")
          exit
       end do
       if (servo == "none" .or. servo == "isotropic") return
       do k = 1, 3
          if (active(k) .or. index(servo, axis_names(k)) == 0) cycle
          call deck%complain(stage, "servo = '"//servo//"' holds a stress along "// &
-            axis_names(k)//", which the scene lacks", "servo")
+            axis_names(k)//", a direction that the scene does not have", "servo")
          exit
       end do
    end subroutine check_stage

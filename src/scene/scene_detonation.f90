@@ -80,7 +80,7 @@ contains
          call group%get("eos_model", word)
          if (word /= "jwl" .or. .not. deck%sound("material", n)) cycle
          if (deck%count("detonation") == 0) call deck%warn(group, "is an explosive that no "// &
-            "&detonation lights: it starts as hot products under their full pressure; write a "// &
+            "&detonation ignites: it starts as hot products under their full pressure; write a "// &
             "&detonation with the point where it begins", "eos_model")
          if (.not. group%given("detonation_speed")) cycle
          call group%get("detonation_speed", speed)
@@ -168,11 +168,11 @@ contains
          end do
       end do
       if (.not. lights) then
-         call deck%complain(group, "lights no explosive; write eos_model = 'jwl' in the "// &
+         call deck%complain(group, "ignites no explosive; write eos_model = 'jwl' in the "// &
             "&material that burns, or remove the group", "material")
       else if (.not. touches) then
          call deck%warn(group, "lies outside of every explosive, more than a cell from the box "// &
-            "around it; it lights what it sees as if it were filled with explosive", "point")
+            "around it; it ignites what it sees, as if the space between were explosive", "point")
       end if
    end subroutine share_out
 

@@ -55,7 +55,7 @@ contains
       call group%get("solution", name)
       if (name == "none") return
       if (simulation%space%grid%axisymmetric) then
-         call deck%complain(group, "no solution knows rings; write dimension = '1d', "// &
+         call deck%complain(group, "no exact solution is axisymmetric; write dimension = '1d', "// &
             "'plane_strain' or '3d' in &run", "solution")
          return
       end if

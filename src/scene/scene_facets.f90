@@ -64,10 +64,10 @@ contains
       if (turned_edges > 0) call deck%warn(group, number(turned_edges)//" edges have facets "// &
          "that face different ways; turn those that face inwards", "file")
       if (crowded_edges > 0) call deck%warn(group, number(crowded_edges)//" edges have more "// &
-         "than two facets: facets that stand twice, or solids that touch", "file")
+         "than two facets: duplicate facets, or solids that touch", "file")
       if (flat > 0) call deck%warn(group, number(flat)//" facets have no area and are left out", &
          "file")
       if (open_edges == 0 .and. facets%volume() < 0.0_wp) call deck%warn(group, &
-         "all facets face inwards; what they enclose is taken all the same", "file")
+         "all facets face inwards; the enclosed volume is used", "file")
    end subroutine examine_surface
 end module scene_facets

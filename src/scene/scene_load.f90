@@ -52,7 +52,7 @@ contains
       do n = 1, size(loads)
          call read_one(deck, deck%group("load", n), bodies, shapes, loads(n))
          if (.not. finds_body(loads(n), bodies)) call deck%warn(deck%group("load", n), &
-            "the load acts on nothing: none of its bodies reaches into its region", "region")
+            "the load has no effect: none of its bodies reaches into its region", "region")
       end do
       call move_alloc(loads, simulation%effects%loads)
    end subroutine read_loads

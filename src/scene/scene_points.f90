@@ -374,7 +374,7 @@ contains
             "initial_stress")
       end do
       if (size(missing) > 0) call deck%warn(group, "'"//points%path//"' lacks "// &
-         join(missing, ", ")//"; there the material starts undeformed", &
+         join(missing, ", ")//"; these start from their initial values", &
          "region")
 
    contains

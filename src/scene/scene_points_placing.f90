@@ -53,7 +53,7 @@ contains
          leaves = leaves .or. abs(abs(placing%rotation(k, k)) - 1.0_wp) > little
       end do
       if (leaves) call deck%complain(group, "the scene has not all three directions, and this "// &
-         "turns its points out of those that it has; in a plane only the second angle may be "// &
+         "moves points out of its plane or line; in a plane only the second angle may be "// &
          "other than 0", "rotate")
       if (leaves .or. .not. grid%axisymmetric) return
       if (placing%rotation(1, 1) < 1.0_wp - little) call deck%complain(group, "points are "// &

@@ -166,7 +166,7 @@ contains
          if (state(next) == 0) then
             call check_operands(deck, next, state)
          else if (state(next) == 1) then
-            call deck%complain(region, "'"//operands(i)%text//"' is made of this region itself", &
+            call deck%complain(region, "'"//operands(i)%text//"' contains this region", &
                "of")
          end if
       end do
@@ -207,7 +207,7 @@ contains
       if (shapes(index)%ready) return
       group = deck%group("region", index)
       if (shapes(index)%in_progress) then
-         call deck%complain(group, "the region is made of itself; name other regions", key="of")
+         call deck%complain(group, "the region contains itself; name other regions", key="of")
          return
       end if
       shapes(index)%in_progress = .true.

@@ -273,7 +273,7 @@ contains
             line = "its stress is not a finite number"
          case (fault_inverted)
             write (line, "(a,es10.3)") &
-               "it has turned inside out, the determinant of its deformation is ", value
+               "it is inverted: the determinant of its deformation is ", value
          case (fault_small)
             write (line, "(a,es10.3,a,es10.3)") "its volume over that at rest,", value, &
                ", is below volume_ratio_min =", bounds%ratio_min

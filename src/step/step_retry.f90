@@ -139,7 +139,7 @@ contains
             + real(worst%place, wp)*simulation%space%grid%spacing, " m"
          text = trim(line)
          if (worst%strain > 0.0_wp) then
-            write (line, "(a,es10.3,a)") " and the next one would come nearer or part by", &
+            write (line, "(a,es10.3,a)") " and the next one would approach or separate by", &
                worst%strain, " of a cell"
          else
             write (line, "(a,es10.3,a)") " would move by", worst%moved, " of a cell"

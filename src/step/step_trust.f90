@@ -298,7 +298,8 @@ contains
       associate (trust => simulation%balance%trust)
          if (warns(trust, trust_speed, trust_bad)) then
             write (text, "(a,es10.3,a,es9.2,a)") "its speed", look%speed, " m/s is", &
-               trust%worst(trust_speed), " times what start, walls, gravity and work explain"
+               trust%worst(trust_speed), " times the speed that initial "// &
+               "state, walls, gravity and work explain"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_speed, &
                trust%least_energy), trim(text)//"; check units and constants of its material, "// &
@@ -341,7 +342,7 @@ contains
          end if
          if (warns(trust, trust_volume, trust_bad)) then
             write (text, "(a,f0.1,a)") "it has grown most, and particles claim ", &
-               100.0_wp*look%overlap, " % more volume than there is"
+               100.0_wp*look%overlap, " % more volume than the cells that they fill"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_volume, &
                trust%least_energy), trim(text)//"; use a lattice, more particles a cell (ppc) "// &
@@ -471,7 +472,7 @@ contains
             simulation%machine, measure_energy, &
             trust%least_energy), who)
          write (text, "(a,es10.3,a,es10.3,a)") "it has an energy of", look%energy, &
-            " J, more than there is in the whole run,", available, " J"
+            " J, more than the energy of the whole run,", available, " J"
       end associate
       call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text))
    end subroutine refuse_impossible

@@ -40,7 +40,7 @@ CASES = {
     "fast": (UNSTABLE + " speed_max=50", "elastic", "is above speed_max"),
     "small": (UNSTABLE + " volume_ratio_min=0.1", "elastic", "is below volume_ratio_min"),
     "large": (UNSTABLE + " volume_ratio_max=3", "elastic", "is above volume_ratio_max"),
-    "inverted": (UNSTABLE + " volume_ratio_min=0", "neo_hookean", "turned inside out"),
+    "inverted": (UNSTABLE + " volume_ratio_min=0", "neo_hookean", "is inverted"),
     "collapse": ("dt_fixed=0.08", "elastic", "has fallen below dt_collapse"),
     "dt_min": ("dt_min=0.01", "elastic", "is below dt_min"),
 }

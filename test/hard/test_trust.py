@@ -49,7 +49,7 @@ JET = """
 """
 NAMED = re.compile(r"step (\d+), .*particle (\d+) of body")
 SIGNS = {"speed": "times what start, walls", "heat": "times what was put in",
-         "total": "more than there is in the whole run"}
+         "total": "more than the energy of the whole run"}
 
 
 def warnings(run, words):

@@ -57,7 +57,7 @@ DECKS = [
         "4: error: &material 'metal': poisson must be set (above -1, below 0.5), as young is "
      "given",
         "5: error: &material: spall = -1  <- must be > 0 Pa",
-        "7: error: &region 'self': 'self' is made of this region itself",
+        "7: error: &region 'self': 'self' contains this region",
         "8: error: &body 'one': no material 'mettal'; defined: metal, ice; did you mean 'metal'?",
         "9: error: &body 'two': no region 'bal'; defined: ball, self; did you mean 'ball'?",
         "9: error: &body 'two': velocity must be 0 in y, as dimension = 'plane_strain'",

@@ -224,7 +224,7 @@ class Meaning(unittest.TestCase):
         for more, said in (("'potential'", "output field 'potential' needs &effects gravity = .true."),
                            ("'front'", "output field 'front' is unknown in a history"),
                            ("'velocity_error'", "output field 'velocity_error' needs &exact"),
-                           ("'front_y'", "output field 'front_y' is along a direction that the scene lacks")):
+                           ("'front_y'", "output field 'front_y' is along a direction that the scene does not have")):
             with self.subTest(more):
                 run = self.block("refused", expect=2, more=more, dimension="plane_strain")
                 self.assertIn(said, run.output)

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The pages behind the page of messages: each shows what the program says today, and each row has one.
+"""The page of messages and the examples of `scree --explain`: they show what the program prints today.
 
-Would catch a message that was reworded and is shown with its old words, an example that brings another message or
-none, a deck shown as right that is wrong, a row without a page, a page that no row leads to, and a page that says
-no more than its row.
+Would catch a message that was reworded and is shown with its old words, an example that brings another message,
+another code or none, a deck shown as right that is wrong, a record that is not on the page, and a message that lost
+its example.
 """
 # timeout: 200
 
+import re
 import sys
 import unittest
 
@@ -16,53 +17,54 @@ sys.path.insert(0, str(case.ROOT / "scripts"))
 import document_messages as messages  # noqa: E402
 
 OPTIONS = case.arguments(__doc__)
-SHORTEST, LONGEST = 8, 45    # lines of a page
-# No deck brings these about, or no two times with the same words.
-ALONE = {"declaration-of-the-deck", "s-of-wall-time-and-s-of"}
+MOST_LINES = 3500            # of the page
+# Messages without an example: no deck brings them about, none does with the same words twice, or the
+# message is one of several that need no example.
+ALONE = {"D224", "D226", "D227", "D228", "D229", "D350", "D351", "D360", "D361", "D362", "D365", "D447", "C111", "R118",
+         "R124", "R127", "F123", "F124"}
 
 
-class Pages(unittest.TestCase):
+class Page(unittest.TestCase):
     """The generator runs the program on all examples."""
 
     @classmethod
     def setUpClass(cls):
         cls.texts = messages.documents(OPTIONS.scree)
 
-    def test_pages_are_those_of_the_program(self):
-        """Would catch a page that differs, is missing, or belongs to no row."""
-        self.assertGreater(len(self.texts), 100)
-        wrong = messages.out_of_date(self.texts)
-        self.assertEqual(wrong, [], "run scripts/document_messages.py and look at what has changed")
+    def test_page_is_that_of_the_program(self):
+        """Would catch a page or examples that differ."""
+        self.assertEqual(messages.out_of_date(self.texts), [],
+                         "run scripts/document_messages.py and look at the changes")
 
     def test_what_is_out_of_date_is_seen(self):
         """Would catch a comparison that finds nothing."""
-        name, text = next((path, text) for path, text in self.texts.items() if path not in messages.TABLES)
-        changed = {**self.texts, name: text + "more\n", messages.PAGES / "new.md": text}
-        del changed[messages.PAGES / "expects-a-number.md"]
-        self.assertEqual(set(messages.out_of_date(changed)), {
-            f"{name.name} differs", "new.md is missing", "expects-a-number.md belongs to no row of a table"})
+        changed = {messages.PAGE: self.texts[messages.PAGE] + "more\n", messages.PAGE.with_name("new.md"): "text"}
+        self.assertEqual(messages.out_of_date(changed), ["messages.md differs", "new.md is missing"])
 
-    def test_a_new_row(self):
-        """Would catch a row that gets no link, or a link made anew where there is one."""
-        table = "| `it ... is: ... so`, `or so` (warning) | why | what |\n"
-        linked = messages.linked(table)
-        self.assertEqual(linked, "| [`it ... is: ... so`, `or so`](messages/it-is-so.md) (warning) | why | what |\n")
-        self.assertEqual(messages.linked(linked), linked)
-        row = messages.rows("## Head\n" + linked)[0]
-        self.assertEqual((row.heading, row.name, row.messages), ("Head", "it-is-so", ["it ... is: ... so", "or so"]))
-        self.assertTrue(row.pattern().search("it surely is: just so") and not row.pattern().search("it was"))
+    def test_records(self):
+        """Would catch fields that are lost, and a pattern that fits too little or too much."""
+        text = "says: it ... is: so\nsays: or so\nwhen: warning\ncause: Why\n  this.\nremedy: What.\nnote: More.\n"
+        one = messages.Message("values", "D299", text)
+        self.assertEqual((one.says, one.when, one.cause, one.remedy, one.notes),
+                         (["it ... is: so", "or so"], "warning", "Why this.", "What.", ["More."]))
+        self.assertTrue(one.pattern().search("it surely is: so") and not one.pattern().search("it was"))
+        self.assertEqual(one.told(["a", "it surely is: so [D299]"]), "it surely is: so [D299]")
+        with self.assertRaisesRegex(ValueError, "another code"):
+            one.told(["it surely is: so [D298]"])
+        for wrong in (text.replace("cause", "reason"), text.replace("remedy: What.\n", ""), "cause: a\nremedy: b\n"):
+            with self.assertRaises(ValueError):
+                messages.Message("values", "D299", wrong)
 
-    def test_pages_say_more(self):
-        """Would catch pages without an example, and such as nobody reads."""
-        for path, text in self.texts.items():
-            if path in messages.TABLES:
-                continue
-            with self.subTest(path.name):
-                lines = text.count("\n")
-                self.assertTrue(SHORTEST < lines < LONGEST, f"{lines} lines")
-                self.assertEqual("```console" in text, path.stem not in ALONE)
-                self.assertIn("[all messages](../errors.md)", text)
-                self.assertNotIn(str(messages.ROOT), text)
+    def test_each_message_has_its_place_and_example(self):
+        """Would catch a code without an anchor, and a message that lost its example."""
+        page = self.texts[messages.PAGE]
+        codes = [message.code for _, part in messages.sections().values() for message in part]
+        self.assertEqual(re.findall(r"^### (\w+)$", page, re.M), codes)
+        shown = dict(messages.records(self.texts[messages.EXAMPLES]))
+        self.assertEqual(list(shown), codes)
+        self.assertEqual({code for code in codes if f"[{code}]" not in shown[code]}, ALONE)
+        self.assertNotIn(str(messages.ROOT), page)
+        self.assertLess(page.count("\n"), MOST_LINES)
 
 
 if __name__ == "__main__":

@@ -227,7 +227,7 @@ class Points(unittest.TestCase):
                  "has no point of material 'metal'; there are: wood"),
                 ("large", points, good + "0.2,1e999,0.2,1\n", {}, "line 4: y = '1e999' is not a number"),
                 ("turned", points + "  rotate = 0 20 90", good, {"dimension": "plane_strain"},
-                 "this turns its points out of those that it has"),
+                 "this moves points out of its plane or line"),
                 ("rings", points + "  rotate = 0 180 0", good, {"dimension": "axisymmetric"},
                  "points are rings around the axis, which cannot be turned"),
                 ("scaled", points + "  scale = 2.5", good, {}, "the point (1.25 1.25 1.25) lies outside of the grid"),

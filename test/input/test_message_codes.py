@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""Codes of messages against the messages: each that the sources or the tests know has exactly one code.
+
+Would catch a message that was reworded, or is new, and has no code; two codes that fit a message equally well; a
+pattern that no message fits any more; a code that was removed or renumbered.
+"""
+
+import re
+import subprocess
+import sys
+import unittest
+
+import broken_instruments as instruments
+import broken_scenes as scenes
+import broken_values as values
+import case
+import message_sites
+
+sys.path.insert(0, str(case.ROOT / "scripts"))
+import document_messages as messages  # noqa: E402
+
+OPTIONS = case.arguments(__doc__)
+TABLES = [*messages.FAULTS, instruments.INSTRUMENTS]
+# Readers of files say only what is wrong; who calls them puts this in front.
+BEFORE = {"io_stl": "cannot read the facets of '...': ", "io_points": "cannot read the points of '...': ",
+          "io_voxels": "cannot read the voxels of '...': ", "io_motion": "cannot read the velocities of '...': ",
+          "io_file": "cannot ", "scene_load": "&load '...': ", "eos_table": "it left its eos_table: ",
+          "tabulated_text": "cannot use the table '...': "}
+# Calls in which the words of the message are variables, by module and how their text begins: the words are those of
+# other sites, or tested by decks.
+COMPOSED = {
+    ("base_deck_number", "must be ..."), ("base_deck_value", "...;"), ("base_deck_define", "...;"),
+    ("base_deck_number", "... such as"), ("io_fields", "output field '...' ..."), ("io_restart", "step and time"),
+    ("output_history_columns", "output field '...' ..."), ("program_command_line", "command line: error: ..."),
+    ("program_time_loop", "warning: ... before t_end"), ("scene_velocity_formula", "... in its component"),
+    ("output_history_columns", "...;"), ("output_history_columns", "is unknown in a history"),
+    ("step_trust", "...;"), ("step_trust", "...: they lose each other")}
+# The number of codes in each hundred: codes are only added, at the end.
+FEWEST = {"D1": 16, "D2": 29, "D3": 66, "D4": 47, "D5": 7, "C1": 16, "C2": 6, "R1": 27, "F1": 24}
+
+
+def all_messages():
+    """All records."""
+    return [message for _, part in messages.sections().values() for message in part]
+
+
+def best(text, known):
+    """Codes that fit a text best: one, if all is well."""
+    found = messages.scores(text, known)
+    return {code for letters, code in found if letters == found[0][0]}
+
+
+def from_sources():
+    """Messages that the sources compose, with where they are."""
+    for site in message_sites.sites(case.ROOT):
+        module = site.path.split("/")[-1].removesuffix(".f90")
+        if not any(module == name and site.text.startswith(text) for name, text in COMPOSED):
+            behind = " '...': ..." if module == "io_file" else ""
+            yield f"{site.path}:{site.line}", BEFORE.get(module, "") + site.text + behind
+
+
+def ask(*arguments, expect=0):
+    """What the program prints."""
+    answer = subprocess.run([OPTIONS.scree, *arguments], text=True, timeout=60, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, check=False)
+    if answer.returncode != expect:
+        raise AssertionError(f"{arguments}: exit code {answer.returncode}: {answer.stdout}")
+    return answer.stdout
+
+
+class Codes(unittest.TestCase):
+    """Patterns against the sources and the tables of wrong decks."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.known, cls.patterns = all_messages(), messages.patterns(all_messages())
+
+    def test_each_message_of_the_sources_has_one_code(self):
+        """Would catch a message that is new or reworded and has no code, or two."""
+        found = list(from_sources())
+        self.assertGreater(len(found), 400)
+        for place, text in found:
+            with self.subTest(f"{place}: {text}"):
+                fits = messages.scores(text, self.patterns)[:3]
+                self.assertEqual(len(best(text, self.patterns)), 1, f"{fits}; add a record to src/program/messages")
+
+    def test_each_message_of_the_tables_has_one_code(self):
+        """Would catch the same for messages whose words are variables."""
+        for table in TABLES:
+            for row in table:
+                with self.subTest(row[4]):
+                    self.assertEqual(len(best(row[4], self.patterns)), 1, messages.scores(row[4], self.patterns)[:3])
+
+    def test_each_pattern_is_said(self):
+        """Would catch a pattern that no message fits any more."""
+        said = [row[4] for table in TABLES for row in table] + [text for _, text in from_sources()]
+        said += re.findall(r"^prints: (.*(?:\n         .*)*)", messages.EXAMPLES.read_text(encoding="utf-8"), re.M)
+        said = [" ".join(text.split()) for text in said]
+        source = "".join(path.read_text(encoding="utf-8") for path in sorted((case.ROOT / "src").rglob("*.f90")))
+        source = re.sub(r'" *// *(&\s*)?"', "", source)
+        for message in self.known:
+            for pattern in message.says:
+                with self.subTest(f"{message.code}: {pattern}"):
+                    parts = re.compile(".*?".join(map(re.escape, pattern.split("..."))))
+                    if any(parts.search(text) for text in said):
+                        continue
+                    for part in pattern.split("..."):
+                        self.assertIn(part.strip(" '=()"), source)
+
+    def test_codes_are_not_removed(self):
+        """Would catch a code that is missing among those of its hundred, and so might be used again."""
+        for start, count in FEWEST.items():
+            numbers = [int(message.code[2:]) for message in self.known if message.code.startswith(start)]
+            self.assertEqual(numbers, list(range(1, len(numbers) + 1)), start)
+            self.assertGreaterEqual(len(numbers), count, start)
+        self.assertEqual({message.code[:2] for message in self.known}, set(FEWEST))
+
+
+class Explanations(unittest.TestCase):
+    """The program against the records."""
+
+    def test_list(self):
+        """Would catch a program that was built with other records, or loses some."""
+        listed = [line.split("  ")[0] for line in ask("--list", "messages").splitlines()]
+        self.assertEqual(listed, [message.code for message in all_messages()])
+
+    def test_code_and_line_give_the_same(self):
+        """Would catch a line from a log, with place and code or without, that is not recognised."""
+        line = "scene.nml:4: error: &material: density = -2700  <- must be > 0 kg/m3"
+        wanted = ask("--explain", "D214")
+        self.assertEqual(ask("--explain", line), wanted)
+        self.assertEqual(ask("--explain", f"{line} [D214]"), wanted)
+        self.assertEqual(ask("--explain", "d214"), wanted)
+        self.assertEqual(ask("--explain", "words of an older program [D214]"), wanted)
+        for part in ("D214  must be >", "cause:  The number is out of range.", "remedy: ", "wrong:  &material",
+                     "prints: scene.nml:4: error:", "right:  &material", "keys:   scree --explain material.density"):
+            self.assertIn(part, wanted)
+
+    def test_explanations_are_text(self):
+        """Would catch marks of Markdown, lines wider than a screen, and fields of a record that are lost."""
+        for code in ("D201", "D214", "R101", "F113"):
+            text = ask("--explain", code)
+            self.assertNotIn("](", text)
+            self.assertTrue(all(len(line) <= 80 for line in text.split("wrong:")[0].splitlines()), text)
+
+    def test_unknown(self):
+        """Would catch an unknown text or code without a way on, and keys that are taken for messages."""
+        said = ask("--explain", "the density must be larger", expect=2)
+        self.assertIn("similar messages:\n", said)
+        self.assertIn("scree --list messages", said)
+        self.assertIn("no message has the code 'D999'", ask("--explain", "D999", expect=2))
+        self.assertIn("&grid", ask("--explain", "grid"))
+
+    def test_hint_comes_once(self):
+        """Would catch a hint after each message, or a message without its code."""
+        folder = OPTIONS.work / "hint"
+        folder.mkdir(parents=True, exist_ok=True)
+        deck = folder / "deck.nml"
+        deck.write_text(values.DECKS["plain"].replace("2700", "-2700").replace("0.3", "x"), encoding="ascii")
+        said = ask("--check", str(deck), expect=2)
+        self.assertEqual(len(re.findall(r": error: .* \[D\d{3}\]$", said, re.M)), 2, said)
+        self.assertEqual(said.count("scree --explain"), 1, said)
+
+
+if __name__ == "__main__":
+    unittest.main()
