@@ -10,6 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PROCEDURE = re.compile(r"^ {3}(?! )[^!\"']*\b(?:subroutine|function)\s+(\w+)", re.I)
 TYPE = re.compile(r"^ {3}type\b(?!\s*\()[^:!]*(?:::)?\s*(\w+)\s*(?:!.*)?$", re.I)
+TYPE_BODY = re.compile(r"^ {3}type\b(?!\s*\()[^:!\n]*(?:::)?\s*\b(\w+)\s*(?:!.*)?\n(.*?)^ {3}end type", re.M | re.S)
 INTERFACE = re.compile(r"^ {3}(abstract )?interface\b\s*(\w*)", re.I)
 CONSTANT = re.compile(r"^ {3}\w[^!]*\bparameter\b[^!]*\bpublic\b", re.I)
 PAGE = re.compile(r"\bdoc/([\w/]+\.md)")
@@ -42,7 +43,7 @@ def public_names(text):
     joined = re.sub(r"&\s*\n\s*&?", "", text)
     names = {name.lower() for line in re.findall(r"^ {3}public\s*::(.*)$", joined, re.M)
              for name in re.findall(r"\w+", line.split("!")[0])}
-    for kind, body in re.findall(r"^ {3}type\b[^(\n]*?(\w+)\s*(?:!.*)?\n(.*?)^ {3}end type", text, re.M | re.S):
+    for kind, body in TYPE_BODY.findall(text):
         if kind.lower() in names:
             names |= {name.lower() for name in re.findall(r"^\s*procedure\b[^!\n]*=>\s*(\w+)", body, re.M)}
     return names
