@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Hook of MkDocs: what lies outside of doc/ becomes part of the site, without a copy in the repository.
 
-READMEs of scenes, CHANGELOG and CONTRIBUTING become pages. Pictures and other files to which a page links are taken
+READMEs, CHANGELOG and CONTRIBUTING become pages. Pictures and other files to which a page links are taken
 along; text files (decks, sources, scripts) become pages with coloured text, and folders pages that list them. With
 the environment variable SCREE_REPOSITORY (the address of a public repository) links to sources and folders go there
 instead. The modules of src/ get a page for each folder (fortran.py), to which the list at the end of
@@ -23,7 +23,7 @@ import fortran  # noqa: E402
 ROOT = Path(__file__).resolve().parents[2]
 MODULES = "api/fortran.md"
 #: Pages that are not in doc/, by their path in the repository.
-PAGES = {"CHANGELOG.md": "changes.md", "CONTRIBUTING.md": "contributing.md", "README.md": "index.md",
+PAGES = {"CHANGELOG.md": "changes.md", "CONTRIBUTING.md": "contributing.md", "README.md": "readme.md",
          "doc/ford.md": MODULES}
 ASSETS = ("formulas.js", "site.css", "favicon.svg", "iframe-worker.js")
 MATHJAX = Path(mathjax.__file__).parent / "static/mathjax/es5/tex-svg-full.js"
@@ -44,7 +44,7 @@ def version():
 def place_in_repository(uri):
     """Path in the repository of a page of the site."""
     for path, page in PAGES.items():
-        if page == uri and page in ("changes.md", "contributing.md"):
+        if page == uri and page in ("changes.md", "contributing.md", "readme.md"):
             return path
     scene = re.fullmatch(r"scenes/(\w+)\.md", uri)
     return f"input/{scene[1]}/README.md" if scene else f"doc/{uri}"
@@ -140,7 +140,7 @@ def on_files(files, config):
     for name in ASSETS:
         add(f"assets/{name}", abs_src_path=str(ROOT / "scripts/site" / name))
     add("assets/mathjax.js", abs_src_path=str(MATHJAX))
-    outside = ["CHANGELOG.md", "CONTRIBUTING.md",
+    outside = ["CHANGELOG.md", "CONTRIBUTING.md", "README.md",
                *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "input").glob("*/README.md")))]
     for path in outside:
         add(place_on_site(path), content=(ROOT / path).read_text(encoding="utf-8"))
