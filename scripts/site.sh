@@ -2,19 +2,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Usage: scripts/site.sh [--release FOLDER]
 #
-# Builds the manual as a site in build/site; open build/site/index.html. Pages, pictures, formulas and
-# the search are read from disk: nothing is fetched when the site is viewed. A link that leads nowhere
-# stops the build.
+# Builds the manual as a site in build/site; open build/site/index.html. Pages, pictures, formulas
+# and the search are read from disk: nothing is fetched when the site is viewed. A link that leads
+# nowhere stops the build.
 #
-#   --release FOLDER   build into FOLDER/VERSION instead, name the version in FOLDER/versions.json, from
-#                      which the pages offer all versions where a web server shows FOLDER, and pack the
-#                      site into FOLDER/scree-manual-VERSION.tar.gz, to be attached to the release
+#   --release FOLDER   build into FOLDER/VERSION instead, list the version in FOLDER/versions.json,
+#                      from which pages offer all versions when a web server serves FOLDER, and pack
+#                      the site into FOLDER/scree-manual-VERSION.tar.gz, to attach to the release
 #   --help             this text
 #
-# Environment: SCREE_REPOSITORY, the address of a public repository to which links to sources lead; without
-# it linked sources are part of the site.
+# Environment: SCREE_REPOSITORY, the address of a public repository to which links to sources lead;
+# without it linked sources are part of the site.
 #
-# Exit codes: 0 built, 1 a page or a link is wrong, 2 wrong option, 3 MkDocs is missing (scripts/setup.sh).
+# Exit codes: 0 built, 1 a page or a link is wrong, 2 wrong option, 3 MkDocs is missing.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
@@ -38,10 +38,20 @@ done
 
 "${python}" -c 'import material, mathjax, mkdocs, mkdocstrings' 2> /dev/null \
    || stop_with 3 "MkDocs is not installed in build/venv; scripts/setup.sh installs it"
-export NO_MKDOCS_2_WARNING=1
 cd "${root}"
+
+# Build into a folder. With --quiet MkDocs would not count warnings.
+build_site() {
+   local said
+   export NO_MKDOCS_2_WARNING=1
+   if ! said="$("${python}" -m mkdocs build --strict --site-dir "$1" 2>&1)"; then
+      printf '%s\n' "${said}" | grep -v '^INFO' >&2
+      exit 1
+   fi
+}
+
 if [[ -z "${release}" ]]; then
-   "${python}" -m mkdocs build --quiet --strict
+   build_site build/site
    say "site     ${root}/build/site/index.html"
    exit 0
 fi
@@ -49,7 +59,8 @@ fi
 version="$(sed -n 's/^project(scree VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)"
 mkdir -p "${release}"
 release="$(cd -- "${release}" && pwd -P)"
-SCREE_SITE_RELEASE="${version}" "${python}" -m mkdocs build --quiet --strict --site-dir "${release}/${version}"
+export SCREE_SITE_RELEASE="${version}"
+build_site "${release}/${version}"
 "${python}" - "${release}" << 'END'
 import json
 import pathlib
@@ -57,13 +68,14 @@ import re
 import sys
 
 folder = pathlib.Path(sys.argv[1])
-names = [path.parent.name for path in folder.glob("*/index.html") if re.fullmatch(r"[\d.]+", path.parent.name)]
+names = [path.parent.name for path in folder.glob("*/index.html")]
+names = [name for name in names if re.fullmatch(r"[\d.]+", name)]
 names.sort(key=lambda name: [int(part) for part in name.split(".")], reverse=True)
-rows = [{"version": name, "title": name, "aliases": ["latest"] if name == names[0] else []} for name in names]
+rows = [{"version": name, "title": name, "aliases": []} for name in names]
+rows[0]["aliases"] = ["latest"]
 (folder / "versions.json").write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
-(folder / "index.html").write_text(
-    f'<!doctype html><meta http-equiv="refresh" content="0; url={names[0]}/index.html"><title>Scree</title>\n',
-    encoding="utf-8")
+head = f'<meta http-equiv="refresh" content="0; url={names[0]}/index.html">'
+(folder / "index.html").write_text(f"<!doctype html>{head}<title>Scree</title>\n", encoding="utf-8")
 END
 tar -C "${release}" -czf "${release}/scree-manual-${version}.tar.gz" \
    --transform "s,^${version},scree-manual-${version}," "${version}"

@@ -7,6 +7,7 @@ the environment variable SCREE_REPOSITORY (the address of a public repository) l
 instead. The modules of src/ get a page for each folder (fortran.py), to which the list at the end of
 doc/api/fortran.md leads. Links are rewritten when MkDocs reads a page; MkDocs checks all of them afterwards.
 """
+import json
 import os
 import posixpath
 import re
@@ -22,6 +23,7 @@ import fortran  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 MODULES = "api/fortran.md"
+NOTEBOOKS = "doc/learn/notebooks"
 #: Pages that are not in doc/, by their path in the repository.
 PAGES = {"CHANGELOG.md": "changes.md", "CONTRIBUTING.md": "contributing.md", "README.md": "readme.md",
          "doc/ford.md": MODULES}
@@ -57,9 +59,9 @@ def place_on_site(path):
         return f"scenes/{scene[1]}.md"
     if path in PAGES:
         return PAGES[path]
-    if path.startswith("doc/"):
-        return path[4:]
     whole = ROOT / path
+    if path.startswith("doc/"):
+        return re.sub(r"\.ipynb$", ".md", path[4:]) + ("/index.md" if whole.is_dir() else "")
     if whole.is_dir():
         return f"files/{path}/index.md"
     picture = whole.suffix in (".png", ".svg", ".gif", ".csv", ".h5", ".stl", ".mp4")
@@ -103,6 +105,24 @@ def page_of_file(path):
                               if not entry.name.startswith((".", "__")))
     text = whole.read_text(encoding="utf-8")
     return f"{head}``````{LANGUAGES.get(whole.suffix, 'text')}\n{text}\n``````\n"
+
+
+def page_of_notebook(path):
+    """A notebook of Jupyter as a page, without what it has printed."""
+    cells = json.loads((ROOT / path).read_text(encoding="utf-8"))["cells"]
+    texts = [("".join(cell["source"]), cell["cell_type"]) for cell in cells]
+    return "\n\n".join(f"```python\n{text}\n```" if kind == "code" else text for text, kind in texts) + (
+        f"\n\nThe notebook is `{path}`.\n")
+
+
+def add_notebooks(add):
+    """Pages of all notebooks and a list of them."""
+    paths = sorted((ROOT / NOTEBOOKS).glob("*.ipynb"))
+    for path in paths:
+        add(f"{NOTEBOOKS[4:]}/{path.stem}.md", content=page_of_notebook(str(path.relative_to(ROOT))))
+    if paths:
+        add(f"{NOTEBOOKS[4:]}/index.md", content="# Notebooks\n\n" + "".join(
+            f"* [{path.stem}]({path.stem}.md)\n" for path in paths))
 
 
 def linked_files(documents):
@@ -153,6 +173,7 @@ def on_files(files, config):
             add(uri, content=page_of_file(path))
         else:
             add(uri, abs_src_path=str(ROOT / path))
+    add_notebooks(add)
     for name in fortran.folders():
         add(f"api/fortran/{name}.md", content=fortran.page(name))
     for file in files:
