@@ -123,4 +123,4 @@ def module(path):
 def page(name):
     """The page of a folder."""
     modules = [module(path) for path in sorted((ROOT / "src" / name).glob("*.f90"))]
-    return f"---\nsearch:\n  boost: 0.5\n---\n# src/{name}\n\n" + "\n".join(modules)
+    return f"---\nsearch:\n  boost: 0.05\n---\n# src/{name}\n\n" + "\n".join(modules)
