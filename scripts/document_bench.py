@@ -66,6 +66,12 @@ def value_of(action):
     return " ".join(action.metavar) if isinstance(action.metavar, tuple) else action.metavar
 
 
+def rows():
+    """Pairs of what is typed and what it means."""
+    return [("`" + f"{', '.join(action.option_strings)} {value_of(action)}".strip() + "`", action.help)
+            for action in actions()]
+
+
 def man_page():
     """The page of man."""
     lines = [f'.\\" {NOTICE.capitalize()}', f'.TH SCREE-BENCH 1 "" "scree {__version__}" "Scree"', ".SH NAME",

@@ -5,8 +5,8 @@
     python3 scripts/document_commands.py build/bin/scree --check     exit code 1 if they are out of date
 
 The files are doc/man/scree.1, scripts/completion/scree.bash and scripts/completion/_scree, and those of scree-bench
-(scripts/document_bench.py); `cmake --install` puts them where man, bash and zsh look. Only the standard library is
-needed.
+(scripts/document_bench.py); `cmake --install` puts them where man, bash and zsh look. doc/reference/command_line.md
+is a page of the manual. Only the standard library is needed.
 """
 import argparse
 import re
@@ -20,6 +20,8 @@ ROOT = Path(__file__).resolve().parents[1]
 MAN = ROOT / "doc/man/scree.1"
 BASH = ROOT / "scripts/completion/scree.bash"
 ZSH = ROOT / "scripts/completion/_scree"
+PAGE = ROOT / "doc/reference/command_line.md"
+POST = ROOT / "python/src/scree_post/commands"
 OPTION = re.compile(r"(?:-(\w), )?--([a-z][a-z-]*)((?: \[?[A-Z][\w.=:]*\]?)*)")
 #: What the program completes by itself, and words that it knows; all other values are files or free text.
 WORDS = {"job": "slurm pbs", "ranks": "", "threads": "", "time": "", "case": ""}
@@ -173,6 +175,42 @@ def zsh_text(program):
             "_arguments -s \\\n" + " \\\n".join(rows) + " \\\n  \"*:deck:_files -g '*.nml'\"\n")
 
 
+def table(heading, rows):
+    """A table of Markdown; a bar in a cell is escaped."""
+    text = "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |\n" for row in rows)
+    return f"| {' | '.join(heading)} |\n|{'---|' * len(heading)}\n{text}"
+
+
+def post_commands():
+    """Names of the commands of scree-post."""
+    text = (POST / "__init__.py").read_text(encoding="utf-8")
+    return re.findall(r'"(\w+)"', text.partition("COMMANDS = (")[2])
+
+
+def post_summary(name):
+    """What the help of scree-post says of one of its commands."""
+    return re.search(r'^SUMMARY = "(.*)"$', (POST / f"{name}.py").read_text(encoding="utf-8"), re.M)[1]
+
+
+def page(program):
+    """The page of the manual."""
+    lines, codes, examples = sections(program)
+    joined = " ".join(line.strip() for line in codes).partition(":")[2]
+    ends = [item.strip().partition(" ") for item in re.split(r", (?=\d)", joined) if item.strip()]
+    posts = [(f"`{name}`", post_summary(name)) for name in post_commands()]
+    return "\n".join((
+        "# Command line", "", "Written by `scripts/document_commands.py` from the help; do not edit it.",
+        "[Running](../guide/running.md) explains how to use them.", "", "## scree", "", "```text",
+        "scree [options] DECK.nml", "mpirun -n N scree [options] DECK.nml", "```", "",
+        table(("option", "meaning"), [(f"`{typed}`", meaning) for typed, meaning in entries(lines)]),
+        "### Exit codes", "", table(("code", "meaning"), [(code, meaning) for code, _, meaning in ends]),
+        "### Examples", "", "```text", *(line.strip() for line in examples), "```", "", "## scree-post", "",
+        "`scree-post COMMAND --help` lists options and examples of a command;",
+        "[Post-processing](../guide/post_processing.md) explains them.", "", table(("command", "what it does"), posts),
+        "## scree-bench", "", "Measures the speed of a machine ([Speed](../guide/speed.md)).", "",
+        table(("option", "meaning"), document_bench.rows())))
+
+
 def main():
     """Write or compare."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -181,7 +219,8 @@ def main():
     chosen = parser.parse_args()
     program = str(chosen.scree.resolve())
     stale = []
-    texts = [(path, write(program)) for path, write in ((MAN, man_page), (BASH, bash_text), (ZSH, zsh_text))]
+    texts = [(path, write(program)) for path, write in ((MAN, man_page), (BASH, bash_text), (ZSH, zsh_text),
+                                                       (PAGE, page))]
     for path, text in texts + [(path, write()) for path, write in document_bench.files()]:
         if path.is_file() and path.read_text(encoding="utf-8") == text:
             continue

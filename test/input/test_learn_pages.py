@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# timeout: 300
+"""The pages that explain a deck line by line agree with it, and their pictures, films and scripts can be made.
+
+Would catch a line of a page that the deck does not hold any more, an option or a field that is gone, and a script of
+Python that a new user copies and that fails.
+"""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Deck of each page, and values with which it takes seconds.
+PAGES = {"first_deck": ("two_discs", ("grid.dx=0.05",)),
+         "debris_cloud": ("debris_cloud", ("grid.dx=0.775", "time.t_end=4")),
+         "brittle_rod": ("glass_rod", ("grid.dx=1", "time.t_end=7")),
+         "sand_column": ("column_collapse", ("grid.dx=0.025",))}
+ADDED = "&output  name = 'front'"        # a line that a page proposes and the deck does not have
+
+
+def text_of(page):
+    """A page of doc/learn."""
+    return (ROOT / f"doc/learn/{page}.md").read_text(encoding="utf-8")
+
+
+def blocks(page, language):
+    """Contents of its fenced blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", text_of(page), re.M | re.S)
+
+
+def without_comment(line):
+    """A line of a deck as far as the program reads it."""
+    return re.sub(r"\s*!.*", "", line).strip()
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_shown_lines(page):
+    scene = f"input/{PAGES[page][0]}/scene.nml"
+    lines = {without_comment(line) for line in (ROOT / scene).read_text(encoding="utf-8").split("\n")}
+    shown = [line for block in blocks(page, "fortran") for line in block.strip().split("\n")
+             if not line.startswith(ADDED)]
+    assert len(shown) > 20
+    assert [f"{scene} does not hold: {line}" for line in shown if without_comment(line) not in lines] == []
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_commands(page, tmp_path, pytestconfig):
+    """The deck runs, and what the page shows of scree-post and of Python works on its results."""
+    name, values = PAGES[page]
+    program = pytestconfig.getoption("scree", None) or os.environ.get("SCREE", ROOT / "build/bin/scree")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python/src"), "SCREE": str(program), "OMP_NUM_THREADS": "1"}
+    (tmp_path / "input").symlink_to(ROOT / "input")
+
+    def call(*words):
+        answer = subprocess.run([str(word) for word in words], cwd=tmp_path, env=environment, capture_output=True,
+                                text=True, check=False)
+        assert answer.returncode == 0, f"{words}: {answer.stdout[-2000:]}{answer.stderr[-2000:]}"
+
+    added = [line for block in blocks(page, "fortran") for line in block.split("\n") if line.startswith(ADDED)]
+    deck = tmp_path / f"{name}.nml"
+    deck.write_text((ROOT / f"input/{name}/scene.nml").read_text(encoding="utf-8") + "\n".join(added) + "\n",
+                    encoding="utf-8")
+    call(program, deck, "-q", *(word for value in values for word in ("--set", value)))
+    typed = [line.partition("scree-post ")[2] for block in blocks(page, "console")
+             for line in block.split("\n") if "scree-post " in line]
+    assert len(typed) >= 2
+    for line in typed:
+        # a film in .mp4 needs ffmpeg
+        call(sys.executable, "-m", "scree_post", *shlex.split(line.replace(".mp4", ".gif")))
+    for number, script in enumerate(blocks(page, "python")):
+        (tmp_path / f"script_{number}.py").write_text(script, encoding="utf-8")
+        call(sys.executable, f"script_{number}.py")
+
+
+if __name__ == "__main__":
+    sys.exit(pytest.main([__file__, "-q", "-p", "no:cacheprovider"]))
