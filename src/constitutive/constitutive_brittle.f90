@@ -28,11 +28,11 @@ contains
       type(schema_t), intent(inout) :: schema
 
       call declare_delay(schema)
-      call schema%real("material", "weibull_m", "Weibull modulus of strength, or exponent of "// &
-         "flaws over strain", range="> 0", owner="effects.damage & damage_model = "// &
-         "principal_stress principal_strain grady_kipp")
-      call schema%real("material", "weibull_volume", "volume whose strength is the one given; "// &
-         "without it strength does not depend on size", unit="m3", range="> 0", &
+      call schema%real("material", "weibull_m", "Weibull modulus of the strength, or exponent "// &
+         "of the number of flaws over strain (Grady-Kipp)", range="> 0", &
+         owner="effects.damage & damage_model = principal_stress principal_strain grady_kipp")
+      call schema%real("material", "weibull_volume", "volume to which the given strength "// &
+         "applies; without it strength does not depend on size", unit="m3", range="> 0", &
          owner="effects.size_scatter & damage_model = principal_stress principal_strain")
    end subroutine declare_brittle
 

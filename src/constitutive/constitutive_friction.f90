@@ -51,12 +51,11 @@ contains
       character(len=*), parameter :: owner = "effects.strength & strength_model = "// &
          "drucker_prager mohr_coulomb"
 
-      call schema%real("material", "friction_angle", "angle of friction", unit="deg", &
+      call schema%real("material", "friction_angle", "angle of internal friction", unit="deg", &
          range=">= 0 < 90", owner=owner)
-      call schema%real("material", "cohesion", "strength without pressure", unit="Pa", &
-         default="0", range=">= 0", owner=owner//" mu_i")
-      call schema%real("material", "dilation_angle", &
-         "angle of dilation: shear increases the volume", &
+      call schema%real("material", "cohesion", "cohesion: shear strength at zero pressure", &
+         unit="Pa", default="0", range=">= 0", owner=owner//" mu_i")
+      call schema%real("material", "dilation_angle", "dilation angle: shear increases the volume", &
          unit="deg", default="0", range=">= 0 < 90", owner=owner)
       call schema%require("material", "friction_angle")
    end subroutine declare_angles

@@ -61,12 +61,12 @@ contains
       character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress "// &
          "principal_strain"
 
-      call schema%real("material", "fracture_energy", "energy that a crack takes per area: "// &
-         "tensile strength falls as it opens, at a rate that goes with dx; without it "// &
+      call schema%real("material", "fracture_energy", "energy per area of a crack: tensile "// &
+         "strength decreases as the crack opens, at a rate that depends on dx; without it "// &
          "strength is lost at once", unit="J/m2", range="> 0", owner=owner)
-      call schema%text("material", "softening", "how strength falls with the opening of "// &
-         "a crack that has a fracture_energy", default="linear", words="linear exponential", &
-         owner=owner)
+      call schema%text("material", "softening", &
+         "decrease of strength with the opening of a crack that has a fracture_energy", &
+         default="linear", words="linear exponential", owner=owner)
    end subroutine declare_softening
 
    !> Read the keys.

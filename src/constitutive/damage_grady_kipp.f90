@@ -49,10 +49,11 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = grady_kipp"
 
-      call schema%real("material", "weibull_k", "flaws in a volume at a strain of 1, k of "// &
-         "k e**m", unit="1/m3", range="> 0", owner=owner)
-      call schema%real("material", "crack_speed", "speed of cracks over that of longitudinal "// &
-         "waves", default="0.4", range="> 0 <= 1", owner=owner)
+      call schema%real("material", "weibull_k", &
+         "Grady-Kipp k: number of flaws per volume active at strain e is k e**m", unit="1/m3", &
+         range="> 0", owner=owner)
+      call schema%real("material", "crack_speed", "crack speed over the longitudinal wave speed", &
+         default="0.4", range="> 0 <= 1", owner=owner)
       call schema%require("material", "weibull_k")
    end subroutine grady_kipp_declare
 

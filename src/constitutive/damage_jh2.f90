@@ -46,12 +46,15 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = jh2"
 
-      call schema%real("material", "jh2_d1", "JH-2 D1, strain to fracture; 0: at once", &
-         range=">= 0", owner=owner)
-      call schema%real("material", "jh2_d2", "JH-2 D2, exponent of strain to fracture", &
-         default="1", range=">= 0", owner=owner)
-      call schema%real("material", "jh2_beta", "JH-2 beta, share of the elastic energy lost on "// &
-         "fracture that makes pressure", default="0", range=">= 0 <= 1", owner=owner)
+      call schema%real("material", "jh2_d1", &
+         "JH-2 D1, factor of the plastic strain to fracture; 0: fracture at once", range=">= 0", &
+         owner=owner)
+      call schema%real("material", "jh2_d2", &
+         "JH-2 D2, exponent of the plastic strain to fracture", default="1", range=">= 0", &
+         owner=owner)
+      call schema%real("material", "jh2_beta", &
+         "JH-2 beta, fraction of the elastic energy lost in fracture that becomes pressure", &
+         default="0", range=">= 0 <= 1", owner=owner)
       call schema%require("material", "jh2_d1")
    end subroutine damage_jh2_declare
 

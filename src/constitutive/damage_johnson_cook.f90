@@ -47,7 +47,7 @@ contains
       class(damage_johnson_cook_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("material", "jcd(5)", "Johnson-Cook D1 to D5, strain to failure", &
+      call schema%real("material", "jcd(5)", "Johnson-Cook D1 to D5, failure strain", &
          owner="effects.damage & damage_model = johnson_cook")
       call schema%require("material", "jcd")
    end subroutine johnson_cook_declare

@@ -35,8 +35,8 @@ contains
       class(eos_ideal_gas_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("material", "ig_gamma", "ratio of the heat capacities of an ideal gas", &
-         range="> 1", owner="effects.eos & eos_model = ideal_gas")
+      call schema%real("material", "ig_gamma", "heat capacity ratio of an ideal gas", range="> 1", &
+         owner="effects.eos & eos_model = ideal_gas")
       call schema%require("material", "ig_gamma")
    end subroutine ideal_gas_declare
 

@@ -41,10 +41,10 @@ contains
 
       call schema%real("material", "jh2_k1", "JH-2 K1, bulk modulus", unit="Pa", range="> 0", &
          owner=owner)
-      call schema%real("material", "jh2_k2", "JH-2 K2, of the square of compression", unit="Pa", &
-         default="0", owner=owner)
-      call schema%real("material", "jh2_k3", "JH-2 K3, of the cube of compression", unit="Pa", &
-         default="0", range=">= 0", owner=owner)
+      call schema%real("material", "jh2_k2", "JH-2 K2, coefficient of the square of compression", &
+         unit="Pa", default="0", owner=owner)
+      call schema%real("material", "jh2_k3", "JH-2 K3, coefficient of the cube of compression", &
+         unit="Pa", default="0", range=">= 0", owner=owner)
       call schema%require("material", "jh2_k1")
    end subroutine jh2_declare
 

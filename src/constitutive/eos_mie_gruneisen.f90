@@ -74,7 +74,7 @@ contains
          range="> 0", owner=owner)
       call schema%real("material", "mg_s", "Mie-Grueneisen s of Us = c0 + s up", &
          range=">= 0", owner=owner)
-      call schema%real("material", "mg_gamma", "Grueneisen number at the reference density", &
+      call schema%real("material", "mg_gamma", "Grueneisen parameter at the reference density", &
          range=">= 0", owner=owner)
       call schema%require("material", "mg_c0 mg_s mg_gamma")
    end subroutine mie_gruneisen_declare

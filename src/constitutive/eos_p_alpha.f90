@@ -46,11 +46,12 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = p_alpha"
 
-      call schema%real("material", "pa_solid", "density of porous material without its pores; "// &
-         "density is that with them", unit="kg/m3", range="> 0", owner=owner)
+      call schema%real("material", "pa_solid", &
+         "density of the solid without pores; density is that of the porous material", &
+         unit="kg/m3", range="> 0", owner=owner)
       call schema%real("material", "pa_pe", "pressure at which pores begin to crush", unit="Pa", &
          range=">= 0", owner=owner)
-      call schema%real("material", "pa_pc", "pressure that leaves no pores", unit="Pa", &
+      call schema%real("material", "pa_pc", "pressure at which all pores are closed", unit="Pa", &
          range="> 0", owner=owner)
       call schema%require("material", "pa_solid pa_pe pa_pc")
    end subroutine p_alpha_declare

@@ -63,10 +63,12 @@ contains
       call schema%real("material", "till_alpha", "Tillotson alpha", range=">= 0", owner=owner)
       call schema%real("material", "till_beta", "Tillotson beta", range=">= 0", owner=owner)
       call schema%real("material", "till_e0", "Tillotson e0", unit="J/kg", range="> 0", owner=owner)
-      call schema%real("material", "till_eiv", "energy at which expanded material begins to boil", &
-         unit="J/kg", range="> 0", owner=owner)
-      call schema%real("material", "till_ecv", "energy at which expanded material is vapour", &
-         unit="J/kg", range="> 0", owner=owner)
+      call schema%real("material", "till_eiv", &
+         "Tillotson eiv, energy at which expanded material begins to vaporise", unit="J/kg", &
+         range="> 0", owner=owner)
+      call schema%real("material", "till_ecv", &
+         "Tillotson ecv, energy at which expanded material is completely vaporised", unit="J/kg", &
+         range="> 0", owner=owner)
       call schema%require("material", "till_a till_b till_bulk till_square till_alpha "// &
          "till_beta till_e0 till_eiv till_ecv")
    end subroutine tillotson_declare

@@ -41,9 +41,9 @@ contains
       type(schema_t), intent(inout) :: schema
 
       call declare_angles(schema)
-      call schema%text("material", "dp_cone", "where the cone touches the surface of Mohr and "// &
-         "Coulomb; plane_strain lies inside it everywhere", default="compression", &
-         words="compression extension plane_strain", &
+      call schema%text("material", "dp_cone", "where the Drucker-Prager cone meets the "// &
+         "Mohr-Coulomb surface; the plane_strain cone lies inside of it everywhere", &
+         default="compression", words="compression extension plane_strain", &
          owner="effects.strength & strength_model = drucker_prager")
    end subroutine drucker_prager_declare
 

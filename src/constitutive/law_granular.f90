@@ -52,12 +52,13 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = granular"
 
-      call schema%real("material", "gr_tau", "time in which the stress of granular material "// &
-         "relaxes at rest", unit="s", range="> 0", owner=owner)
-      call schema%real("material", "gr_gamma_c", "strain that a contact of granular material "// &
-         "survives", range="> 0", owner=owner)
-      call schema%text("material", "gr_mode", "what relaxes: total, the whole stress; "// &
-         "deviator, all but the pressure, which follows the equation of state", &
+      call schema%real("material", "gr_tau", &
+         "relaxation time of the stress of granular material at rest", unit="s", range="> 0", &
+         owner=owner)
+      call schema%real("material", "gr_gamma_c", &
+         "strain at which contacts of granular material are lost", range="> 0", owner=owner)
+      call schema%text("material", "gr_mode", "part of the stress that relaxes: total, the "// &
+         "whole stress; deviator, all but the pressure, which follows the equation of state", &
          default="deviator", words="total deviator", owner=owner)
    end subroutine granular_declare
 

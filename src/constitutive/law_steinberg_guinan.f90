@@ -75,24 +75,26 @@ contains
 
       call schema%real("material", "scg_y0", "Steinberg-Cochran-Guinan Y0, yield stress", &
          unit="Pa", range="> 0", owner=owner)
-      call schema%real("material", "scg_ymax", "greatest yield stress by hardening", unit="Pa", &
+      call schema%real("material", "scg_ymax", &
+         "Steinberg-Cochran-Guinan Ymax, greatest yield stress from hardening", unit="Pa", &
          range="> 0", owner=owner)
       call schema%real("material", "scg_beta", "Steinberg-Cochran-Guinan beta, hardening", &
          range=">= 0", owner=owner)
       call schema%real("material", "scg_n", "Steinberg-Cochran-Guinan n, exponent of hardening", &
          range=">= 0 <= 1", owner=owner)
-      call schema%real("material", "scg_strain", "plastic strain to begin with", default="0", &
+      call schema%real("material", "scg_strain", "initial plastic strain", default="0", &
          range=">= 0", owner=owner)
-      call schema%real("material", "scg_gp", "growth of the shear modulus with pressure, "// &
-         "G'P/G0; tables give it per Mbar, 6.52 per Mbar is 6.52e-11 per Pa", unit="1/Pa", &
+      call schema%real("material", "scg_gp", "increase of the shear modulus with pressure, "// &
+         "G'P/G0; where tables give it per Mbar, 6.52 per Mbar is 6.52e-11 per Pa", unit="1/Pa", &
          range=">= 0", owner=owner)
-      call schema%real("material", "scg_gt", "fall of the shear modulus with temperature, "// &
-         "-G'T/G0", unit="1/K", range=">= 0", owner=warm)
-      call schema%real("material", "scg_tm", "temperature of melting at the reference density", &
+      call schema%real("material", "scg_gt", &
+         "decrease of the shear modulus with temperature, -G'T/G0", unit="1/K", range=">= 0", &
+         owner=warm)
+      call schema%real("material", "scg_tm", "melting temperature at the reference density", &
          unit="K", range="> 300", owner=warm)
       call schema%real("material", "scg_a", "Steinberg-Cochran-Guinan a of the melting curve", &
          range=">= 0", owner=warm)
-      call schema%real("material", "scg_gamma", "Grueneisen number of the melting curve", &
+      call schema%real("material", "scg_gamma", "Grueneisen parameter of the melting curve", &
          range="> 0", owner=warm)
       call schema%require("material", "scg_y0 scg_ymax scg_beta scg_n scg_gp scg_gt scg_tm "// &
          "scg_a scg_gamma")

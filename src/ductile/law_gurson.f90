@@ -58,24 +58,25 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = gurson"
 
-      call schema%real("material", "gtn_f0", "porosity at the start", default="0", &
-         range=">= 0 < 0.5", owner=owner)
-      call schema%real("material", "gtn_q1", "Tvergaard's q1, factor of the porosity", &
+      call schema%real("material", "gtn_f0", "initial porosity", default="0", range=">= 0 < 0.5", &
+         owner=owner)
+      call schema%real("material", "gtn_q1", "Tvergaard's q1, factor on the porosity", &
          default="1.5", range="> 0 <= 3", owner=owner)
-      call schema%real("material", "gtn_q2", "Tvergaard's q2, factor of the pressure", &
+      call schema%real("material", "gtn_q2", "Tvergaard's q2, factor on the pressure", &
          default="1.0", range="> 0 <= 3", owner=owner)
-      call schema%real("material", "gtn_fc", "porosity from which on voids join, with gtn_ff", &
-         range="> 0 < 1", owner=owner)
+      call schema%real("material", "gtn_fc", &
+         "porosity at which voids begin to coalesce, with gtn_ff", range="> 0 < 1", owner=owner)
       call schema%real("material", "gtn_ff", "porosity at which no strength is left; with "// &
-         "damage_model = 'porosity' material fails there", range="> 0 < 1", owner=owner)
-      call schema%real("material", "gtn_fn", "porosity that plastic strain makes in tension", &
+         "damage_model = 'porosity' the material fails", range="> 0 < 1", owner=owner)
+      call schema%real("material", "gtn_fn", "porosity nucleated by plastic strain in tension", &
          default="0", range=">= 0 < 0.5", owner=owner)
-      call schema%real("material", "gtn_en", "plastic strain at which it does, in the mean", &
-         default="0.3", range=">= 0", owner=owner)
-      call schema%real("material", "gtn_sn", "scatter of that strain", default="0.1", &
-         range="> 0", owner=owner)
-      call schema%real("material", "gtn_least", "pores do not close below this porosity, if it "// &
-         "is not less at the start", default="1.0e-6", range=">= 1e-12 < 0.5", owner=owner)
+      call schema%real("material", "gtn_en", "mean plastic strain of nucleation", default="0.3", &
+         range=">= 0", owner=owner)
+      call schema%real("material", "gtn_sn", "standard deviation of the strain of nucleation", &
+         default="0.1", range="> 0", owner=owner)
+      call schema%real("material", "gtn_least", &
+         "least porosity: pores do not close below it, or below gtn_f0 if that is smaller", &
+         default="1.0e-6", range=">= 1e-12 < 0.5", owner=owner)
    end subroutine gurson_declare
 
    !> Error in the combination of the keys; empty if there is none.

@@ -38,9 +38,9 @@ contains
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = axis_aligned"
 
-      call schema%real("exact", "amplitude", "greatest displacement along an axis", unit="m", &
+      call schema%real("exact", "amplitude", "displacement amplitude along an axis", unit="m", &
          range="> 0", owner=owner)
-      call schema%real("exact", "edge", "edge of the cube, whose lower corner is the origin", &
+      call schema%real("exact", "edge", "edge of the cube, whose lower corner is at the origin", &
          unit="m", default="1.0", range="> 0", owner=owner)
       call schema%require("exact", "amplitude")
    end subroutine axis_aligned_declare

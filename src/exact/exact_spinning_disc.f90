@@ -36,9 +36,11 @@ contains
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = spinning_disc"
 
-      call schema%real("exact", "angular_speed", "of the rotation about the axis y through the "// &
-         "origin, in radians", unit="1/s", owner=owner)
-      call schema%real("exact", "disc_radius", "radius at rest", unit="m", range="> 0", owner=owner)
+      call schema%real("exact", "angular_speed", &
+         "angular velocity about the y axis through the origin, in radians per time", unit="1/s", &
+         owner=owner)
+      call schema%real("exact", "disc_radius", "radius of the undeformed disc", unit="m", &
+         range="> 0", owner=owner)
       call schema%require("exact", "angular_speed disc_radius")
    end subroutine disc_declare
 

@@ -59,18 +59,18 @@ contains
       call schema%real("material", "jwl_b", "JWL B", unit="Pa", range=">= 0", owner=owner)
       call schema%real("material", "jwl_r1", "JWL R1", range="> 0", owner=owner)
       call schema%real("material", "jwl_r2", "JWL R2", range="> 0", owner=owner)
-      call schema%real("material", "jwl_omega", "JWL omega, Grueneisen number of the products", &
+      call schema%real("material", "jwl_omega", "JWL omega, Grueneisen parameter of the products", &
          range="> 0 < 1", owner=owner)
-      call schema%real("material", "jwl_e0", "JWL E0, chemical energy per volume of the "// &
-         "explosive before the burn", unit="Pa", range="> 0", owner=owner)
-      call schema%real("material", "detonation_speed", "speed of a detonation; without it that "// &
-         "of the Chapman-Jouguet state of the other constants", unit="m/s", range="> 0", &
+      call schema%real("material", "jwl_e0", &
+         "JWL E0, chemical energy per initial volume of the explosive", unit="Pa", range="> 0", &
          owner=owner)
-      call schema%real("material", "burn_cells", "cells that a detonation passes while a point "// &
-         "burns", default="2.5", range=">= 0.5 <= 20", owner=owner)
-      call schema%text("material", "burn_rule", "time: a point burns from the time at which a "// &
-         "&detonation reaches it; both: also as far as it is compressed, as in an overdriven "// &
-         "detonation", default="time", words="time both", owner=owner)
+      call schema%real("material", "detonation_speed", "detonation speed; default: that of the "// &
+         "Chapman-Jouguet state given by the other constants", unit="m/s", range="> 0", owner=owner)
+      call schema%real("material", "burn_cells", "width of the burn front in cells", &
+         default="2.5", range=">= 0.5 <= 20", owner=owner)
+      call schema%text("material", "burn_rule", "what burns the explosive: time, the arrival "// &
+         "of a &detonation; both, the arrival or the compression, as in an overdriven detonation", &
+         default="time", words="time both", owner=owner)
       call schema%require("material", "jwl_a jwl_b jwl_r1 jwl_r2 jwl_omega jwl_e0")
    end subroutine jwl_declare
 

@@ -58,18 +58,20 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & failed_as = "
 
-      call schema%text("material", "failed_as", "failed material: rubble has neither "// &
-         "deviator nor tension, nothing has no stress at all, the others follow that law; "// &
-         "default: rubble, with damage_model = 'jh2' its fractured strength", &
+      call schema%text("material", "failed_as", "law of failed material: rubble has neither "// &
+         "deviator nor tension, nothing has zero stress, the others follow that strength law; "// &
+         "default: rubble, with damage_model = 'jh2' the fractured strength", &
          words="rubble nothing granular drucker_prager", owner="effects.damage")
       call schema%real("material", "failed_friction_angle", &
-         "angle of friction of failed material", &
-         unit="deg", range="> 0 < 90", owner=owner//"drucker_prager")
+         "angle of internal friction of failed material", unit="deg", range="> 0 < 90", &
+         owner=owner//"drucker_prager")
       call schema%require("material", "failed_friction_angle")
-      call schema%real("material", "failed_tau", "time in which the stress of failed material "// &
-         "relaxes at rest", unit="s", range="> 0", owner=owner//"granular")
-      call schema%real("material", "failed_gamma_c", "strain that a contact of failed material "// &
-         "survives", range="> 0", owner=owner//"granular")
+      call schema%real("material", "failed_tau", &
+         "relaxation time of the stress of failed material at rest", unit="s", range="> 0", &
+         owner=owner//"granular")
+      call schema%real("material", "failed_gamma_c", &
+         "strain at which contacts of failed material are lost", range="> 0", owner=owner// &
+         "granular")
    end subroutine declare_failed_law
 
    !> Error in the combination of the keys; empty if there is none.

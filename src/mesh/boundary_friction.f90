@@ -38,8 +38,8 @@ contains
       class(boundary_friction_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("boundary", "friction", "coefficient of friction of the wall", &
-         range=">= 0", owner="type = friction")
+      call schema%real("boundary", "friction", "friction coefficient of the wall", range=">= 0", &
+         owner="type = friction")
       call schema%require("boundary", "friction")
    end subroutine friction_declare
 

@@ -24,8 +24,9 @@ contains
       character(len=*), intent(in) :: kind           !! Word of the kind of output
 
       if (.not. schema%extend_owner("output", "fields", kind)) call schema%text("output", &
-         "fields(:40)", "names from scree --list fields; default: the usual ones; state: all "// &
-         "from which another run can continue", default="default", owner="kind = "//kind)
+         "fields(:40)", "field names, see scree --list fields; default: the usual fields; "// &
+         "state: all fields needed to continue in another run", default="default", &
+         owner="kind = "//kind)
    end subroutine declare_fields
 
    !> Names of the fields of a stream that the scene has; each of the others is an error.

@@ -33,8 +33,9 @@ contains
 
       call schema%real("output", "dt", "time between two outputs", unit="s", range="> 0")
       call schema%integer("output", "every", "steps between two outputs", range="> 0")
-      call schema%real("output", "times(:50)", "times of output", unit="s", range=">= 0")
-      call schema%integer("output", "count", "number of outputs, evenly over t_end", range="> 0")
+      call schema%real("output", "times(:50)", "output times", unit="s", range=">= 0")
+      call schema%integer("output", "count", "number of outputs, evenly spaced over t_end", &
+         range="> 0")
    end subroutine declare_schedule
 
    !> Check that one of the keys is given, and that the listed times are in the run.

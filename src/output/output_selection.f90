@@ -50,7 +50,7 @@ contains
       character(len=*), intent(in) :: kind           !! Word of the kind of output
 
       if (.not. schema%extend_owner("output", "axis", kind)) call schema%text("output", "axis", &
-         "normal of the plane of a slice; direction of a profile", default="x", words="x y z", &
+         "normal of a slice; direction of a profile", default="x", words="x y z", &
          owner="kind = "//kind)
    end subroutine declare_axis
 

@@ -70,11 +70,10 @@ contains
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       if (.not. schema%extend_owner("output", "precision", kind)) call schema%text("output", &
-         "precision", "precision of the numbers in files", default="single", &
+         "precision", "floating-point precision in files", default="single", &
          words="single double", owner="kind = "//kind)
       if (.not. schema%extend_owner("output", "compress", kind)) call schema%integer("output", &
-         "compress", "level of gzip, 0 = off", default="1", range=">= 0 <= 9", &
-         owner="kind = "//kind)
+         "compress", "gzip level, 0 = off", default="1", range=">= 0 <= 9", owner="kind = "//kind)
    end subroutine declare_format
 
    !> Read the keys of the format of files.

@@ -220,7 +220,7 @@ contains
       if (now%entry(removed_particles) > 0.0_wp) then
          write (line, "(a,i0,a,es10.3,a)") "removed   ", &
             nint(now%entry(removed_particles), int64), &
-            " particles that had failed or left their bounds, with", now%entry(removed_mass), " kg"
+            " particles that failed or exceeded a limit, with", now%entry(removed_mass), " kg"
          text = text//trim(line)//new_line("a")
       end if
       write (line, "(a,f8.2,a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
@@ -258,15 +258,15 @@ contains
       text = ""
       associate (load => simulation%machine%load)
          if (load%looks > 0) then
-            write (line, "(a,f6.3,a,f6.3,a,f6.3,a,i0,a)") "work      busiest rank over mean", &
-               load%total/real(load%looks, wp), " on average,", load%last, " at last,", &
-               load%greatest, " at worst after step 100; shared out anew ", load%cuts, " times"
+            write (line, "(a,f6.3,a,f6.3,a,f6.3,a,i0,a)") "load      busiest rank over mean", &
+               load%total/real(load%looks, wp), " on average,", load%last, " at the end,", &
+               load%greatest, " at most after step 100; rebalanced ", load%cuts, " times"
             text = trim(line)//new_line("a")
          end if
       end associate
       each = 1.0_wp/(real(simulation%machine%communicator%size, &
          wp)*real(max(simulation%clock%step, 1_int64), wp))
-      write (line, "(a,2(f6.2,a,es9.2,a))") "messages  a step and rank:", &
+      write (line, "(a,2(f6.2,a,es9.2,a))") "messages  per step and rank:", &
          each*real(traffic(1), wp), " of patches,", each*real(traffic(2), wp), " bytes; ", &
          each*real(traffic(3), wp), " of particles,", each*real(traffic(4), wp), " bytes"
       text = text//trim(line)

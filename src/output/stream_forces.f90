@@ -66,7 +66,7 @@ contains
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call schema%text("output", "walls(:20)", "boundaries (zlo), parts of boundaries and "// &
-         "rigid regions (names of their regions) whose forces are shown; default: all", &
+         "rigid regions (by the names of their regions) whose forces are written; default: all", &
          owner="kind = "//kind)
    end subroutine forces_declare
 

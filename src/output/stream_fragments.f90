@@ -54,8 +54,8 @@ contains
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_selection(schema, kind)
-      call schema%real("output", "velocity_cut", "cells are separate where their mean "// &
-         "velocities differ by more; default: never", unit="m/s", range="> 0", &
+      call schema%real("output", "velocity_cut", "neighbouring cells are separate fragments "// &
+         "where their mean velocities differ by more; default: never", unit="m/s", range="> 0", &
          owner="kind = "//kind)
       call schema%text("output", "matter", &
          "material that counts as part of a fragment; intact: "// &

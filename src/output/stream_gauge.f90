@@ -69,18 +69,18 @@ contains
 
       call declare_fields(schema, kind)
       call declare_selection(schema, kind)
-      call schema%text("output", "gauge", "what is seen: the material around a fixed point; "// &
-         "the particle that is nearest to the point when the run starts; the surface of the "// &
-         "material where a beam along an axis through the point meets it; means over bodies "// &
-         "and region", default="point", words=words, owner="kind = "//kind)
-      call schema%real("output", "point(3)", "where the gauge is", unit="m", &
+      call schema%text("output", "gauge", "what is measured: point, the material around a "// &
+         "fixed point; particle, the particle nearest to the point at the start; surface, the "// &
+         "surface of the material where a beam along an axis through the point meets it; mean, "// &
+         "means over bodies and region", default="point", words=words, owner="kind = "//kind)
+      call schema%real("output", "point(3)", "position of the gauge", unit="m", &
          owner="kind = "//kind//" & gauge = point particle surface")
-      call schema%real("output", "radius", "of the material, or of the beam on a surface, that "// &
-         "is seen; default: one and a half cells", unit="m", range="> 0", owner="kind = "//kind// &
-         " & gauge = point surface")
-      call schema%real("output", "depth", "of the material below a surface that decides on the "// &
-         "value there; default: two cells", unit="m", range="> 0", owner="kind = "//kind// &
-         " & gauge = surface")
+      call schema%real("output", "radius", &
+         "radius of the measured material, or of the beam on a surface; default: 1.5 cells", &
+         unit="m", range="> 0", owner="kind = "//kind//" & gauge = point surface")
+      call schema%real("output", "depth", &
+         "depth below the surface over which material is measured; default: two cells", unit="m", &
+         range="> 0", owner="kind = "//kind//" & gauge = surface")
       call schema%text("output", "side", "side from which the beam comes", &
          words="-x +x -y +y -z +z", owner="kind = "//kind//" & gauge = surface")
    end subroutine gauge_declare

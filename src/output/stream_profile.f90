@@ -60,8 +60,9 @@ contains
       call declare_fields(schema, kind)
       call declare_selection(schema, kind)
       call declare_axis(schema, kind)
-      call schema%integer("output", "bins", "bins of equal width from one end of the grid to "// &
-         "the other", default="100", range="> 0 <= 10000", owner="kind = "//kind)
+      call schema%integer("output", "bins", &
+         "number of bins of equal width over the length of the grid", default="100", &
+         range="> 0 <= 10000", owner="kind = "//kind)
    end subroutine profile_declare
 
    !> Read the keys of the kind.

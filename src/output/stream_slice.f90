@@ -50,8 +50,9 @@ contains
 
       call self%stream_particles_t%declare(schema, kind)
       call declare_axis(schema, kind)
-      call schema%real("output", "at", "position of the plane; particles within half a cell "// &
-         "of it are written", unit="m", owner="kind = "//kind)
+      call schema%real("output", "at", &
+         "position of the slice; particles within half a cell of it are written", unit="m", &
+         owner="kind = "//kind)
       call schema%require("output", "at")
    end subroutine slice_declare
 

@@ -147,7 +147,7 @@ contains
       write (line, "(a, es9.2, a, f8.1, a)") "total  ", real(steps, wp) &
          *real(run%cell%grains%count, wp), " grain steps, about", real(steps, wp) &
          *real(run%cell%grains%count, wp)/grain_steps_per_second/60.0_wp, &
-         " minutes at 5 million a second on one core"
+         " minutes at 5 million/s on one core"
       text = text//trim(line)
    end function cost_text
 
@@ -211,7 +211,7 @@ contains
          energy%total - run%output%energy_at_start - energy%work
       call log%info(trim(line)//" J")
       write (line, "(a, f8.2, a, i0, a, i0, a)") "speed     ", rate*1.0e-6_wp, &
-         " million grain steps/s   pairs found ", run%cell%searches, " times in ", run%cell%step, &
+         " million grain steps/s   neighbour searches ", run%cell%searches, " in ", run%cell%step, &
          " steps"
       call log%info(trim(line))
       call log%info("ended     "//run%reason)

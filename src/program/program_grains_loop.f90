@@ -158,7 +158,7 @@ contains
          code = error%code
          run%reason = error%message
       else if (code == exit_success) then
-         run%reason = "last stage done"
+         run%reason = "last stage finished"
          call write_checkpoint(run, log, error)
       else
          call write_checkpoint(run, log, error)

@@ -31,13 +31,13 @@ contains
       character(len=:), allocatable :: meanings, walls
       integer :: n
 
-      call schema%group("boundary", &
-         "what holds on a face of the grid, on a part of it, or in a rigid region; faces "// &
-         "without one are open", many=.true.)
-      call schema%text("boundary", "face", "one face or all that have no other", words="all")
+      call schema%group("boundary", "condition at a boundary of the grid, at a part of it, or "// &
+         "in a rigid region; boundaries without one are outflow", many=.true.)
+      call schema%text("boundary", "face", &
+         "a boundary of the grid; all: every one without its own &boundary", words="all")
       call schema%words("boundary", "face", face_names)
-      call schema%text("boundary", "region", "without face: a rigid body, whose nodes have the "// &
-         "type; with face: the part of the face in it")
+      call schema%text("boundary", "region", "without face: a rigid body with this condition "// &
+         "at its nodes; with face: the part of the boundary in this region")
       meanings = ""
       walls = ""
       do n = 1, size(boundary_names)
@@ -47,21 +47,24 @@ contains
       end do
       call schema%text("boundary", "type", meanings(3:))
       call schema%words("boundary", "type", boundary_names)
-      call schema%real("boundary", "velocity(3)", "velocity of the wall; of a face only with "// &
-         "type = velocity", unit="m/s", default="0 0 0", owner="type ="//walls)
-      call schema%text("boundary", "table", "file of lines t, vx, vy, vz in the units of the "// &
-         "deck, added to velocity, straight between; path relative to the deck", &
+      call schema%real("boundary", "velocity(3)", &
+         "velocity of the wall; at a face only with type = velocity", unit="m/s", default="0 0 0", &
+         owner="type ="//walls)
+      call schema%text("boundary", "table", "file with lines t, vx, vy, vz in the units of the "// &
+         "deck, interpolated linearly and added to velocity; path relative to the deck", &
          owner="type ="//walls)
       do n = 1, size(boundary_names)
          call choose_boundary(boundary_names(n), condition)
          call condition%declare(schema)
       end do
-      call schema%real("boundary", "t_on", "time at which the wall comes, and a region begins "// &
-         "to move", unit="s", default="0.0", range=">= 0", owner="type ="//walls)
-      call schema%real("boundary", "t_off", "time at which it goes; a face is open then", &
-         unit="s", range="> 0", owner="type ="//walls)
-      call schema%real("boundary", "temperature", "temperature at which a whole face is held, "// &
-         "where heat is conducted; without it is insulated", unit="K", range=">= 0", &
+      call schema%real("boundary", "t_on", &
+         "time from which the wall acts, and from which a region moves", unit="s", default="0.0", &
+         range=">= 0", owner="type ="//walls)
+      call schema%real("boundary", "t_off", &
+         "time until which the wall acts; a face is outflow afterwards", unit="s", range="> 0", &
+         owner="type ="//walls)
+      call schema%real("boundary", "temperature", "fixed temperature of a whole face, for heat "// &
+         "conduction; without it the face is insulated", unit="K", range=">= 0", &
          owner="effects.thermal")
       call schema%require("boundary", "type")
       call schema%refer("boundary", "region", "region")

@@ -28,19 +28,21 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("contact", &
-         "what holds between two bodies; pairs without one slip freely", many=.true.)
+         "contact law of a pair of bodies; pairs without one slip without friction", many=.true.)
       call schema%text("contact", "bodies(:2)", "names of the two, '*' for any other; pairs of "// &
          "names win over '*'; one name twice: parts of the body that failed material separates", &
          default="*", owner="effects.contact")
       call schema%text("contact", "law", "friction: Coulomb; stick: no slip while pressed "// &
-         "together; bonded: one body until the bond breaks, friction then", default="friction", &
-         words="friction stick frictionless bonded", owner="effects.contact")
-      call schema%real("contact", "friction", "coefficient of friction", default="0.0", &
-         range=">= 0", owner="effects.contact & law = friction bonded")
-      call schema%real("contact", "bond_strength", "stress that breaks the bond, by tension "// &
-         "and shear together; without it the bond holds for ever", unit="Pa", range="> 0", &
+         "together; bonded: no relative motion until the bond breaks, then friction", &
+         default="friction", words="friction stick frictionless bonded", owner="effects.contact")
+      call schema%real("contact", "friction", "friction coefficient", default="0.0", range=">= 0", &
+         owner="effects.contact & law = friction bonded")
+      call schema%real("contact", "bond_strength", "strength of the bond, for tension and "// &
+         "shear combined; without it the bond does not break", unit="Pa", range="> 0", &
          owner="effects.contact & law = bonded")
-      call schema%refer("contact", "bodies", "body")
+      call schema%refer("contact", "bodies", "names of the two bodies, '*' for any other; "// &
+         "names take precedence over '*'; the same name twice: parts of a body that failed "// &
+         "material separates")
    end subroutine declare_contact
 
    !> Give the bodies their velocity fields and these their stores, if contact is on.

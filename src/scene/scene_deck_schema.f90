@@ -30,7 +30,7 @@ contains
 
       call schema%group("include", "read more groups from another file", many=.true.)
       call schema%text("include", "file", "path, relative to the file that includes it")
-      call schema%group("define", "names for numbers that expressions in braces use: {2*name}", &
+      call schema%group("define", "names for numbers, for use in expressions in braces: {2*name}", &
          many=.true.)
       call declare_run(schema)
       call declare_units(schema)

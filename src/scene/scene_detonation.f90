@@ -20,21 +20,18 @@ contains
    subroutine declare_detonation(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
-      call schema%group("detonation", "where and when an explosive is lit; the earliest of "// &
-         "several counts", many=.true.)
-      call schema%text("detonation", "shape", "of what is lit at once", default="point", &
-         words="point line plane")
-      call schema%real("detonation", "point(3)", "the point; of a line where it begins, of a "// &
-         "plane any of its points", unit="m")
-      call schema%real("detonation", "point2(3)", "where a line ends", unit="m", &
-         owner="shape = line")
-      call schema%real("detonation", "normal(3)", "direction across a plane", &
-         owner="shape = plane")
-      call schema%real("detonation", "time", "at which it is lit", unit="s", default="0")
-      call schema%real("detonation", "speed", "of the detonation; without it detonation_speed "// &
-         "of the material", unit="m/s", range="> 0")
-      call schema%text("detonation", "material", "the only explosive that it lights; all "// &
-         "without it")
+      call schema%group("detonation", &
+         "where and when an explosive is ignited; the earliest arrival counts", many=.true.)
+      call schema%text("detonation", "shape", "shape of the part that is ignited at once", &
+         default="point", words="point line plane")
+      call schema%real("detonation", "point(3)", &
+         "ignition point; start of a line; any point of a plane", unit="m")
+      call schema%real("detonation", "point2(3)", "end of the line", unit="m", owner="shape = line")
+      call schema%real("detonation", "normal(3)", "normal of the plane", owner="shape = plane")
+      call schema%real("detonation", "time", "time of ignition", unit="s", default="0")
+      call schema%real("detonation", "speed", &
+         "detonation speed; default: detonation_speed of the material", unit="m/s", range="> 0")
+      call schema%text("detonation", "material", "the only explosive that is ignited; default: all")
       call schema%require("detonation", "point point2 normal")
       call schema%refer("detonation", "material", "material")
    end subroutine declare_detonation

@@ -31,19 +31,19 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("effects", &
-         "physics switches; a switched-off effect costs nothing and its "// &
-         "keys are refused")
-      call schema%logical("effects", "gravity", "acceleration of all material", default=".false.")
+         "physics switches; an effect that is off costs nothing, and its keys are errors")
+      call schema%logical("effects", "gravity", &
+         "gravity or another acceleration that acts on all material", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
          default="0 0 -9.80665", owner="gravity")
-      call schema%text("effects", "gravity_table", "file of lines t, gx, gy, gz in the units "// &
-         "of the deck, added to gravity_vector, straight between; path relative to the deck", &
-         owner="gravity")
-      call schema%real("effects", "damping", "rate at which motion is damped, for states at "// &
-         "rest: a force of mass times velocity times this; twice the lowest angular frequency "// &
-         "brings a body to rest fastest", unit="1/s", default="0.0", range=">= 0")
-      call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
-         default=".false.")
+      call schema%text("effects", "gravity_table", "file with lines t, gx, gy, gz in the units "// &
+         "of the deck, interpolated linearly and added to gravity_vector; path relative to the "// &
+         "deck", owner="gravity")
+      call schema%real("effects", "damping", "damping rate for finding states at rest: the "// &
+         "force on a particle is -rate * mass * velocity; twice the lowest angular frequency "// &
+         "of a body brings it to rest fastest", unit="1/s", default="0.0", range=">= 0")
+      call schema%logical("effects", "contact", &
+         "contact between bodies: each body has its own velocity field", default=".false.")
       call schema%logical("effects", "erosion", "failed particles are removed and recorded", &
          default=".false.", owner="effects.damage")
    end subroutine declare_effects

@@ -34,17 +34,17 @@ contains
    subroutine declare_inflow(schema)
       type(schema_t), intent(inout) :: schema        !! Gets the keys
 
-      call schema%group("inflow", "a body whose material goes on entering: it moves as given, "// &
-         "and more of it follows", many=.true.)
-      call schema%text("inflow", "body", "a body with the cross-section of the flow, three "// &
-         "cells long or more; it is full of material at the start")
-      call schema%real("inflow", "velocity(3)", "of the material, along x, y or z; with "// &
-         "mass_rate only its direction counts", unit="m/s")
-      call schema%real("inflow", "mass_rate", "mass that enters in a time, which gives the "// &
-         "speed; in a plane scene for its depth", unit="kg/s", range="> 0")
-      call schema%text("inflow", "table", "file of lines t, vx, vy, vz in the units of the "// &
-         "deck, added to velocity, straight between; path relative to the deck")
-      call schema%real("inflow", "t_off", "time at which it ends, and the body moves freely", &
+      call schema%group("inflow", &
+         "a body that enters with a prescribed velocity; new material follows", many=.true.)
+      call schema%text("inflow", "body", "body with the cross-section of the flow, at least "// &
+         "three cells long and full of material at the start")
+      call schema%real("inflow", "velocity(3)", "velocity of the entering material, along x, y "// &
+         "or z; with mass_rate only its direction is used", unit="m/s")
+      call schema%real("inflow", "mass_rate", "mass per time that enters; it determines the "// &
+         "speed; in a plane scene, for the depth of the scene", unit="kg/s", range="> 0")
+      call schema%text("inflow", "table", "file with lines t, vx, vy, vz in the units of the "// &
+         "deck, interpolated linearly and added to velocity; path relative to the deck")
+      call schema%real("inflow", "t_off", "end of the inflow; afterwards the body moves freely", &
          unit="s", range="> 0")
       call schema%require("inflow", "body velocity")
       call schema%refer("inflow", "body", "body")

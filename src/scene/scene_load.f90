@@ -25,16 +25,17 @@ contains
       call schema%group("load", "a pressure or traction on the surface of bodies", many=.true.)
       call schema%text("load", "name", "name of the load, for messages")
       call schema%text("load", "bodies(:20)", "bodies on whose surface it acts; default: all")
-      call schema%text("load", "region", "it acts on surfaces in this region, whose edge "// &
-         "should lie inside the material or in the void, not along a surface; default: everywhere")
-      call schema%real("load", "pressure", "on the surface, positive: pushes inwards", unit="Pa")
-      call schema%real("load", "traction(3)", "force on an area of a flat surface with the "// &
-         "direction normal", unit="Pa")
-      call schema%real("load", "normal(3)", "direction of that surface, out of the body")
+      call schema%text("load", "region", "region in which surfaces are loaded; its edge should "// &
+         "lie inside the material or in the void, not along a surface; default: everywhere")
+      call schema%real("load", "pressure", "pressure on the surface; positive pushes inwards", &
+         unit="Pa")
+      call schema%real("load", "traction(3)", &
+         "force per area on a flat surface, whose direction is normal", unit="Pa")
+      call schema%real("load", "normal(3)", "outward normal of the flat surface")
       call schema%real("load", "times(:50)", "times of factors, ascending", unit="s")
-      call schema%real("load", "factors(:50)", "factors of pressure and traction at these "// &
-         "times, straight between, constant before and after; default: 1 at all times")
-      call schema%refer("load", "bodies", "body")
+      call schema%real("load", "factors(:50)", "factors on pressure and traction at these "// &
+         "times, interpolated linearly, constant before and after; default: 1 at all times")
+      call schema%refer("load", "bodies", "bodies whose surface is loaded; default: all")
       call schema%refer("load", "region", "region")
    end subroutine declare_load
 

@@ -42,56 +42,62 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("region", "a shape, or a set operation on shapes", many=.true.)
-      call schema%text("region", "name", "what bodies and other regions refer to")
+      call schema%text("region", "name", "name of the region, for bodies and other regions")
       call schema%text("region", "shape", "kind of shape", &
          words="box sphere cylinder cone ellipsoid torus halfspace prism stl voxel points "// &
          "union difference intersection")
       call schema%real("region", "lo(3)", "lower corner of a box", unit="m", owner="shape = box")
       call schema%real("region", "hi(3)", "upper corner of a box", unit="m", owner="shape = box")
       call schema%real("region", "centre(3)", "centre; of a cylinder or cone the middle of its "// &
-         "axis, of a halfspace a point of its plane", unit="m", owner=solids)
-      call schema%real("region", "radius", "radius; of a cone where its axis begins, of a "// &
-         "torus of the circle in its middle", unit="m", range="> 0", owner=round)
-      call schema%real("region", "radius2", "of a cone at the end of its axis, 0 = a tip; of a "// &
-         "torus that of its section", unit="m", range=">= 0", owner="shape = cone torus")
-      call schema%real("region", "semi_axes(3)", "half the axes, along x, y and z", unit="m", &
+         "axis, of a halfspace a point on its plane", unit="m", owner=solids)
+      call schema%real("region", "radius", &
+         "radius; of a cone at the start of its axis, of a torus that of its centre line", &
+         unit="m", range="> 0", owner=round)
+      call schema%real("region", "radius2", "radius of a cone at the end of its axis, 0 = a "// &
+         "tip; of a torus that of its cross-section", unit="m", range=">= 0", &
+         owner="shape = cone torus")
+      call schema%real("region", "semi_axes(3)", "semi-axes along x, y and z", unit="m", &
          range="> 0", owner="shape = ellipsoid")
-      call schema%real("region", "axis(3)", "direction of the axis; of a prism one of the "// &
-         "coordinates, in a plane scene y", default="0 0 1", &
-         owner="shape = cylinder cone torus prism")
-      call schema%real("region", "normal(3)", "direction out of the halfspace", &
+      call schema%real("region", "axis(3)", &
+         "direction of the axis; of a prism one of the coordinate axes, in a plane scene y", &
+         default="0 0 1", owner="shape = cylinder cone torus prism")
+      call schema%real("region", "normal(3)", "outward normal of the halfspace", &
          owner="shape = halfspace")
-      call schema%real("region", "polygon(:400)", "corners of a prism in turn, two numbers "// &
-         "each: in a plane scene x and z, in space the two coordinates other than its axis", &
+      call schema%real("region", "polygon(:400)", "corners of a prism in order, two numbers "// &
+         "each: in a plane scene x and z, in 3-D the two coordinates across its axis", unit="m", &
+         owner="shape = prism")
+      call schema%real("region", "span(2)", "start and end of a prism along its axis; 3-D only", &
          unit="m", owner="shape = prism")
-      call schema%real("region", "span(2)", "where a prism begins and ends along its axis; in "// &
-         "space only", unit="m", owner="shape = prism")
-      call schema%text("region", "file", "of stl: facets; of voxel: HDF5, or MetaImage (.mhd, "// &
-         ".mha); of points: CSV, or a snapshot (.hdf, .h5); lengths in the unit of the deck; "// &
-         "path relative to the deck", owner="shape = stl voxel points")
-      call schema%real("region", "point_volume", "volume of each point, where the file has none", &
+      call schema%text("region", "file", "input file: of stl facets; of voxel HDF5 or "// &
+         "MetaImage (.mhd, .mha); of points CSV or a snapshot (.hdf, .h5); lengths in the unit "// &
+         "of the deck; path relative to the deck", owner="shape = stl voxel points")
+      call schema%real("region", "point_volume", "volume of each particle, if the file has none", &
          unit="m3", range="> 0", owner="shape = points")
-      call schema%text("region", "from_body", "body of a snapshot whose points are taken; "// &
-         "without it those of all bodies of the material", owner="shape = points")
+      call schema%text("region", "from_body", &
+         "body of a snapshot whose particles are used; default: all bodies of the material", &
+         owner="shape = points")
       call schema%text("region", "dataset", "name of the voxels in an HDF5 file", &
          default="/voxels", owner="shape = voxel")
-      call schema%integer("region", "voxel_value", "which voxels belong to it: those of this "// &
-         "value, or nearest to it", default="1", owner="shape = voxel")
+      call schema%integer("region", "voxel_value", "voxel value of the material: voxels of "// &
+         "this value belong to the region; of real voxels the nearest", default="1", &
+         owner="shape = voxel")
       call schema%real("region", "height", "length along the axis", unit="m", range="> 0", &
          owner="shape = cylinder cone")
       call schema%text("region", "of(:8)", &
          "regions that the set operation takes; difference: the "// &
          "first without the others", owner=sets)
-      call schema%real("region", "scale", "factor, applied first", default="1.0", range="> 0")
-      call schema%real("region", "rotate(3)", "angles about x, then y, then z, applied second", &
-         unit="deg", default="0 0 0")
-      call schema%text("region", "rotate_about", "what rotate keeps in its place: the origin, "// &
-         "or the centre of the box around the shape", default="origin", words="origin centre")
+      call schema%real("region", "scale", "scale factor, applied first", default="1.0", range="> 0")
+      call schema%real("region", "rotate(3)", &
+         "rotation angles about x, then y, then z, applied second", unit="deg", default="0 0 0")
+      call schema%text("region", "rotate_about", &
+         "centre of the rotation: the origin, or the centre of the bounding box of the shape", &
+         default="origin", words="origin centre")
       call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
          default="0 0 0")
       call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
          "normal polygon file height of")
-      call schema%refer("region", "of", "region")
+      call schema%refer("regions of the set operation; difference: the first without the others", &
+         "of", "region")
    end subroutine declare_region
 
    !> All regions.

@@ -53,11 +53,12 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = table"
 
-      call schema%text("material", "eos_table", "file of the equation of state, relative to "// &
-         "the deck: lines of density, temperature, pressure and energy in SI units", owner=owner)
-      call schema%real("material", "table_temperature", "temperature of the reference state: "// &
-         "of the bulk modulus, and of bodies at the start without &effects thermal", unit="K", &
-         default="293", range=">= 0", owner=owner)
+      call schema%text("material", "eos_table", "file of the equation of state: lines of "// &
+         "density, temperature, pressure and energy in SI units; path relative to the deck", &
+         owner=owner)
+      call schema%real("material", "table_temperature", "temperature of the reference state, "// &
+         "for the bulk modulus; also the initial temperature of bodies without &effects thermal", &
+         unit="K", default="293", range=">= 0", owner=owner)
       call schema%require("material", "eos_table")
    end subroutine table_declare
 

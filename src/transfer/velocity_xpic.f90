@@ -31,9 +31,9 @@ contains
       class(velocity_xpic_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%integer("method", "order_k", "order of the filter of velocities: terms of "// &
-         "its series; xpic has 2 at least", default="2", range=">= 1 <= 100", &
-         owner="transfer = xpic fmpm")
+      call schema%integer("method", "order_k", &
+         "order of the velocity filter, the number of terms of its series; at least 2 for xpic", &
+         default="2", range=">= 1 <= 100", owner="transfer = xpic fmpm")
    end subroutine xpic_declare
 
    !> Read the order. The first one is PIC.
