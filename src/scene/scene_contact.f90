@@ -29,9 +29,9 @@ contains
 
       call schema%group("contact", &
          "contact law of a pair of bodies; pairs without one slip without friction", many=.true.)
-      call schema%text("contact", "bodies(:2)", "names of the two, '*' for any other; pairs of "// &
-         "names win over '*'; one name twice: parts of the body that failed material separates", &
-         default="*", owner="effects.contact")
+      call schema%text("contact", "bodies(:2)", "names of the two bodies, '*' for any other; "// &
+         "names take precedence over '*'; the same name twice: parts of a body that failed "// &
+         "material separates", default="*", owner="effects.contact")
       call schema%text("contact", "law", "friction: Coulomb; stick: no slip while pressed "// &
          "together; bonded: no relative motion until the bond breaks, then friction", &
          default="friction", words="friction stick frictionless bonded", owner="effects.contact")
@@ -40,9 +40,7 @@ contains
       call schema%real("contact", "bond_strength", "strength of the bond, for tension and "// &
          "shear combined; without it the bond does not break", unit="Pa", range="> 0", &
          owner="effects.contact & law = bonded")
-      call schema%refer("contact", "bodies", "names of the two bodies, '*' for any other; "// &
-         "names take precedence over '*'; the same name twice: parts of a body that failed "// &
-         "material separates")
+      call schema%refer("contact", "bodies", "body")
    end subroutine declare_contact
 
    !> Give the bodies their velocity fields and these their stores, if contact is on.

@@ -31,8 +31,9 @@ contains
          "is manufactured, a body force; histories then contain its errors")
       call schema%text("exact", "solution", "name of the solution", default="none", words="none")
       call schema%words("exact", "solution", exact_names)
-      call schema%text("exact", "bodies(:40)", "bodies that follow it; without: all", owner=owner)
-      call schema%refer("exact", "bodies", "bodies that follow the solution; default: all")
+      call schema%text("exact", "bodies(:40)", "bodies that follow the solution; default: all", &
+         owner=owner)
+      call schema%refer("exact", "bodies", "body")
       call schema%real("exact", "origin(3)", "origin of the coordinates of the solution", &
          unit="m", default="0 0 0", owner=owner)
       do n = 1, size(exact_names)

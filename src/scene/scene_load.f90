@@ -24,7 +24,7 @@ contains
 
       call schema%group("load", "a pressure or traction on the surface of bodies", many=.true.)
       call schema%text("load", "name", "name of the load, for messages")
-      call schema%text("load", "bodies(:20)", "bodies on whose surface it acts; default: all")
+      call schema%text("load", "bodies(:20)", "bodies whose surface is loaded; default: all")
       call schema%text("load", "region", "region in which surfaces are loaded; its edge should "// &
          "lie inside the material or in the void, not along a surface; default: everywhere")
       call schema%real("load", "pressure", "pressure on the surface; positive pushes inwards", &
@@ -35,7 +35,7 @@ contains
       call schema%real("load", "times(:50)", "times of factors, ascending", unit="s")
       call schema%real("load", "factors(:50)", "factors on pressure and traction at these "// &
          "times, interpolated linearly, constant before and after; default: 1 at all times")
-      call schema%refer("load", "bodies", "bodies whose surface is loaded; default: all")
+      call schema%refer("load", "bodies", "body")
       call schema%refer("load", "region", "region")
    end subroutine declare_load
 

@@ -84,8 +84,7 @@ contains
       call schema%real("region", "height", "length along the axis", unit="m", range="> 0", &
          owner="shape = cylinder cone")
       call schema%text("region", "of(:8)", &
-         "regions that the set operation takes; difference: the "// &
-         "first without the others", owner=sets)
+         "regions of the set operation; difference: the first without the others", owner=sets)
       call schema%real("region", "scale", "scale factor, applied first", default="1.0", range="> 0")
       call schema%real("region", "rotate(3)", &
          "rotation angles about x, then y, then z, applied second", unit="deg", default="0 0 0")
@@ -96,8 +95,7 @@ contains
          default="0 0 0")
       call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
          "normal polygon file height of")
-      call schema%refer("regions of the set operation; difference: the first without the others", &
-         "of", "region")
+      call schema%refer("region", "of", "region")
    end subroutine declare_region
 
    !> All regions.
