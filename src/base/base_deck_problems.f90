@@ -15,7 +15,7 @@ module base_deck_problems
    type :: repeated_t
       character(len=:), allocatable :: body !! Name, the start of the names of its copies
       character(len=:), allocatable :: region !! Name of its region, which is repeated too
-      integer :: copies = 0                              !! How many
+      integer :: copies = 0                              !! Number of copies
    end type repeated_t
 
    !> One error or warning.
@@ -24,7 +24,7 @@ module base_deck_problems
       integer :: line = 0                                !! Line of the file, 0 = none
       logical :: is_error = .true.                       !! Or else a warning
       character(len=:), allocatable :: text              !! What is wrong and what to do
-      character(len=:), allocatable :: common            !! Part of the text that all copies share
+      character(len=:), allocatable :: common            !! Part of the text common to all copies
       integer :: copies = 1                              !! Number of copies with this message
    end type problem_t
 
@@ -155,7 +155,7 @@ contains
       end do
    end subroutine join_copies
 
-   !> Split a message of a repeated body into the label that its copies share and the rest.
+   !> Split a message of a repeated body into the common label of its copies and the rest.
    pure subroutine take_copy_apart(repeated, text, which, label, rest)
       type(repeated_t), intent(in) :: repeated(:)        !! Repeated bodies
       character(len=*), intent(in) :: text               !! A message
@@ -368,7 +368,7 @@ contains
 
    !> Index of a file in the order of reading; texts that are not files come last.
    pure integer function place_of(file, files) result(place)
-      character(len=*), intent(in) :: file               !! Its name
+      character(len=*), intent(in) :: file               !! Name
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
 
       do place = 1, size(files)

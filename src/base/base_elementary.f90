@@ -108,8 +108,8 @@ contains
       logical :: small
       integer(int64) :: bits
 
-      ! Below the least normal number the exponent says nothing. A factor of 1 elsewhere would make
-      ! the compiler write both cases out.
+      ! The exponent field of a subnormal number is not its exponent. With a factor of 1 for normal
+      ! numbers the compiler would generate both branches.
       small = x < 1.0e-290_wp
       bits = transfer(x*merge(two54, 0.5_wp, small), bits) - bits_of_root
       fraction = transfer(iand(bits, fraction_bits) + bits_of_root, fraction) - 1.0_wp

@@ -39,7 +39,7 @@ module base_formula
 
    !> State of the parser.
    type :: parser_t
-      character(len=:), allocatable :: text              !! Small letters
+      character(len=:), allocatable :: text              !! Lower case
       integer :: at = 1                                  !! Next letter
       integer :: stack = 0                               !! Values on the stack so far
       type(text_t), allocatable :: names(:)              !! Names of the variables
@@ -51,7 +51,7 @@ contains
 
    !> True if a name is that of a function or of a constant, so that no variable can have it.
    pure logical function is_reserved(name) result(yes)
-      character(len=*), intent(in) :: name               !! Small letters
+      character(len=*), intent(in) :: name               !! Lower case
 
       yes = name == "pi" .or. function_index(name) > 0
    end function is_reserved
@@ -318,7 +318,7 @@ contains
       type(formula_t), intent(inout) :: self             !! Gets the operations
       type(parser_t), intent(inout) :: parser            !! At the opening bracket
       character(len=*), intent(in) :: name               !! Name of the function
-      integer, intent(in) :: which                       !! Its index
+      integer, intent(in) :: which                       !! Index
       integer, intent(in) :: first                       !! First letter of its name
       integer :: given, opening, wanted
 
@@ -346,7 +346,7 @@ contains
 
    !> Suggestion of a name that is close.
    function suggestion(name, names) result(question)
-      character(len=*), intent(in) :: name               !! As written
+      character(len=*), intent(in) :: name               !! Text as written
       type(text_t), intent(in) :: names(:)               !! Valid names
       character(len=:), allocatable :: question
 

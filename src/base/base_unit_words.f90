@@ -129,7 +129,7 @@ contains
 
    !> A text with u for the micro sign of UTF-8.
    pure function with_ascii_micro(text) result(word)
-      character(len=*), intent(in) :: text               !! As written
+      character(len=*), intent(in) :: text               !! Text as written
       character(len=:), allocatable :: word
       character(len=2), parameter :: micro(2) = [char(194)//char(181), char(206)//char(188)]
       integer :: at, n
@@ -212,7 +212,7 @@ contains
 
    !> Suggestion for an unknown unit.
    pure function suggested_unit(name) result(question)
-      character(len=*), intent(in) :: name               !! As written
+      character(len=*), intent(in) :: name               !! Text as written
       character(len=:), allocatable :: question
       type(text_t), allocatable :: names(:)
       integer :: n

@@ -23,7 +23,7 @@ module constitutive_brittle
 
 contains
 
-   !> Declare the keys that several models share.
+   !> Declare the keys common to several models.
    subroutine declare_brittle(schema)
       type(schema_t), intent(inout) :: schema
 
@@ -59,7 +59,7 @@ contains
    !! doc/theory/failure.md.
    pure subroutine draw_weibull(weibull, density, seed, identity, first, last, mass, scatter)
       type(weibull_t), intent(in) :: weibull         !! Modulus and volume
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       integer(int64), intent(in) :: seed             !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                   !! First particle of the range

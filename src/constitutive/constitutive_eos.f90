@@ -173,7 +173,7 @@ contains
       does = .false.
    end function eos_detonates
 
-   !> Speed of a detonation, and the relative volume behind it.
+   !> Speed of a detonation, and the relative volume behind the front.
    pure subroutine eos_detonation(self, speed, relative)
       class(eos_t), intent(in) :: self
       real(wp), intent(out) :: speed                           !! [m/s]

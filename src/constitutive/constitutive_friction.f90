@@ -45,7 +45,7 @@ module constitutive_friction
 
 contains
 
-   !> Declare the keys that several laws share.
+   !> Declare the keys common to several laws.
    subroutine declare_angles(schema)
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = "// &
@@ -146,8 +146,8 @@ contains
       end if
    end subroutine frictional_add_wave_speed
 
-   !> Kernel of the above. In material at its least pressure the shear adds its share of the speed
-   !! that the volume change has, G/K of it.
+   !> Kernel of the above. At the least pressure the shear modulus contributes the fraction G/K of
+   !! the wave speed of volume changes.
    pure subroutine add_joined_shear_speed(first, last, shear, bulk, apex, mass, volume, pressure, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
@@ -197,7 +197,7 @@ contains
       end do
    end subroutine add_dilation_pressure
 
-   !> Add what the flow of a step gained, as a share of the volume gained before. Equation (Y.27).
+   !> Add the dilatancy of a step, as a fraction of the volume gained before. Equation (Y.27).
    pure subroutine add_dilation(first, last, share, gained)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

@@ -2,8 +2,8 @@
 !> Radial return to a yield stress that hardens with a power of the plastic strain, for groups of
 !! particles that are the lanes of vectors.
 !!
-!! Newton's method takes all lanes of a group until the last one has its plastic increment. A lane
-!! that has it is left alone, so that its bits do not depend on its neighbours.
+!! Newton's method takes all lanes of a group until the last one has its plastic increment. A
+!! converged lane is not changed, so that its bits do not depend on its neighbours.
 module constitutive_hardening
    use base_elementary, only: take_fast_powers, take_logarithms
    use base_kinds, only: wp
@@ -40,7 +40,7 @@ module constitutive_hardening
       real(wp) :: going(most_lanes) !! 1 if the increment is still to be found, else 0
    end type flow_lanes_t
 
-   !> Constants of hardening that all lanes share.
+   !> Constants of hardening, the same for all lanes.
    type, public :: hardening_power_t
       real(wp) :: exponent = 1.0_wp                  !! Exponent of the power [1]
       real(wp) :: growth = 1.0_wp                    !! Of its base with the increment [1]

@@ -42,7 +42,7 @@ module constitutive_law
       procedure(request_i), deferred :: request      !! Requests the fields it needs
       procedure :: predict_trial => law_predict_trial !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
-      procedure :: add_wave_speed => law_add_wave_speed !! Its share of the square of the wave speed
+      procedure :: add_wave_speed => law_add_wave_speed !! Contribution to the squared wave speed
       !> Wave speed that its viscosity adds
       procedure :: add_viscous_speed => law_add_viscous_speed
       procedure :: stored_energy => law_stored_energy !! Energy stored in a particle
@@ -170,7 +170,7 @@ contains
       softens = .false.
    end function law_softens_by_damage
 
-   !> True if the law reads the key jc_rate, which several models share.
+   !> True if the law reads the key jc_rate, common to several models.
    pure logical function law_uses_jc_rate(self) result(uses)
       class(law_t), intent(in) :: self
 

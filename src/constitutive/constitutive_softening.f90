@@ -117,7 +117,7 @@ contains
    pure function softening_band_fault(self, spacing, dimensions) result(text)
       class(softening_t), intent(in) :: self
       real(wp), intent(in) :: spacing                !! Cell size [m]
-      integer, intent(in) :: dimensions              !! Directions of the scene
+      integer, intent(in) :: dimensions              !! Active directions
       character(len=:), allocatable :: text
       real(wp) :: young, strength, greatest
 
@@ -167,9 +167,8 @@ contains
       if (exponential(-opening/band_strain) < least) damage = 1.0_wp
    end function crack_damage
 
-   !> Stress that material with open cracks would have without them. The viscous pressure is no
-   !! stress
-   !! of the material and stays as it is.
+   !> Stress that material with open cracks would have without them. The viscous pressure is not a
+   !! stress of the material and is not changed.
    pure subroutine softening_restore_stress(self, state, first, last)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store

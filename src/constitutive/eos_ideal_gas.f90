@@ -22,10 +22,10 @@ module eos_ideal_gas
       procedure :: declare => ideal_gas_declare      !! Declares its key
       procedure :: read => ideal_gas_read            !! Reads its key
       procedure :: sets_bulk => ideal_gas_sets_bulk  !! It does: 0 without energy
-      procedure :: request => ideal_gas_request      !! Requests energy
+      procedure :: request => ideal_gas_request      !! Requests the energy field
       procedure :: update => ideal_gas_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => ideal_gas_find_gruneisen !! Grueneisen number times density
-      procedure :: stored_energy => ideal_gas_stored_energy !! Nothing, energy is carried
+      procedure :: stored_energy => ideal_gas_stored_energy !! Zero, because energy is a field
    end type eos_ideal_gas_t
 
 contains

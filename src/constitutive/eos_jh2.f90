@@ -26,7 +26,7 @@ module eos_jh2
       procedure :: fault => jh2_fault                !! A pressure that falls
       procedure :: read => jh2_read                  !! Reads its keys
       procedure :: sets_bulk => jh2_sets_bulk        !! It does, K1
-      procedure :: request => jh2_request            !! Requests nothing
+      procedure :: request => jh2_request            !! Requests no fields
       procedure :: update => jh2_update              !! Pressure and square of the sound speed
       procedure :: stored_energy => jh2_stored_energy !! Energy stored in the change of volume
    end type eos_jh2_t

@@ -4,9 +4,9 @@
 !!
 !! The distension alpha is the density of the solid over that of the material, and p = ps(alpha rho,
 !! e)/alpha with the pressure ps of the solid, here that of Mie and Grueneisen. Up to the elastic
-!! limit alpha stays as it is; beyond it the pressure follows the curve alpha = 1 + (alpha0 - 1)
-!! ((pc - p)/(pc - pe))**2 to the pressure pc that leaves no pores. Crushing is permanent. Equations
-!! (E.12) and (E.13) of doc/theory/equations_of_state.md.
+!! limit alpha is constant; beyond it the pressure follows the curve alpha = 1 + (alpha0 - 1) ((pc -
+!! p)/(pc - pe))**2 to the pressure pc that leaves no pores. Crushing is permanent. Equations (E.12)
+!! and (E.13) of doc/theory/equations_of_state.md.
 module eos_p_alpha
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -30,12 +30,12 @@ module eos_p_alpha
       procedure :: fault => p_alpha_fault            !! Keys that do not fit each other
       procedure :: read => p_alpha_read              !! Reads its keys
       procedure :: set => p_alpha_set                !! Sets its constants
-      procedure :: sets_bulk => p_alpha_sets_bulk    !! It does
-      procedure :: has_pores => p_alpha_has_pores    !! It does
+      procedure :: sets_bulk => p_alpha_sets_bulk    !! Returns true
+      procedure :: has_pores => p_alpha_has_pores    !! Returns true
       procedure :: request => p_alpha_request        !! Requests energy and distension
       procedure :: update => p_alpha_update          !! Pressure and square of the sound speed
       procedure :: keep_state => p_alpha_keep_state  !! Keeps the distension
-      procedure :: stored_energy => p_alpha_stored_energy !! Nothing, energy is carried
+      procedure :: stored_energy => p_alpha_stored_energy !! Zero, because energy is a field
    end type eos_p_alpha_t
 
 contains

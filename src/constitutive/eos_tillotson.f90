@@ -39,11 +39,11 @@ module eos_tillotson
       procedure :: declare => tillotson_declare      !! Declares its keys
       procedure :: fault => tillotson_fault          !! Energies in the wrong order
       procedure :: read => tillotson_read            !! Reads its keys
-      procedure :: sets_bulk => tillotson_sets_bulk  !! It does
-      procedure :: request => tillotson_request      !! Requests energy
+      procedure :: sets_bulk => tillotson_sets_bulk  !! Returns true
+      procedure :: request => tillotson_request      !! Requests the energy field
       procedure :: update => tillotson_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => tillotson_find_gruneisen !! Grueneisen number times density
-      procedure :: stored_energy => tillotson_stored_energy !! Nothing, energy is carried
+      procedure :: stored_energy => tillotson_stored_energy !! Zero, because energy is a field
    end type eos_tillotson_t
 
 contains

@@ -2,8 +2,8 @@
 !> Material with friction and cohesion after D. C. Drucker and W. Prager (Q. Appl. Math. 10 (1952)
 !! 157): the equivalent stress q is not above M p + k, which ends in an apex at the pressure -k/M.
 !!
-!! Flow loosens by b for each unit of equivalent plastic strain. M, k and b are those of the cone
-!! that touches the surface of Mohr and Coulomb where dp_cone says. Equation (Y.20) of
+!! Plastic flow dilates by b per equivalent plastic strain. M, k and b are those of the cone that
+!! touches the Mohr-Coulomb surface at the position selected by dp_cone. Equation (Y.20) of
 !! doc/theory/strength.md.
 module law_drucker_prager
    use base_deck_group, only: group_t

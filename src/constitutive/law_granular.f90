@@ -36,7 +36,7 @@ module law_granular
       procedure :: fault => granular_fault           !! Without any relaxation it is elastic
       procedure :: read => granular_read             !! Reads its keys
       procedure :: gives_whole_stress => granular_gives_whole_stress !! In mode total
-      procedure :: request => granular_request       !! Requests nothing
+      procedure :: request => granular_request       !! Requests no fields
       procedure :: predict_trial => granular_predict_trial !! Volume, and the deviator as it was
       procedure :: update => granular_update         !! Relaxes
       !> Waves are those of the intact contacts

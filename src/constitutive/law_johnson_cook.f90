@@ -31,7 +31,7 @@ module law_johnson_cook
       type(melting_range_t), allocatable :: range    !! Only if temperature softens
    contains
       procedure :: declare => johnson_cook_declare   !! Declares its keys
-      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! It does
+      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! Returns true
       procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Requests plastic strain and temperature
       procedure :: update => johnson_cook_update     !! Radial return

@@ -169,7 +169,7 @@ contains
          high = merge(cohesion + fast*load, low, pressure(i) > 0.0_wp)
          delay = law%shear*dt*law%scale*sqrt(load)
          half = 0.5_wp*(high + trial + delay)
-         ! The discriminant, as a sum of what is not negative where trial is above low.
+         ! The discriminant, as a sum of terms that are not negative where trial is above low.
          shear = sqrt(max(0.0_wp, 0.25_wp*(high - trial)**2 + 0.25_wp*delay**2 &
             + 0.5_wp*delay*(high + trial - 2.0_wp*low)))
          shear = (high*trial + low*delay)/max(half + shear, tiny(1.0_wp))

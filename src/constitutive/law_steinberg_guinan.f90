@@ -59,8 +59,8 @@ module law_steinberg_guinan
       procedure :: modulus => steinberg_guinan_modulus !! G/G0 of a particle
    end type law_steinberg_guinan_t
 
-   !> Material softer than this share of G0 is given this modulus in the trial, which divides by it;
-   !! it has no yield stress when melted.
+   !> Least fraction of G0 in the trial stress, which divides by the modulus; molten material has no
+   !! yield stress.
    real(wp), parameter :: least_modulus = 1.0e-6_wp
 
 contains

@@ -42,10 +42,10 @@ module law_gurson
       procedure :: declare => gurson_declare         !! Declares its keys
       procedure :: fault => gurson_fault             !! Keys that do not go together
       procedure :: read => gurson_read               !! Reads its keys
-      procedure :: follows_density => gurson_follows_density !! It does
-      procedure :: supports_voids => gurson_supports_voids !! It does not
+      procedure :: follows_density => gurson_follows_density !! Returns true
+      procedure :: supports_voids => gurson_supports_voids !! Returns false
       procedure :: initial_porosity => gurson_initial_porosity !! That of the deck
-      procedure :: grows_pores => gurson_grows_pores !! It does
+      procedure :: grows_pores => gurson_grows_pores !! Returns true
       procedure :: request => gurson_request         !! Requests porosity, volume gained and strain
       procedure :: update => gurson_update           !! Return to the yield surface
    end type law_gurson_t

@@ -21,7 +21,7 @@ module exact_axis_aligned
       real(wp) :: edge = 1.0_wp                      !! Edge L of the cube [m]
    contains
       procedure :: declare => axis_aligned_declare   !! Amplitude and edge
-      procedure :: read => axis_aligned_read         !! Reads them
+      procedure :: read => axis_aligned_read         !! Reads the keys
       procedure :: law => axis_aligned_law           !! Neo-Hooke
       procedure :: place => axis_aligned_place       !! Position and velocity
       procedure :: gradient => axis_aligned_gradient !! Deformation gradient, diagonal

@@ -25,7 +25,7 @@ module exact_bar_mode
       real(wp) :: flight = 0.0_wp                    !! V [m/s]
    contains
       procedure :: declare => bar_mode_declare       !! Length, mode, ends, speeds
-      procedure :: read => bar_mode_read             !! Reads them
+      procedure :: read => bar_mode_read             !! Reads the keys
       procedure :: fault => bar_mode_fault           !! A fixed bar has no uniform velocity
       procedure :: place => bar_mode_place           !! Position and velocity
       procedure :: gradient => bar_mode_gradient     !! Deformation gradient

@@ -23,7 +23,7 @@ module exact_solution
       logical :: hyperelastic = .false. !! Is the material neo-Hookean, else hypoelastic?
    contains
       procedure :: declare => exact_declare          !! Declares its keys of &exact
-      procedure :: read => exact_read                !! Reads them
+      procedure :: read => exact_read                !! Reads the keys
       procedure :: law => exact_law                  !! Strength model of the solution
       procedure :: fault => exact_fault              !! Why the scene cannot have it
       procedure(place_i), deferred :: place          !! Position and velocity of a point

@@ -21,7 +21,7 @@ module exact_spinning_disc
       real(wp) :: radius = 1.0_wp                    !! R [m]
    contains
       procedure :: declare => disc_declare           !! Spin and radius
-      procedure :: read => disc_read                 !! Reads them
+      procedure :: read => disc_read                 !! Reads the keys
       procedure :: fault => disc_fault               !! Plane strain only
       procedure :: place => disc_place               !! Position and velocity
       procedure :: gradient => disc_gradient         !! Deformation gradient

@@ -24,7 +24,7 @@ module exact_vortex
       real(wp) :: outer = 1.25_wp                    !! Radius of the outer rim [m]
    contains
       procedure :: declare => vortex_declare         !! Twist, frequency, radii
-      procedure :: read => vortex_read               !! Reads them
+      procedure :: read => vortex_read               !! Reads the keys
       procedure :: law => vortex_law                 !! Neo-Hooke
       procedure :: fault => vortex_fault             !! Plane strain only
       procedure :: place => vortex_place             !! Position and velocity

@@ -34,14 +34,14 @@ module eos_jwl
       procedure :: declare => jwl_declare            !! Declares its keys
       procedure :: fault => jwl_fault                !! Constants in the wrong order
       procedure :: read => jwl_read                  !! Reads its keys
-      procedure :: sets_bulk => jwl_sets_bulk        !! It does
-      procedure :: request => jwl_request            !! Requests energy
+      procedure :: sets_bulk => jwl_sets_bulk        !! Returns true
+      procedure :: request => jwl_request            !! Requests the energy field
       procedure :: update => jwl_update              !! Pressure and square of the sound speed
       procedure :: find_gruneisen => jwl_find_gruneisen !! Grueneisen number times density
-      procedure :: stored_energy => jwl_stored_energy !! Nothing, energy is carried
-      procedure :: starts_with_energy => jwl_starts_with_energy !! It does
+      procedure :: stored_energy => jwl_stored_energy !! Zero, because energy is a field
+      procedure :: starts_with_energy => jwl_starts_with_energy !! Returns true
       procedure :: start_energy => jwl_start_energy  !! Chemical energy
-      procedure :: detonates => jwl_detonates        !! It does
+      procedure :: detonates => jwl_detonates        !! Returns true
       procedure :: detonation => jwl_detonation      !! Speed, and volume behind the front
       procedure :: chapman_jouguet_speed => jwl_chapman_jouguet_speed !! D of the constants
       procedure :: find_detonation => jwl_find_detonation !! Chapman-Jouguet state
@@ -271,14 +271,14 @@ contains
       energy = self%chemical/self%density
    end function jwl_start_energy
 
-   !> It describes what a detonation leaves.
+   !> True: the equation of state describes detonation products.
    pure logical function jwl_detonates(self) result(does)
       class(eos_jwl_t), intent(in) :: self
 
       does = .true.
    end function jwl_detonates
 
-   !> Speed of a detonation, and the relative volume behind it.
+   !> Speed of a detonation, and the relative volume behind the front.
    pure subroutine jwl_detonation(self, speed, relative)
       class(eos_jwl_t), intent(in) :: self
       real(wp), intent(out) :: speed                 !! [m/s]

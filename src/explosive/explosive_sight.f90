@@ -12,7 +12,7 @@ module explosive_sight
 
    !> A box of cells around the explosives.
    type :: sight_map_t
-      logical :: active(3) = .true.                  !! Directions of the scene
+      logical :: active(3) = .true.                  !! Active directions
       real(wp) :: lower(3) = 0.0_wp                  !! Lower corner [m]
       real(wp) :: spacing = 1.0_wp                   !! Edge of a cell [m]
       integer :: cells(3) = 1                        !! Along each direction, 1 if inactive
@@ -53,7 +53,7 @@ contains
    pure logical function has_neighbour(map, content, place) result(has)
       type(sight_map_t), intent(in) :: map
       integer(int64), intent(in) :: content(0:)      !! (cell) What it holds
-      integer, intent(in) :: place(3)                !! From 0
+      integer, intent(in) :: place(3)                !! Counted from 0
       integer :: beside(3), direction, side
 
       has = .false.
@@ -88,10 +88,10 @@ contains
       end do
    end function sight_map_cell_of
 
-   !> Is a cell open? What lies outside of the box is.
+   !> True if a cell is open; cells outside of the box are.
    pure logical function sight_map_is_open(self, place) result(is_open)
       class(sight_map_t), intent(in) :: self
-      integer, intent(in) :: place(3)                !! From 0
+      integer, intent(in) :: place(3)                !! Counted from 0
 
       is_open = .true.
       if (any(place < 0 .or. place >= self%cells)) return
@@ -137,7 +137,7 @@ contains
       end do
    end function sight_map_sees
 
-   !> First plane between cells that a line meets behind its begin.
+   !> First plane between cells that a line meets after its start.
    pure real(wp) function first_plane(first, along) result(plane)
       real(wp), intent(in) :: first                  !! Begin in cells
       real(wp), intent(in) :: along                  !! Its extent in cells
@@ -149,8 +149,8 @@ contains
       end if
    end function first_plane
 
-   !> Is a point in an open cell, or on a face of one? On the face of the box what lies outside does
-   !! not count, else paths would run along it past all that touches it.
+   !> Is a point in an open cell, or on a face of one? On faces of the box cells outside do not
+   !! count; otherwise paths would run along the face past all obstacles that touch it.
    pure logical function piece_is_open(map, point) result(open)
       type(sight_map_t), intent(in) :: map
       real(wp), intent(in) :: point(3)               !! In cells, 0.5 in inactive directions

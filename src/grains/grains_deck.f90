@@ -94,7 +94,7 @@ contains
       call schema%require("cell", "cells")
    end subroutine require_grains
 
-   !> What no single key can say.
+   !> Checks that involve several keys.
    subroutine check_grains(deck)
       type(deck_t), intent(inout) :: deck
       type(group_t) :: grains, cell
@@ -241,8 +241,8 @@ contains
       cell%grains%place(1, :) = cell%grains%place(1, :) - part*cell%grains%place(2, :)
    end subroutine tilt_cell
 
-   !> The time step: a share of the shortest collision of two of the smallest grains. That of Hertz
-   !! depends on the speed; it is taken for an overlap of 2 % of the radius.
+   !> The time step: a fraction of the shortest collision of two of the smallest grains. The Hertz
+   !! collision time depends on the speed; it is taken for an overlap of 2 % of the radius.
    subroutine choose_step(grains, cell)
       type(group_t), intent(in) :: grains            !! &grains
       type(cell_t), intent(inout) :: cell

@@ -126,7 +126,7 @@ contains
    !> Read one stage.
    subroutine read_stage(deck, n, cell, friction, stage)
       type(deck_t), intent(in) :: deck
-      integer, intent(in) :: n                       !! Its number
+      integer, intent(in) :: n                       !! Number
       type(cell_t), intent(in) :: cell
       real(wp), intent(in) :: friction               !! Of &grains
       type(stage_t), intent(out) :: stage
@@ -151,7 +151,7 @@ contains
       call group%get("probe", stage%probe)
    end subroutine read_stage
 
-   !> Steps of a stage, if nothing ends it sooner.
+   !> Steps of a stage, unless it ends early.
    pure integer(int64) function path_steps(self, dt) result(steps)
       class(path_t), intent(in) :: self
       real(wp), intent(in) :: dt                     !! [s]

@@ -220,7 +220,7 @@ contains
 
    !> Number rows from 1.
    pure subroutine number_rows(count, numbers)
-      integer, intent(in) :: count                        !! How many
+      integer, intent(in) :: count                        !! Number
       integer(int64), allocatable, intent(out) :: numbers(:) !! 1, 2, ...
       integer :: index
 

@@ -252,7 +252,7 @@ contains
    pure subroutine read_key(line, continued, group)
       character(len=*), intent(in) :: line               !! Without its indent
       logical, intent(in) :: continued                    !! Further values of the last key
-      type(echo_group_t), intent(inout) :: group              !! Gets them
+      type(echo_group_t), intent(inout) :: group              !! Receives them
       type(echo_entry_t), allocatable :: longer(:)
       character(len=:), allocatable :: value
       integer :: equals, mark

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Fragments are sets of particles whose cells touch each other.
 !!
-!! Cells with particles that share a node are connected, because their particles interact there; a
-!! limit on the difference of their velocities can separate them. All ranks learn all such cells (8
-!! bytes each, 32 with that limit) and find the same fragments; what a fragment holds is added
-!! up by one rank, in the order of its cells, so that no bit depends on the number of ranks.
+!! Cells with particles and a common node are connected, because their particles interact there; a
+!! limit on the difference of their velocities can separate them. All ranks receive all such cells
+!! (8 bytes each, 32 with that limit) and find the same fragments; one rank sums the content of a
+!! fragment in the order of its cells, so that no bit depends on the number of ranks.
 module io_fragments
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -243,7 +243,7 @@ contains
    !> Place of a cell in the box, from 0.
    pure function place_of(grid, key) result(place)
       type(grid_t), intent(in) :: grid
-      integer(int64), intent(in) :: key                  !! Its number
+      integer(int64), intent(in) :: key                  !! Number
       integer :: place(3)
 
       place(1) = int(mod(key, int(grid%cells(1), int64)))

@@ -47,8 +47,8 @@ contains
       character(len=*), intent(in) :: path
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(mean_t), intent(in) :: means(:)               !! What is written
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(mean_t), intent(in) :: means(:)               !! Means to write
       type(snapshot_format_t), intent(in) :: format      !! How, and of which particles
       type(snapshot_header_t), intent(in) :: header      !! What else is written
       type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
@@ -167,8 +167,8 @@ contains
    !> Means of one field over the particles of each cell.
    subroutine cell_means(grid, stores, picks, cells, mean, values)
       type(grid_t), intent(in) :: grid
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(cells_t), intent(in) :: cells                 !! Their cells
       type(mean_t), intent(in) :: mean
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, cell)
@@ -180,7 +180,7 @@ contains
       other = mean
       select case (mean%column%name)
       case ("density", volume_fraction)
-         ! what a cell holds, over the volume of the cell
+         ! content of a cell over its volume
          other%column%derived = .false.
          other%column%name = merge("mass  ", "volume", mean%column%name == "density")
          call fill_mean(stores, picks, other%column, rows)
@@ -206,7 +206,7 @@ contains
    !> What each particle counts in a mean.
    subroutine particle_weights(stores, picks, kind, weight)
       type(store_t), intent(in) :: stores(:)
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       integer, intent(in) :: kind                        !! added, by_mass, by_volume
       real(wp), allocatable, intent(out) :: weight(:)    !! (row)
       integer :: filled, row, store
@@ -339,11 +339,11 @@ contains
       if (box%layer(3) .and. size(dense, 2) == 2) dense(:, 2) = dense(:, 1)
    end subroutine copy_layers
 
-   !> The rank, from 1, that writes a plane: the last whose first plane is not behind it and that
-   !! has any.
+   !> The rank, from 1, that writes a plane: the last one with planes whose first plane is not after
+   !! it.
    pure integer function owner_of(border, plane) result(rank)
       integer(int64), intent(in) :: border(:)            !! (rank) Planes before its first
-      integer, intent(in) :: plane                       !! From 0
+      integer, intent(in) :: plane                       !! Counted from 0
 
       do rank = size(border), 2, -1
          if (border(rank) <= plane) return

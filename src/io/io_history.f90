@@ -34,7 +34,7 @@ module io_history
 
 contains
 
-   !> Begin a file, or go on with one of an earlier run. Collective.
+   !> Start a file, or continue that of a previous run. Collective.
    subroutine history_open(self, communicator, path, columns, resume_step, error)
       class(history_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
@@ -107,7 +107,7 @@ contains
       call write_file(path, text(:kept), error)
    end subroutine cut_back
 
-   !> The step of a row; a row that cannot be read belongs to no step that stays.
+   !> The step of a row; a row that cannot be read is dropped.
    pure function step_of(line, key_place) result(step)
       character(len=*), intent(in) :: line               !! A row
       integer, intent(in) :: key_place                   !! Place of the column "step"

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The files that make one series of many snapshots: the list .hdf.series and the index .vtkhdf.
 !!
-!! They are written anew from the content of the snapshots, so a restart finds the series on the
-!! disk.
+!! They are rewritten from the content of the snapshots, so a restart finds the series on the disk.
 module io_series
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -32,8 +31,8 @@ module io_series
 
 contains
 
-   !> Begin a series, with the snapshots of an earlier run before a number. One that cannot be read
-   !! is left out: a run that goes on does not need it. Collective.
+   !> Start a series, with the snapshots of a previous run before a number. Unreadable ones are
+   !! omitted, because the run does not need them to continue. Collective.
    subroutine series_open(self, communicator, folder, prefix, next_number, note, error)
       class(series_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
@@ -101,7 +100,7 @@ contains
    !> Path of a snapshot.
    function series_path(self, number) result(path)
       class(series_t), intent(in) :: self
-      integer, intent(in) :: number                      !! From 0
+      integer, intent(in) :: number                      !! Counted from 0
       character(len=:), allocatable :: path
       character(len=16) :: digits
 

@@ -58,7 +58,7 @@ contains
    subroutine find_or_add(self, name, place)
       class(state_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
-      integer, intent(out) :: place                       !! Its index
+      integer, intent(out) :: place                       !! Index
       type(entry_t), allocatable :: larger(:)
       integer :: index
 

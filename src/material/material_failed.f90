@@ -109,7 +109,7 @@ contains
       type(group_t), intent(in) :: group             !! &material
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       type(failed_law_t), allocatable, intent(out) :: failed_law !! Not allocated: no such law
       type(law_granular_t) :: granular
       type(law_drucker_prager_t) :: frictional

@@ -83,7 +83,7 @@ contains
          owner="effects.eos & effects.strength & strength_model = drucker_prager mohr_coulomb mu_i")
    end subroutine declare_elasticity
 
-   !> Declare temperatures and the rate that several models share.
+   !> Declare temperatures and the rate common to several models.
    subroutine declare_heat(schema)
       type(schema_t), intent(inout) :: schema
 

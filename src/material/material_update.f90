@@ -112,8 +112,8 @@ contains
       end do
    end subroutine chain_update
 
-   !> One stage of a time step, so that a caller can take the time between stages.
-   ! gate: long kernel because all stages share one interface
+   !> One stage of a time step, so that a caller can time the stages.
+   ! gate: long kernel because all stages have one interface
    pure subroutine chain_run_stage(self, stage, state, deformation, first, last, dt, spacing, &
       subset)
       class(chain_t), intent(in) :: self
@@ -416,8 +416,8 @@ contains
       is_gone = self%failure%fracture%leaves_nothing .and. state%failed(particle) /= 0
    end function gone
 
-   !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
-   !! Equation (L.2) of doc/theory/ledger.md.
+   !> Internal energy [J] of particles: the energy field if there is one, otherwise the elastic
+   !! energy. Equation (L.2) of doc/theory/ledger.md.
    pure subroutine chain_stored_energy(self, state, first, last, energy)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store

@@ -3,8 +3,8 @@
 !! one, or in a rigid region.
 !!
 !! A condition acts on the nodes of one tile that lie on one boundary, never on a single node, so
-!! that choosing it costs nothing beside the work. The defaults are those of a closed wall that does
-!! nothing besides.
+!! that dynamic dispatch costs nothing compared with the work. The defaults are those of a closed
+!! wall without further action.
 module mesh_boundary_condition
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -24,7 +24,7 @@ module mesh_boundary_condition
    contains
       procedure(meaning_i), deferred, nopass :: meaning !! One line for the help on the key `type`
       procedure :: declare => condition_declare      !! Declare its own keys
-      procedure :: read => condition_read            !! Read them
+      procedure :: read => condition_read            !! Read the keys
 
       procedure, nopass :: lets_out => no          !! Do particles leave through it?
       procedure, nopass :: joins_opposite => no    !! Is it joined to the opposite boundary?

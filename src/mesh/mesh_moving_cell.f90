@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A periodic cell of particles whose edges follow a uniform velocity gradient, while the mesh stays
-!! as it was at the start.
+!> A periodic cell of particles whose edges follow a uniform velocity gradient, while the mesh keeps
+!! its initial geometry.
 !!
 !! Positions of particles are those on the mesh, X = F^-1 r with F = h h0^-1 of the edges h now and
 !! h0 at the start; velocities are those relative to the uniform flow, v = L r + u. Equation
@@ -155,7 +155,7 @@ contains
       end do
    end subroutine cell_complete
 
-   !> Velocity gradient of the next step by the present stage; after the last one the cell stays.
+   !> Velocity gradient of the next step by the present stage; after the last stage it is zero.
    pure subroutine cell_steer(self, dt)
       class(moving_cell_t), intent(inout) :: self
       real(wp), intent(in) :: dt                     !! Next time step, about [s]
@@ -179,7 +179,7 @@ contains
    pure real(wp) function cell_step_work(self, gradient, kick) result(work)
       class(moving_cell_t), intent(in) :: self       !! With the sums at both ends of the step
       real(wp), intent(in) :: gradient(3, 3)         !! L in the step [1/s]
-      real(wp), intent(in) :: kick                   !! Time that the forces act [s]
+      real(wp), intent(in) :: kick                   !! Time over which the forces act [s]
       real(wp) :: rate
       integer :: k
 
@@ -300,7 +300,7 @@ contains
    !! velocity of the step, (B.4).
    pure subroutine cell_turn_nodes(self, dt, velocity, acceleration, push, centre)
       class(moving_cell_t), intent(in) :: self
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)        !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), contiguous, intent(out) :: push(:, :)   !! (3, node) Gain by the flow [m/s]
@@ -352,7 +352,7 @@ contains
    pure subroutine cell_place_work(self, count, dt, gradient)
       class(moving_cell_t), intent(in) :: self
       integer, intent(in) :: count                   !! Particles
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
       real(wp) :: unit(3, 3)
       integer :: axis
@@ -404,7 +404,7 @@ contains
       end do
    end subroutine place
 
-   !> Positions on the mesh after the step, dX/dt = F^-1 u, where they have gone dt u already.
+   !> Positions on the mesh after the step, dX/dt = F^-1 u, where they have moved by dt u already.
    pure subroutine cell_carry(self, first, count, dt, way, position)
       class(moving_cell_t), intent(in) :: self
       integer, intent(in) :: first                   !! First particle
@@ -434,7 +434,7 @@ contains
       class(moving_cell_t), intent(in) :: self
       real(wp), intent(in) :: lower(3)               !! Corner of the mesh [m]
       integer, intent(in) :: first                   !! First particle
-      integer, intent(in) :: last                    !! Last one
+      integer, intent(in) :: last                    !! Last index
       real(wp), contiguous, intent(inout) :: position(:, :) !! (particle, 3) [m]
       real(wp) :: ratio, x
       integer :: p, high, low

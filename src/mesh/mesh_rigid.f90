@@ -111,7 +111,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      type(held_t), intent(inout) :: held            !! Gets them
+      type(held_t), intent(inout) :: held            !! Receives them
       integer :: owner(grid%tile_nodes), node, count
       real(wp) :: place(3)
 
@@ -218,7 +218,7 @@ contains
    end subroutine rigid_constrain
 
    !> Friction of regions after Coulomb, as of boundaries: see boundary_friction. The velocities are
-   !! those that the region sees. Equations (R.2) and (R.3).
+   !! those relative to the region. Equations (R.2) and (R.3).
    pure subroutine rigid_rub(self, tile, dt, share, free, velocity, acceleration)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile

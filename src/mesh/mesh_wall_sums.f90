@@ -48,10 +48,10 @@ contains
       allocate (self%total(wall_entries, walls))
    end subroutine sums_start
 
-   !> Add what a wall does in a step.
+   !> Add force, impulse and work of a wall in a step.
    pure subroutine sums_add(self, wall, impulse, velocity)
       class(wall_sums_t), intent(inout) :: self
-      integer, intent(in) :: wall                    !! Its index
+      integer, intent(in) :: wall                    !! Index
       real(wp), intent(in) :: impulse(3)             !! On the material [N s]
       real(wp), intent(in) :: velocity(3)            !! Of the wall in the middle of the step [m/s]
       integer :: k
@@ -146,7 +146,7 @@ contains
    !> A wall has acted: all changes since the last one are its own.
    pure subroutine push_note(self, wall, velocity, acceleration)
       class(wall_push_t), intent(inout) :: self
-      integer, intent(in) :: wall                    !! Its index
+      integer, intent(in) :: wall                    !! Index
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) [m/s]
       real(wp), intent(in) :: acceleration(:, :)     !! (3, node) [m/s2]
 

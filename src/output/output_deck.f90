@@ -20,7 +20,7 @@ contains
 
    !> Declare the three groups.
    subroutine declare_output_groups(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call declare_output(schema)
       call declare_checkpoint(schema)
@@ -29,7 +29,7 @@ contains
 
    !> Declare &output: keys of all kinds, then those of each.
    subroutine declare_output(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       class(stream_t), allocatable :: stream
       character(len=:), allocatable :: kinds
       integer :: n
@@ -54,7 +54,7 @@ contains
 
    !> Declare &checkpoint.
    subroutine declare_checkpoint(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call schema%group("checkpoint", "restart files")
       call schema%real("checkpoint", "wall_minutes", &
@@ -70,7 +70,7 @@ contains
 
    !> Declare &log.
    subroutine declare_log(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call schema%group("log", "screen output and log file")
       call schema%real("log", "progress_seconds", &

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The key `fields` of &output. Names are checked one by one, so that each wrong one is reported.
+!> The key `fields` of &output. Each name is checked, so that all wrong names are reported.
 module output_field_names
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
@@ -20,7 +20,7 @@ contains
 
    !> Declare the key.
    subroutine declare_fields(schema, kind)
-      type(schema_t), intent(inout) :: schema        !! Gets the key
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the key
       character(len=*), intent(in) :: kind           !! Word of the kind of output
 
       if (.not. schema%extend_owner("output", "fields", kind)) call schema%text("output", &

@@ -126,7 +126,7 @@ contains
 
    !> Take a column, unless it is taken already.
    pure subroutine take(number, list, chosen)
-      integer, intent(in) :: number                  !! Its index
+      integer, intent(in) :: number                  !! Index
       integer, allocatable, intent(inout) :: list(:) !! In their order
       logical, intent(inout) :: chosen(:)            !! Those that are taken
 

@@ -29,7 +29,7 @@ contains
 
    !> Declare the keys dt, every, times and count of &output.
    subroutine declare_schedule(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call schema%real("output", "dt", "time between two outputs", unit="s", range="> 0")
       call schema%integer("output", "every", "steps between two outputs", range="> 0")
@@ -101,7 +101,7 @@ contains
       if (self%every > 0) due = due .or. mod(step, self%every) == 0
    end function schedule_due
 
-   !> Count what is due up to a time as done.
+   !> Count outputs due up to a time as done.
    pure subroutine schedule_catch_up(self, time)
       class(schedule_t), intent(inout) :: self
       real(wp), intent(in) :: time                   !! Time reached [s]

@@ -174,7 +174,7 @@ contains
    !> The same for scripts.
    subroutine add_signal_limit(json, limit)
       type(json_t), intent(inout) :: json
-      type(signal_limit_t), intent(in) :: limit      !! What was found
+      type(signal_limit_t), intent(in) :: limit      !! Counts to report
 
       call json%begin("steps_limited_by_few")
       call json%add("particles", limit%particles)

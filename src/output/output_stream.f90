@@ -67,7 +67,7 @@ module output_stream
          import :: schema_t, stream_t
          implicit none
          class(stream_t), intent(in) :: self
-         type(schema_t), intent(inout) :: schema     !! Gets the keys
+         type(schema_t), intent(inout) :: schema     !! Schema that receives the keys
          character(len=*), intent(in) :: kind        !! Word of the kind in the catalogue
       end subroutine declare_i
 
@@ -76,13 +76,13 @@ module output_stream
          import :: deck_t, group_t, named_shape_t, simulation_t, stream_t
          implicit none
          class(stream_t), intent(inout) :: self
-         type(group_t), intent(in) :: group          !! Its &output
+         type(group_t), intent(in) :: group          !! Group &output
          type(deck_t), intent(inout) :: deck         !! Collects errors
          type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
          type(named_shape_t), intent(in) :: shapes(:)
       end subroutine read_i
 
-      !> Open the files; what is later than the checkpoint of a restart is cut off. Collective.
+      !> Open the files; rows later than the checkpoint of a restart are removed. Collective.
       subroutine open_i(self, simulation, folder, header, restarted, note, error)
          import :: error_t, simulation_t, snapshot_header_t, stream_t
          implicit none
@@ -179,7 +179,7 @@ contains
       class(stream_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Grid, gravity, exact solution
-      type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
+      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field cannot be written
    end subroutine stream_try_field
 

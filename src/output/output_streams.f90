@@ -109,7 +109,7 @@ contains
       end do
    end subroutine share_fragments
 
-   !> Open the streams; after a restart what is later than the checkpoint is cut off. Collective.
+   !> Open the streams; after a restart rows later than the checkpoint are removed. Collective.
    subroutine outputs_open(self, simulation, restarted, note, error)
       class(outputs_t), intent(inout) :: self
       type(simulation_t), intent(in) :: simulation   !! Ranks and present step
@@ -128,7 +128,8 @@ contains
       end do
    end subroutine outputs_open
 
-   !> Write what is due. With `last` every stream writes the final state, once. Collective.
+   !> Write the streams that are due. With `last` every stream writes the final state, once.
+   !! Collective.
    subroutine outputs_write_due(self, simulation, last, note, error)
       class(outputs_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation
@@ -263,8 +264,8 @@ contains
       name = "output"//stream%file(len(self%case) + 1:)
    end function counter_name
 
-   !> Take the counters from a checkpoint. Streams that the deck has got since then start anew.
-   !! What the schedules have done follows from the time, since intervals may have changed.
+   !> Take the counters from a checkpoint. Streams added to the deck since then start from zero. The
+   !! state of the schedules follows from the time, because intervals may have changed.
    subroutine outputs_load(self, state)
       class(outputs_t), intent(inout) :: self
       type(state_t), intent(in) :: state             !! Of the checkpoint

@@ -45,7 +45,7 @@ contains
       real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
       logical, intent(in) :: timing                  !! Table of phases?
       integer, intent(in) :: code                    !! Exit code
-      character(len=*), intent(in) :: reason         !! Why it ended
+      character(len=*), intent(in) :: reason         !! Reason of the end
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       type(json_t) :: json
       type(balance_t) :: now
@@ -114,7 +114,7 @@ contains
       type(json_t), intent(inout) :: json
       character(len=*), intent(in) :: case           !! Prefix of all files
       integer, intent(in) :: code                    !! Exit code
-      character(len=*), intent(in) :: reason         !! Why it ended
+      character(len=*), intent(in) :: reason         !! Reason of the end
 
       call json%add("version", version_text)
       call json%add("git", git_commit)
@@ -229,9 +229,9 @@ contains
       text = text//trim(line)
    end function balance_text
 
-   !> What the ranks said to each other, in the order of the names, summed over them. Patches are
-   !! node fields; what moves are particles that change ranks and data that are levelled for files.
-   !! The last number is the length of the longest list of tiles that a rank had at the start.
+   !> Communication counts in the order of the names, summed over the ranks. Patches are node
+   !! fields; moving data are particles that change ranks and data distributed evenly for files. The
+   !! last number is the length of the longest list of tiles that a rank had at the start.
    subroutine count_traffic(simulation, traffic)
       type(simulation_t), intent(in) :: simulation
       integer(int64), intent(out) :: traffic(kinds)  !! In the order of the names
@@ -247,7 +247,7 @@ contains
       traffic(kinds) = -listed(1)
    end subroutine count_traffic
 
-   !> How evenly the ranks worked and what they said to each other, as lines of text.
+   !> Load balance and communication of the ranks, as lines of text.
    function ranks_text(simulation, traffic) result(text)
       type(simulation_t), intent(in) :: simulation
       integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names

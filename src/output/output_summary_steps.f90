@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Steps and times in what a run leaves behind about itself.
+!> Steps and times in the log and the summary.
 module output_summary_steps
    use base_kinds, only: int64, wp
    use base_text, only: number
@@ -19,7 +19,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! The run at its end
       real(wp), intent(in) :: wall                   !! Of the whole call [s]
       real(wp), intent(in) :: worked                 !! Of the processor in the steps, all ranks [s]
-      character(len=*), intent(in) :: reason         !! Why it ended
+      character(len=*), intent(in) :: reason         !! Reason of the end
       character(len=:), allocatable :: text
       character(len=16) :: part(2)
 

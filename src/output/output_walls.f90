@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The walls of a scene for pictures: boundaries of the domain, parts of them, and rigid regions,
-!! written once a run. doc/developer/decisions.md says why (Files).
+!! written once per run. See doc/developer/decisions.md (Files) for the reason.
 module output_walls
    use base_error, only: error_t
    use base_kinds, only: wp
@@ -74,7 +74,7 @@ contains
                   call name_part(walls, boundary%wall(part), begin, finish, wall)
                   call walls%add(wall, square(first, last, across, grid%active))
                end if
-               ! the face itself, before a part comes and after it has gone
+               ! the face itself, before a part is added and after it is removed
                call add_plain(walls, boundary, face, -never, begin, square(first, last, across, &
                   grid%active))
                call add_plain(walls, boundary, face, finish, never, square(first, last, across, &
@@ -84,7 +84,7 @@ contains
       end associate
    end subroutine add_face
 
-   !> A piece of a face by itself, for a time that is not empty.
+   !> Add a part of a face, for a time interval that is not empty.
    pure subroutine add_plain(walls, boundary, face, begin, finish, piece)
       type(walls_t), intent(inout) :: walls          !! Get it
       type(boundary_t), intent(in) :: boundary
@@ -109,8 +109,8 @@ contains
       call walls%add(wall, piece)
    end subroutine add_plain
 
-   !> The part of a face, or the whole face that comes and goes, that covers a place while it is
-   !! there: the last one that does; 0 = what always holds.
+   !> Index of the part of a face, or of the whole face with a time interval, that covers a
+   !! position: the last one; 0 = the permanent condition.
    pure integer function part_of(boundary, face, place) result(part)
       type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
@@ -137,7 +137,7 @@ contains
       type(wall_t), intent(in) :: source             !! A part of a face, or a rigid region
       real(wp), intent(out) :: begin                 !! It is there from then on [s]
       real(wp), intent(out) :: finish                !! It is gone from then on [s]
-      integer, intent(out) :: wall                   !! Its number
+      integer, intent(out) :: wall                   !! Number
       character(len=:), allocatable :: name
 
       name = trim(source%name)
@@ -169,7 +169,7 @@ contains
       real(wp), intent(in) :: first(3)               !! A corner [m]
       real(wp), intent(in) :: last(3)                !! The opposite one [m]
       integer, intent(in) :: across(2)               !! Directions in which it extends
-      logical, intent(in) :: active(3)               !! Directions of the scene
+      logical, intent(in) :: active(3)               !! Active directions
       real(wp), allocatable :: piece(:, :, :)
       integer :: ways(2)
 
@@ -206,7 +206,7 @@ contains
             call name_part(walls, rigid, begin, finish, wall)
             ! an inflow has no surface
             if (rigid%stays) cycle
-            ! what is in the box at some time, where it is at the start
+            ! walls inside the box at some time, at their initial position
             call flat_box(simulation%space%grid, low, high)
             low = low - maxval(way(:, number, :), dim=2)
             high = high - minval(way(:, number, :), dim=2)

@@ -46,16 +46,16 @@ contains
    subroutine cell_declare(self, schema, kind)
       class(stream_cell_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Not changed
-      character(len=*), intent(in) :: kind           !! Not used
+      character(len=*), intent(in) :: kind           !! Unused
    end subroutine cell_declare
 
    !> A table of a cell needs one.
    subroutine cell_read(self, group, deck, simulation, shapes)
       class(stream_cell_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
-      type(named_shape_t), intent(in) :: shapes(:)   !! Not used
+      type(named_shape_t), intent(in) :: shapes(:)   !! Unused
 
       if (.not. allocated(simulation%space%cell)) call deck%complain(group, &
          "kind = 'cell' needs &cell and &stage; add them or remove this &output", "kind")

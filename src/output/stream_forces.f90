@@ -34,7 +34,7 @@ module stream_forces
       procedure :: about => forces_about             !! For the help
       procedure :: ending => forces_ending           !! Of the name
       procedure :: declare => forces_declare         !! Keys
-      procedure :: read => forces_read               !! Read them
+      procedure :: read => forces_read               !! Read the keys
       procedure :: list_columns => forces_list_columns !! Names of columns
       procedure :: write_rows => forces_write_rows   !! Write a row
       procedure :: counters => forces_counters       !! With the sums of the last row
@@ -62,7 +62,7 @@ contains
    !> Declare the keys of the kind.
    subroutine forces_declare(self, schema, kind)
       class(stream_forces_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call schema%text("output", "walls(:20)", "boundaries (zlo), parts of boundaries and "// &
@@ -73,10 +73,10 @@ contains
    !> Read the keys of the kind. What walls do is summed from now on.
    subroutine forces_read(self, group, deck, simulation, shapes)
       class(stream_forces_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Its ledger gets the sums
-      type(named_shape_t), intent(in) :: shapes(:)   !! Not used
+      type(named_shape_t), intent(in) :: shapes(:)   !! Unused
       type(text_t), allocatable :: wanted(:), known(:)
       integer, allocatable :: place(:)
       integer :: n, k

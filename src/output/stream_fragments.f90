@@ -23,7 +23,7 @@ module stream_fragments
       procedure :: about => fragments_about          !! For the help
       procedure :: ending => fragments_ending        !! Of the name
       procedure :: declare => fragments_declare      !! Keys
-      procedure :: read => fragments_read            !! Read them
+      procedure :: read => fragments_read            !! Read the keys
       procedure :: offer_fragments => fragments_offer !! For the field `fragment`
       procedure :: list_columns => fragments_list_columns !! Names of columns
       procedure :: write_rows => fragments_write_rows !! Write the rows of a time
@@ -50,7 +50,7 @@ contains
    !> Declare the keys of the kind.
    subroutine fragments_declare(self, schema, kind)
       class(stream_fragments_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_selection(schema, kind)
@@ -65,9 +65,9 @@ contains
    !> Read the keys of the kind.
    subroutine fragments_read(self, group, deck, simulation, shapes)
       class(stream_fragments_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Not used
+      type(simulation_t), intent(inout) :: simulation !! Unused
       type(named_shape_t), intent(in) :: shapes(:)
       character(len=:), allocatable :: word
       real(wp) :: velocity_cut

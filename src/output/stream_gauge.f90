@@ -34,7 +34,7 @@ module stream_gauge
       procedure :: about => gauge_about              !! For the help
       procedure :: ending => gauge_ending            !! Of the name
       procedure :: declare => gauge_declare          !! Keys
-      procedure :: read => gauge_read                !! Read them
+      procedure :: read => gauge_read                !! Read the keys
       procedure :: try_field => gauge_try_field      !! Check a name
       procedure :: list_columns => gauge_list_columns !! Names of columns
       procedure :: prepare => gauge_prepare          !! Find the particle
@@ -64,7 +64,7 @@ contains
    !> Declare the keys of the kind.
    subroutine gauge_declare(self, schema, kind)
       class(stream_gauge_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_fields(schema, kind)
@@ -88,7 +88,7 @@ contains
    !> Read the keys of the kind.
    subroutine gauge_read(self, group, deck, simulation, shapes)
       class(stream_gauge_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
       type(named_shape_t), intent(in) :: shapes(:)
@@ -118,7 +118,7 @@ contains
 
    !> Read point and radius.
    subroutine read_place(gauge, group, deck, simulation)
-      type(gauge_t), intent(inout) :: gauge          !! Gets them
+      type(gauge_t), intent(inout) :: gauge          !! Receives them
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! For the grid
@@ -181,8 +181,8 @@ contains
    subroutine gauge_try_field(self, field, simulation, stores, error)
       class(stream_gauge_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
-      type(simulation_t), intent(in) :: simulation   !! Not used
-      type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
+      type(simulation_t), intent(in) :: simulation   !! Unused
+      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
       type(mean_t), allocatable :: means(:)
 
@@ -199,7 +199,7 @@ contains
       columns = [columns, field_columns(self%gauge%means)]
    end subroutine gauge_list_columns
 
-   !> Find the particle that is seen, at the first row. Collective.
+   !> Find the observed particle, at the first row. Collective.
    subroutine gauge_prepare(self, simulation, note)
       class(stream_gauge_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation

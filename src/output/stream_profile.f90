@@ -26,7 +26,7 @@ module stream_profile
       procedure :: about => profile_about            !! For the help
       procedure :: ending => profile_ending          !! Of the name
       procedure :: declare => profile_declare        !! Keys
-      procedure :: read => profile_read              !! Read them
+      procedure :: read => profile_read              !! Read the keys
       procedure :: try_field => profile_try_field    !! Check a name
       procedure :: rows_of_time => profile_rows_of_time !! A row for each bin
       procedure :: list_columns => profile_list_columns !! Names of columns
@@ -54,7 +54,7 @@ contains
    !> Declare the keys of the kind.
    subroutine profile_declare(self, schema, kind)
       class(stream_profile_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_fields(schema, kind)
@@ -68,7 +68,7 @@ contains
    !> Read the keys of the kind.
    subroutine profile_read(self, group, deck, simulation, shapes)
       class(stream_profile_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
       type(named_shape_t), intent(in) :: shapes(:)
@@ -94,8 +94,8 @@ contains
    subroutine profile_try_field(self, field, simulation, stores, error)
       class(stream_profile_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
-      type(simulation_t), intent(in) :: simulation   !! Not used
-      type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
+      type(simulation_t), intent(in) :: simulation   !! Unused
+      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
       type(mean_t), allocatable :: means(:)
 

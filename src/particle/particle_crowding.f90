@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Measures of crowding and of pressure noise: the volume that particles claim beyond that of the
-!! nodes, and the difference of their pressures from nodal means.
+!> Measures of crowding and of pressure noise: the particle volume in excess of the nodal volume,
+!! and the difference of their pressures from nodal means.
 !!
-!! Both come from sums over the nodes of a tile that no other tile shares, with linear shape
-!! functions whatever the method: a sample that is the same for any number of ranks and needs no
-!! exchange.
+!! Both use the nodes in the interior of a tile, with linear shape functions for every method: a
+!! sample that does not depend on the number of ranks and needs no exchange.
 module particle_crowding
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit

@@ -106,7 +106,7 @@ contains
       call self%clear(cells)
    end subroutine store_start
 
-   !> Mark all particles as having left their tiles, as those just read lie in one range.
+   !> Mark all particles as having left their tiles, because those just read are in one range.
    pure subroutine store_mark_all_leaving(self, cells)
       class(store_t), intent(inout) :: self
       integer, intent(in) :: cells                    !! Cells of a tile

@@ -111,7 +111,7 @@ contains
    !> Comments of the script on size and wall time.
    function hints_text(setup, job) result(text)
       class(run_setup_t), intent(in) :: setup
-      type(job_t), intent(in) :: job                 !! Its numbers
+      type(job_t), intent(in) :: job                 !! Content
       character(len=:), allocatable :: text
 
       text = "# "//number(setup%survey%particles)//" particles in "// &
@@ -225,7 +225,7 @@ contains
    pure subroutine add_word(word, after, text)
       character(len=*), intent(in) :: word           !! From the command line
       logical, intent(inout) :: after                !! Was the previous word --restart?
-      character(len=:), allocatable, intent(inout) :: text !! Grows
+      character(len=:), allocatable, intent(inout) :: text !! Extended
       logical :: file
 
       file = after .and. len(word) > 3 .and. index(word, ".h5", back=.true.) == len(word) - 2
@@ -246,7 +246,7 @@ contains
 
    !> A word in the quotes that the shell needs.
    pure function quoted(word) result(text)
-      character(len=*), intent(in) :: word           !! Any text
+      character(len=*), intent(in) :: word           !! Text
       character(len=:), allocatable :: text
       character(len=*), parameter :: plain = "abcdefghijklmnopqrstuvwxyz"// &
          "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=:,@%"

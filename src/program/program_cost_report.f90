@@ -213,7 +213,7 @@ contains
 
    !> A number with four digits.
    pure function four_digits(value) result(text)
-      real(wp), intent(in) :: value                  !! Any
+      real(wp), intent(in) :: value                  !! Value
       character(len=:), allocatable :: text
       character(len=24) :: line
 

@@ -94,13 +94,13 @@ contains
    end subroutine find_impacts
 
    !> Bodies that touch or meet slowly and have no contact: they move with one velocity there, so
-   !! they stick. In an impact at a speed near that of sound this hardly matters.
+   !! they stick. In an impact near the speed of sound this has little effect.
    function meetings_text(simulation, bodies, time_end) result(text)
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
       real(wp), intent(in) :: time_end               !! [s]
       character(len=:), allocatable :: text
-      real(wp), parameter :: slow = 0.5_wp           ! share of the speed of sound
+      real(wp), parameter :: slow = 0.5_wp           ! fraction of the speed of sound
       type(flight_t) :: flight
       type(meeting_t) :: meeting
       real(wp) :: sound

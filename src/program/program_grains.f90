@@ -38,7 +38,7 @@ module program_grains
 
 contains
 
-   !> Read the cell, check it, and run it if the command line does not say --check.
+   !> Read the cell, check it, and run it unless --check is given.
    subroutine run_grains(setup, log, code, error)
       class(run_setup_t), intent(inout) :: setup     !! With the deck
       type(log_t), intent(inout) :: log
@@ -121,7 +121,7 @@ contains
       end associate
    end subroutine describe_run
 
-   !> What the run will do and cost: stages with their steps.
+   !> Stages with their steps, and the expected cost.
    function cost_text(run) result(text)
       type(grains_run_t), intent(in) :: run
       character(len=:), allocatable :: text

@@ -53,7 +53,7 @@ contains
 
    !> Declare all keys of a deck.
    subroutine declare_deck_keys(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call declare_deck(schema)
       call declare_output_groups(schema)

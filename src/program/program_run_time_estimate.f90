@@ -72,7 +72,7 @@ contains
    pure real(wp) function wall_share(wall, processor, threads) result(share)
       real(wp), intent(in) :: wall                   !! Of the first steps [s]
       real(wp), intent(in) :: processor              !! The same of all threads [s]
-      integer, intent(in) :: threads                 !! How many
+      integer, intent(in) :: threads                 !! Number of threads
       real(wp), parameter :: most = 1.5_wp           ! times the ratio without waiting
 
       share = 1.0_wp/real(threads, wp)

@@ -20,7 +20,7 @@ contains
 
    !> Set the dashpots of absorbing boundaries, if there are some.
    subroutine read_absorbing(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! The run, its faces are read
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
       integer :: n, face, refused
@@ -40,13 +40,13 @@ contains
       end do
    end subroutine read_absorbing
 
-   !> Find what lies beyond an absorbing boundary and how fast it slows its nodes. Equations (R.6)
-   !! and (R.7) of doc/theory/rigid.md.
+   !> Find the material beyond an absorbing boundary and the damping rate of its nodes. Equations
+   !! (R.6) and (R.7) of doc/theory/rigid.md.
    subroutine set_dashpots(simulation, bodies, face, absorbing, refused)
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
       integer, intent(in) :: face                    !! 1 to 6
-      type(boundary_absorbing_t), intent(inout) :: absorbing !! Gets them
+      type(boundary_absorbing_t), intent(inout) :: absorbing !! Receives them
       integer, intent(out) :: refused                !! Material without a wave speed, 0 = none
       real(wp) :: share
       integer :: n

@@ -74,7 +74,7 @@ contains
 
    !> Check that there are bodies, and the velocity, spin and temperature of each.
    subroutine check_bodies(deck)
-      type(deck_t), intent(inout) :: deck                !! Gets errors
+      type(deck_t), intent(inout) :: deck                !! Collects errors
       integer :: i
 
       if (deck%count("body") == 0) call deck%complain("body", 1, &
@@ -130,7 +130,7 @@ contains
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid
       type(named_shape_t), intent(in) :: shapes(:)
       type(body_t), allocatable, intent(out) :: bodies(:) !! In the order of the deck
@@ -170,7 +170,7 @@ contains
       end do
    end subroutine read_bodies
 
-   !> Velocity by its components, or by speed and direction, and formulas of what is added.
+   !> Velocity from components, or from speed and direction, and formulas of an added velocity.
    subroutine read_velocity(group, body)
       type(group_t), intent(in) :: group             !! The &body
       type(body_t), intent(inout) :: body            !! Gets its velocity
@@ -202,9 +202,9 @@ contains
       allocate (body%given, source=disks)
    end subroutine pack_disks
 
-   !> Particles of a list, where region and packing say so, and what they take from it.
+   !> Particles from a list, if region and packing request it, and the fields they take from it.
    subroutine read_points(deck, simulation, group, shape, body)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid
       type(group_t), intent(in) :: group             !! The &body
       type(named_shape_t), intent(in) :: shape       !! Its region
@@ -234,7 +234,7 @@ contains
 
    !> Internal energy at the start, of a material that carries it.
    subroutine read_energy(deck, group, material, body)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &body
       type(material_t), intent(in) :: material       !! Its material
       type(body_t), intent(inout) :: body            !! Gets the energy

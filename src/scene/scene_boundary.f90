@@ -413,7 +413,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       type(group_t), intent(in) :: group             !! The &boundary
-      type(motion_t), intent(inout) :: motion        !! Gets them
+      type(motion_t), intent(inout) :: motion        !! Receives them
 
       call group%get("velocity", motion%steady)
       call group%get("t_on", motion%begin)

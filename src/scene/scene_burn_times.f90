@@ -83,7 +83,7 @@ contains
    !> Widen a box by the particles of a tile.
    pure subroutine widen(store, tile, bounds)
       type(store_t), intent(in) :: store
-      integer, intent(in) :: tile                    !! Its index
+      integer, intent(in) :: tile                    !! Index
       real(wp), intent(inout) :: bounds(6)           !! Lower corner times -1, upper corner [m]
       integer :: p, k
 
@@ -95,10 +95,10 @@ contains
       end do
    end subroutine widen
 
-   !> Mark the cells of the particles of a tile; explosive wins over what is none.
+   !> Mark the cells of the particles of a tile; explosive takes precedence over inert material.
    pure subroutine mark(store, tile, map, kind, content)
       type(store_t), intent(in) :: store
-      integer, intent(in) :: tile                    !! Its index
+      integer, intent(in) :: tile                    !! Index
       type(sight_map_t), intent(in) :: map
       integer(int64), intent(in) :: kind             !! What the particles are
       integer(int64), intent(inout) :: content(0:)   !! (cell) What it holds

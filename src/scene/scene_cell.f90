@@ -80,7 +80,7 @@ contains
 
    !> Read the cell and its stages. Grid, boundaries, method and effects are read.
    subroutine read_cell(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
       type(moving_cell_t), allocatable :: cell
       type(group_t) :: group
@@ -217,8 +217,8 @@ contains
    !> A stage has an end, directions of the scene, and a pressure if it holds one.
    subroutine check_stage(deck, n, active)
       type(deck_t), intent(inout) :: deck
-      integer, intent(in) :: n                       !! Its number
-      logical, intent(in) :: active(3)               !! Directions of the scene
+      integer, intent(in) :: n                       !! Number
+      logical, intent(in) :: active(3)               !! Active directions
       integer, parameter :: row(6) = [1, 2, 3, 1, 1, 2], column(6) = [1, 2, 3, 2, 3, 3]
       character(len=:), allocatable :: servo
       type(group_t) :: stage, cell
@@ -254,7 +254,7 @@ contains
    !> What is read later and does not go with a cell: walls in space, contact, exact solutions, heat
    !! that is conducted.
    subroutine refuse_effects(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! All groups are read
       character(len=:), allocatable :: what
       integer :: k

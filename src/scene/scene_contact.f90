@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &contact: its keys, which bodies share a velocity field, and the laws between them.
+!> The group &contact: its keys, bodies with a common velocity field, and the laws between them.
 module scene_contact
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -45,7 +45,7 @@ contains
 
    !> Give the bodies their velocity fields and these their stores, if contact is on.
    subroutine read_contact(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Materials are known
       type(body_t), intent(inout) :: bodies(:)       !! Get their stores
       type(contact_t), allocatable :: contact
@@ -152,7 +152,7 @@ contains
 
    !> What does not go together with contact of a body with itself.
    subroutine refuse_parting(deck, simulation, bodies, contact)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and method are known
       type(body_t), intent(in) :: bodies(:)
       type(contact_t), intent(in) :: contact         !! Laws are known
@@ -187,7 +187,7 @@ contains
 
    !> Methods whose sums know one velocity of a body at a node only.
    subroutine refuse_method(deck, group, simulation, bonded)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &contact
       type(simulation_t), intent(in) :: simulation   !! Materials and method are known
       logical, intent(in) :: bonded                  !! Has the body a bond?
@@ -218,7 +218,7 @@ contains
 
    !> What does not go together with contact.
    subroutine refuse_others(deck, group, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &effects
       type(simulation_t), intent(in) :: simulation   !! Materials are known
       type(group_t) :: exact
@@ -266,9 +266,9 @@ contains
       contact%material = kind(:stores)
    end subroutine share_out
 
-   !> Laws between bodies; what is said of named ones wins over '*'.
+   !> Laws between bodies; names take precedence over '*'.
    subroutine read_pairs(deck, bodies, contact)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(body_t), intent(in) :: bodies(:)
       type(contact_t), intent(inout) :: contact      !! Gets the laws
       type(text_t), allocatable :: names(:)
@@ -277,7 +277,7 @@ contains
       integer :: owner(size(contact%law, 1), size(contact%law, 1)), wild, index, one, other, i, j
 
       owner = 0
-      ! pairs of '*' give way to those of one, and these to those of none
+      ! pairs with two '*' are overridden by pairs with one, and these by pairs of names
       do wild = 2, 0, -1
          do index = 1, deck%count("contact")
             group = deck%group("contact", index)
@@ -299,7 +299,7 @@ contains
 
    contains
 
-      !> Set the law of two fields, either way round, unless another group of the same kind did.
+      !> Set the law of two fields, in both orders, unless another group of the same precedence did.
       subroutine set_law(a, b, index)
          integer, intent(in) :: a, b                 !! Indices of two velocity fields
          integer, intent(in) :: index                !! Of the group
@@ -371,9 +371,9 @@ contains
          call group%get("bond_strength", law%strength)
    end subroutine read_law
 
-   !> A body does not touch one that shares its velocity field.
+   !> Refuse contact between bodies with a common velocity field.
    subroutine check_pair(deck, group, field_of_body, one, other)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &contact
       integer, intent(in) :: field_of_body(:)        !! (body)
       integer, intent(in) :: one, other              !! Indices of two bodies
@@ -398,7 +398,7 @@ contains
       end do
    end subroutine bond_stores
 
-   !> Name of a store: that of its material, and where several have it, a number behind.
+   !> Name of a store: that of its material, followed by a number if several stores have it.
    pure function store_name(materials, index) result(name)
       type(material_t), intent(in) :: materials(:)   !! One a store
       integer, intent(in) :: index                   !! Index of the store

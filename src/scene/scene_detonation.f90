@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &detonation: where and when explosives are lit.
+!> The group &detonation: where and when explosives are ignited.
 module scene_detonation
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -39,7 +39,7 @@ contains
    !> Give explosives the detonations that reach them, and warn of explosives without a detonation
    !! and of detonations without an explosive.
    subroutine read_detonations(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Grid, materials and stores are known
       type(body_t), intent(in) :: bodies(:)
       type(detonator_t) :: detonator
@@ -64,7 +64,7 @@ contains
 
    !> Warn of explosives that nothing lights, and of a speed that their products do not have.
    subroutine warn_of_materials(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation
       real(wp), parameter :: most = 0.03_wp
       type(group_t) :: group
@@ -91,7 +91,7 @@ contains
    !> Speed of the Chapman-Jouguet state of the constants of a material [m/s].
    function least_speed(simulation, group) result(speed)
       type(simulation_t), intent(in) :: simulation
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       character(len=:), allocatable :: name
       real(wp) :: speed
       integer :: n
@@ -108,7 +108,7 @@ contains
 
    !> One detonation. Inactive directions are 0.
    subroutine read_detonator(deck, group, grid, detonator)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &detonation
       type(grid_t), intent(in) :: grid
       type(detonator_t), intent(out) :: detonator    !! Its speed is 0 if none is given
@@ -137,7 +137,7 @@ contains
 
    !> Add a detonation to the explosives that it lights.
    subroutine share_out(deck, group, detonator, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &detonation
       type(detonator_t), intent(in) :: detonator
       type(simulation_t), intent(inout) :: simulation

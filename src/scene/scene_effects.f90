@@ -48,16 +48,16 @@ contains
          default=".false.", owner="effects.damage")
    end subroutine declare_effects
 
-   !> Check that gravity stays in the directions of the scene.
+   !> Check that gravity has no component outside of the directions of the scene.
    subroutine check_effects(deck)
-      type(deck_t), intent(inout) :: deck                !! Gets errors
+      type(deck_t), intent(inout) :: deck                !! Collects errors
 
       call check_plane(deck, deck%group("effects"), "gravity_vector")
    end subroutine check_effects
 
    !> Read erosion and gravity. Collective.
    subroutine read_effects(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
       type(group_t) :: group
 
@@ -69,7 +69,7 @@ contains
 
    !> Read gravity, if it acts. Collective.
    subroutine read_gravity(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Gets it; its grid is read
       type(group_t) :: group
       logical :: acts

@@ -203,7 +203,7 @@ contains
    !> Check that shape functions with extended support do not overlap themselves across a periodic
    !! grid.
    subroutine check_periodic(deck, grid)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       integer, parameter :: least = 4                ! nodes that a particle may touch along a line
       type(group_t) :: group

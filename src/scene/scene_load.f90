@@ -20,7 +20,7 @@ contains
 
    !> Declare &load.
    subroutine declare_load(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call schema%group("load", "a pressure or traction on the surface of bodies", many=.true.)
       call schema%text("load", "name", "name of the load, for messages")
@@ -41,7 +41,7 @@ contains
 
    !> Read all loads.
    subroutine read_loads(deck, simulation, bodies, shapes)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Gets the loads
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
@@ -60,7 +60,7 @@ contains
 
    !> Read one load.
    subroutine read_one(deck, group, bodies, shapes, load)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &load
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
@@ -113,7 +113,7 @@ contains
 
    !> The stress T of pressure and traction: T n = t, and no other traction on surfaces across n.
    subroutine read_stress(deck, group, stress)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &load
       real(wp), intent(out) :: stress(6)             !! [Pa]
       real(wp) :: normal(3), pressure, traction(3)
@@ -150,7 +150,7 @@ contains
 
    !> The table of time.
    subroutine read_course(deck, group, load)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &load
       type(surface_load_t), intent(inout) :: load            !! Gets it
       type(motion_t) :: course

@@ -38,7 +38,7 @@ module scene_points_fields
 
 contains
 
-   !> Give the particles of bodies from files what the files say of them. Collective.
+   !> Give the particles of bodies from files the fields in the files. Collective.
    subroutine read_point_fields(simulation, bodies, shapes, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)

@@ -179,9 +179,9 @@ contains
 
    !> Build all regions.
    subroutine read_shapes(deck, communicator, grid, shapes)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), allocatable, intent(out) :: shapes(:)
       type(group_t) :: group
       integer :: index
@@ -198,9 +198,9 @@ contains
 
    !> Build one region and those that it is made of.
    recursive subroutine build(deck, communicator, grid, shapes, index)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Index of the region
       type(group_t) :: group
@@ -269,10 +269,10 @@ contains
    !> A box, sphere or cylinder. In directions without cells a box is unbounded and a
    !! centre lies where the particles are.
    subroutine build_simple(grid, group, word, holder)
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: word           !! Kind of shape
-      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      type(shape_holder_t), intent(inout) :: holder  !! Receives the shape
       real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
       real(wp) :: lo(3), hi(3), centre(3), axis(3), radius, height, length
 
@@ -303,10 +303,10 @@ contains
 
    !> An ellipsoid, cone, ring or half space.
    subroutine build_solid(grid, group, word, holder)
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: word           !! Kind of shape
-      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      type(shape_holder_t), intent(inout) :: holder  !! Receives the shape
       real(wp) :: centre(3), axis(3), semi_axes(3), radius, radius2, height
 
       call group%get("centre", centre)
@@ -332,9 +332,9 @@ contains
 
    !> A set operation on other regions.
    recursive subroutine build_set(deck, communicator, grid, shapes, index, group, word)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Index of the region
       type(group_t), intent(in) :: group             !! Its group

@@ -39,7 +39,7 @@ contains
    !! are
    !! valid, and stores if nothing that they depend on has an error.
    subroutine set_up_scene(deck, simulation, bodies, shapes, coarser)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
       type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
       type(named_shape_t), allocatable, intent(out) :: shapes(:)
@@ -96,7 +96,7 @@ contains
       if (.not. present(coarser)) call warn_without_effect(deck, simulation)
    end subroutine set_up_scene
 
-   !> Let the artificial viscosity of all materials resist jumps only, if the method says so.
+   !> Limit the artificial viscosity of all materials to jumps, if the method requests it.
    pure subroutine limit_viscosity(simulation)
       type(simulation_t), intent(inout) :: simulation !! Materials and method are read
       integer :: n
@@ -123,7 +123,7 @@ contains
 
    !> The fill of nodes, which corrects volumes, is found with the dual gradient.
    subroutine check_volumes(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
@@ -136,7 +136,7 @@ contains
 
    !> Check that an artificial heat flux finds a material with internal energy.
    subroutine check_heat_flux(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
@@ -150,7 +150,7 @@ contains
 
    !> The materials.
    subroutine read_materials(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
       integer :: index
 

@@ -87,7 +87,7 @@ contains
       yes = speed > slow .and. speed < fast
    end function is_gas
 
-   !> Unit of a key with a blank behind it, for messages.
+   !> Unit of a key, followed by a blank, for messages.
    pure function unit_of_key(key) result(unit)
       character(len=*), intent(in) :: key                !! One of `usual`
       character(len=:), allocatable :: unit

@@ -40,10 +40,10 @@ module step_bounds
       real(wp) :: dt_min = 0.0_wp                    !! Least step [s]
       logical :: dt_free = .true.                    !! May a step be shorter than was chosen?
       logical :: retire = .false.                    !! Do bad particles go, and the run on?
-      real(wp) :: retire_max = 0.0_wp                !! Greatest share of the mass that may [1]
+      real(wp) :: retire_max = 0.0_wp !! Greatest fraction of the mass that may be retired [1]
    end type bounds_t
 
-   !> What a run knows about the length of its steps.
+   !> State of the time step control.
    type :: guard_t
       type(bounds_t) :: bounds                       !! What may happen
       real(wp) :: longest = 0.0_wp                   !! Longest stable step so far [s]

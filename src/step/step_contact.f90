@@ -31,7 +31,7 @@ contains
    !! accelerations and the velocities that strain.
    subroutine apply_contact(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! Surfaces are known
-      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp) :: began
       integer :: tile, field
 
@@ -82,7 +82,7 @@ contains
    subroutine touch_tile(simulation, tile, dt)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), allocatable :: greatest(:, :)
       integer :: who(size(simulation%fields)), node, field, here
 
@@ -115,7 +115,7 @@ contains
       integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: who(:)                  !! The fields, ascending
       real(wp), intent(in) :: reach(:)               !! (pair) How far they reach [m]
-      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp) :: mass(size(who)), velocity(3, size(who)), push(3, size(who), size(who))
       real(wp) :: area(3, size(who), size(who)), normal(3, size(who), size(who))
       integer :: state(size(who), size(who)), a, b
@@ -319,7 +319,7 @@ contains
    subroutine break_tile(space, scheme, scratch, broken, tile, store)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       logical, intent(in) :: broken(:)               !! (node)
       integer, intent(in) :: tile
       type(store_t), intent(inout) :: store
@@ -345,7 +345,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp) :: lost

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Exchange of patches between ranks. Patches for other ranks are computed first and sent; the inner
-!! tiles are computed during the exchange. Packing is timed apart from waiting.
+!! tiles are computed during the exchange. Packing and waiting are timed separately.
 module step_exchange
    use base_kinds, only: wp
    use step_simulation, only: simulation_t, velocity_field_t

@@ -184,7 +184,7 @@ contains
       class(ledger_t), intent(inout) :: self
       type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
-      integer, intent(in) :: p                       !! Its index
+      integer, intent(in) :: p                       !! Index
       integer, intent(in) :: rows(4) !! Entries for mass, momentum, energy, angular momentum
       logical, intent(in), optional :: enters        !! Does it enter?
       real(wp) :: energy(1), turn(3), mass_of_it
@@ -347,7 +347,7 @@ contains
    subroutine sum_tile(store, material, tile, sums, scales)
       type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
-      integer, intent(in) :: tile                    !! Its index
+      integer, intent(in) :: tile                    !! Index
       real(wp), intent(out) :: sums(:)               !! Entries of the state
       real(wp), intent(out) :: scales(2)             !! Sums of m |v| and m |x||v|
       real(wp) :: energy(store%count(tile)), m, x(3), v(3), speed

@@ -18,7 +18,7 @@ module step_method
 
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
-   integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
+   integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped again
    !> Half with the velocities before the nodes are moved, half with those after it (usavg)
    integer, parameter, public :: stress_average = 4
    character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &

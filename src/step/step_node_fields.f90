@@ -33,7 +33,8 @@ module step_node_fields
       logical :: energy = .false.                    !! Does some material carry internal energy?
       logical :: averages = .false.                  !! Strain of two velocities
       logical :: repacks = .false.                   !! Do nodes correct volumes?
-      !> Columns of the work of contact: 0 without it, 1 of its heat, 3 more if pushes are kept
+      !> Columns of the work of contact: 0 without it, 1 of its heat, 3 more if contact forces are
+      !! stored
       integer :: contact = 0
       logical :: filters = .false.                   !! Series of velocities
       logical :: later = .false.                     !! Is work recorded after the second mapping?

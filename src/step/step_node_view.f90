@@ -61,7 +61,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      type(gather_parts_t), intent(in) :: parts      !! Requested parts
       type(view_t), intent(inout) :: view            !! What the particles see
       integer :: low, high
 
@@ -96,7 +96,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      type(gather_parts_t), intent(in) :: parts      !! Requested parts
       type(view_t), intent(inout) :: other           !! Its slot is 0 if there is none
 
       other%slot = 0
@@ -132,8 +132,9 @@ contains
          .not. scheme%method%dual .or. scheme%method%stress == stress_before)
    end function needs_velocity_after
 
-   !> Can particles get their velocity, their way and the lost kinetic energy from fields that are
-   !! gathered once? Without energy and damping the fields go straight to velocity and position.
+   !> True if particles can get their velocity, their displacement and the lost kinetic energy from
+   !! fields that are gathered once. Without energy and damping the fields go straight to velocity
+   !! and position.
    pure logical function gathers_at_once(scheme) result(at_once)
       type(scheme_t), intent(in) :: scheme
 
@@ -151,7 +152,7 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       type(view_t), intent(inout) :: view            !! What the particles see
       real(wp) :: none(1, 0)
       integer :: low, high
@@ -206,7 +207,7 @@ contains
    !> What nodes add to the velocity of particles, and the velocity that moves them.
    pure subroutine find_carriers(scheme, dt, velocity, acceleration, filtered, push, carry)
       type(scheme_t), intent(in) :: scheme
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series [m/s]

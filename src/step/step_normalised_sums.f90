@@ -6,8 +6,8 @@
 !! weight over the sum of the weight times the volumes of the particles. Force, strain and work use
 !! the same factors, so the power of the force stays that of the stress and forces on nodes still
 !! add up to zero; and in full cells uniform stress makes no force, for any positions of the
-!! particles. Towards free surfaces, and where material beyond the scope takes part, factors go to
-!! one. Equations (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
+!! particles. Factors tend to one towards free surfaces, and where material without normalisation
+!! contributes. Equations (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
 module step_normalised_sums
    use base_kinds, only: wp
    use ddmp_alpha, only: mean_alpha
@@ -46,9 +46,9 @@ module step_normalised_sums
    !! are stiffer by this factor, and a step of 0.4 h/c is stable up to 1/0.4^2 [1]
    real(wp), parameter :: stiffest = 6.0_wp
    !> Weight of the fill of nodes on closed boundaries. Half as many particles surround such a node,
-   !! so its fill is below a bound by chance more often [1]
+   !! so random fluctuations bring its fill below a bound more often [1]
    real(wp), parameter :: beside = 1.5_wp
-   real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign material borne [1]
+   real(wp), parameter :: clear = 4.0_wp !! Over the accepted fraction of other material [1]
 
 contains
 
@@ -206,7 +206,7 @@ contains
    subroutine count_tile(simulation, field, scratch, tile, patch, sums)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp), contiguous, intent(inout) :: sums(:, :)  !! (edge, cell) [m3]
@@ -455,7 +455,8 @@ contains
       associate (grid => simulation%space%grid, nodes => field%nodes)
          call assemble(grid, simulation%space%tiles, nodes%sums%covered, tile, covered)
          call grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
-         ! a cell without material, that with the smaller share beside the axis too, ends the scope
+         ! a cell without material, beside the axis also one with the smaller fraction, ends the
+         ! region
          cells = merge(6.0_wp, real(2**grid%dimensions, wp), grid%axisymmetric)
          call find_due(simulation%space, field, tile, around, due)
          do node = 1, size(around)

@@ -290,7 +290,7 @@ contains
       text = trim(line)
    end function fault_text
 
-   !> Why the material has no stress, if its equation of state knows it.
+   !> Reason why the material has no stress, if its equation of state gives one.
    function reason_text(simulation, found, fault) result(text)
       type(simulation_t), intent(in) :: simulation
       type(found_t), intent(in) :: found             !! A particle of this rank

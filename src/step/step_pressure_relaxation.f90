@@ -81,7 +81,7 @@ contains
       stress)
       integer, intent(in) :: before                  !! Particles before those of the tile
       integer, intent(in) :: low                     !! First particle of the cell, in the tile
-      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: high                    !! Last index
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: slope(3)               !! Of the pressure that nodes see, a cell [Pa]

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The sides of failed material of bodies that have contact with themselves, found anew at the begin
-!! of a step: four sums over the particles, each exchanged between ranks as patches. See section
-!! "Failed material" of doc/theory/contact.md.
+!> The sides of failed material of bodies that have contact with themselves, found again at the
+!! start of a step: four sums over the particles, each exchanged between ranks as patches. See
+!! section "Failed material" of doc/theory/contact.md.
 module step_sides
    use base_kinds, only: wp
    use contact_sides, only: add_cell_slopes, choose_sides, find_axis, is_split, join_sides, &
@@ -100,7 +100,7 @@ contains
    subroutine add_tile(simulation, sides, scratch, kind, tile)
       type(simulation_t), intent(in) :: simulation
       type(sides_t), intent(inout) :: sides          !! Of a field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: kind                    !! One of the sums above
       integer, intent(in) :: tile
       integer :: n

@@ -107,7 +107,7 @@ module step_simulation
 
    !> Scratch space of one thread.
    type :: scratch_t
-      type(shape_data_t) :: shape !! Particles of the tile as the basis sees them
+      type(shape_data_t) :: shape !! Shape data of the particles of the tile
       type(pushed_stress_t) :: pushed !! Their stress, if changed on its way to nodes
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       !> (particle, 9) Half of the strain with the velocity before the step, if needed [1]
@@ -135,7 +135,7 @@ module step_simulation
    !> Load balance: greatest over mean work of the ranks in the steps that were measured.
    type :: load_t
       integer :: looks = 0                           !! Steps measured
-      integer :: cuts = 0                            !! Times that the curve was cut anew
+      integer :: cuts = 0                            !! Times that the curve was cut again
       integer(int64) :: sent = 0                     !! Tiles that this rank sent then
       integer(int64) :: listed = 0                   !! Longest list of tiles here at the start
       real(wp) :: last = 1.0_wp                      !! At the last look [1]
@@ -242,8 +242,8 @@ module step_simulation
 
 contains
 
-   !> Time in which a velocity in space goes as far on the mesh as it can in the given time: the
-   !! same time, unless the cell deforms [s].
+   !> Time limit for displacements on the mesh, from that for displacements in space: the same,
+   !! unless the cell deforms [s].
    pure real(wp) function space_mesh_time(self, time) result(longest)
       class(space_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]

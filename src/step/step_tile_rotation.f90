@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Rotation of material as it varies from tile to tile (`turn_from = 'tiles'`).
+!> Rotation of material as a smooth field over the tiles (`turn_from = 'tiles'`).
 !!
 !! With RFLIP the rotation of particles adds velocities to the nodes that enter the strain but are
 !! not kept by the particles: the work of the stress on them is lost. For the rotation of a whole
 !! body this work is zero, as a rotation has no strain. But the rotation of single particles varies
 !! from one to the next; a vibrating ring of five cells loses a third of its energy this way. Here
-!! each particle gets the mean by mass of the rotations around it, with weights that fall linearly
-!! over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
+!! each particle gets the mass-weighted mean of the rotations around it, with weights that fall
+!! linearly over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
 module step_tile_rotation
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

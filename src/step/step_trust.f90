@@ -170,7 +170,7 @@ contains
 
    !> Update the worst values of distances, volumes and pressures.
    pure subroutine note_shapes(look, trust)
-      type(shapes_look_t), intent(in) :: look        !! What was found
+      type(shapes_look_t), intent(in) :: look        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The worst so far
 
       trust%longest = max(trust%longest, look%longest)
@@ -187,7 +187,7 @@ contains
    !! limits.
    pure subroutine note_bounds(simulation, look, trust)
       type(simulation_t), intent(in) :: simulation
-      type(bounds_look_t), intent(in) :: look        !! What was found
+      type(bounds_look_t), intent(in) :: look        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The worst so far
       real(wp) :: square, scale
 
@@ -291,7 +291,7 @@ contains
    !! Collective.
    subroutine warn_of_bounds(simulation, look, log)
       type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
-      type(bounds_look_t), intent(in) :: look        !! What was found
+      type(bounds_look_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=160) :: text
 
@@ -324,10 +324,10 @@ contains
       end associate
    end subroutine warn_of_bounds
 
-   !> Warn of neighbours that are apart, of volumes that do not fit, and of noise. Collective.
+   !> Warn of large gaps between neighbours, overlapping volumes, and noise. Collective.
    subroutine warn_of_shapes(simulation, look, log)
       type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
-      type(shapes_look_t), intent(in) :: look        !! What was found
+      type(shapes_look_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=200) :: text
 
@@ -444,7 +444,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(log_t), intent(inout) :: log              !! Gets it
       integer(int64), intent(in) :: identity         !! Of the particle
-      character(len=*), intent(in) :: words          !! What is wrong
+      character(len=*), intent(in) :: words          !! Error message
       character(len=:), allocatable :: who
 
       call name_particle(simulation, identity, who)
@@ -455,7 +455,7 @@ contains
    !! Collective.
    subroutine refuse_impossible(simulation, look, error)
       type(simulation_t), intent(in) :: simulation
-      type(bounds_look_t), intent(in) :: look        !! What was found
+      type(bounds_look_t), intent(in) :: look        !! Measured values
       type(error_t), allocatable, intent(out) :: error !! If so
       real(wp), parameter :: margin = 2.0_wp
       real(wp) :: available

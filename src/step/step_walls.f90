@@ -104,7 +104,7 @@ contains
       work, each)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), intent(out) :: push(:, :)            !! (3, node) [m/s]
@@ -150,9 +150,9 @@ contains
    subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), intent(in) :: mass(:)                !! (node) [kg]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -214,7 +214,7 @@ contains
    pure logical function stage_acts(simulation, stage, dt) result(acts)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: stage
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
       select case (stage)
       case (forcing)
@@ -231,7 +231,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
       integer, intent(in) :: stage                   !! forcing, holding or rubbing
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -258,7 +258,7 @@ contains
       type(simulation_t), intent(in) :: simulation   !! Has rigid regions
       integer, intent(in) :: tile
       integer, intent(in) :: stage                   !! forcing, holding or rubbing
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -275,7 +275,7 @@ contains
    subroutine record_walls(space, field, ledger, tile, each)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       type(wall_push_t), intent(in) :: each          !! The push of each wall
       real(wp) :: own(field%nodes%motion%packed(1)%rows, size(each%velocity, 2))
@@ -306,7 +306,7 @@ contains
    subroutine record_unbalanced(space, field, scratch, tile, acceleration)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: acceleration(:, :)     !! (3, node) [m/s2]
       real(wp) :: own(field%nodes%motion%packed(1)%rows, size(acceleration, 2)), total
@@ -336,7 +336,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped again [m/s]
       real(wp) :: ended(3, size(velocity, 2))
 
       if (.not. (simulation%space%boundary%has_friction() .or. &
@@ -416,14 +416,14 @@ contains
       end associate
    end subroutine close_components
 
-   !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
-   !! of which all that this share takes is recorded: so that much of it is no work. Equation (L.13)
+   !> The energy that walls remove through the PIC fraction is part of their work and also of the
+   !! recorded dissipation of the PIC fraction, so it is subtracted from the work. Equation (L.13)
    !! of doc/theory/ledger.md.
    subroutine record_stopped(space, scheme, field, ledger, tile, change, velocity)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: change(:, :)           !! (3, node) What walls changed [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is recorded [m/s]
@@ -442,7 +442,7 @@ contains
    subroutine record_push(space, field, ledger, tile, push, velocity, more)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]

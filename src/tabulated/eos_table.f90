@@ -27,19 +27,19 @@ module eos_table
 
    !> Equation of state of a table.
    type, extends(eos_t) :: eos_table_t
-      type(state_table_t) :: table                   !! Its values
+      type(state_table_t) :: table                   !! Values
       real(wp) :: reference = 293.0_wp               !! Temperature of the reference state [K]
    contains
       procedure :: declare => table_declare          !! Declares its keys
       procedure :: take_file => table_take_file      !! Its table from the text of a file
       procedure :: read => table_read                !! Reads its keys
-      procedure :: sets_bulk => table_sets_bulk      !! It does
-      procedure :: request => table_request          !! Requests energy
+      procedure :: sets_bulk => table_sets_bulk      !! Returns true
+      procedure :: request => table_request          !! Requests the energy field
       procedure :: update => table_update            !! Pressure and square of the sound speed
-      procedure :: gives_temperature => table_gives_temperature !! It does
+      procedure :: gives_temperature => table_gives_temperature !! Returns true
       procedure :: find_temperature => table_find_temperature !! Of density and energy
-      procedure :: stored_energy => table_stored_energy !! Nothing, energy is carried
-      procedure :: starts_with_energy => table_starts_with_energy !! It does
+      procedure :: stored_energy => table_stored_energy !! Zero, because energy is a field
+      procedure :: starts_with_energy => table_starts_with_energy !! Returns true
       procedure :: start_energy => table_start_energy !! That of the temperature
       procedure :: report => table_report            !! Extent and inconsistency
       procedure :: fault_of_state => table_fault_of_state !! Why a state has no pressure

@@ -89,7 +89,7 @@ contains
          !$omp simd private(away, top, foot, step)
          do p = 1, count
             away = local(p) - real(n - 2, wp)
-            ! how far the box reaches over top and foot, as shares of its half
+            ! parts of the box beyond its upper and lower node, as fractions of its half width
             top = max(overhang(p) - abs(away), 0.0_wp)*(1.0_wp/overhang(p))
             foot = max(overhang(p) - abs(1.0_wp - abs(away)), 0.0_wp)*(1.0_wp/overhang(p))
             step = sign(0.5_wp, 1.0_wp - abs(away))

@@ -1,16 +1,16 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Contact of bodies that have velocities of their own: what they do to each other at one node, and
-!! how far they are apart there.
+!> Contact of bodies with separate velocity fields: their contact forces at one node, and the gap
+!! there.
 !!
 !! At a node where two bodies a and b touch, with the normal n from a to b, a push p on b and -p on
 !! a is found such that b does not approach a at the end of the step. Its normal part only pushes.
 !! Its part along the surface brings the slip to rest, but is not above mu times the normal one (S.
 !! G. Bardenhagen, J. U. Brackbill, D. Sulsky, Comput. Methods Appl. Mech. Eng. 187 (2000) 529; S.
-!! G. Bardenhagen et al., CMES 2 (2001) 509). Where more than two meet, pairs take turns in a fixed
-!! order until none gains any more. A node sees how far bodies are apart by their particles, not by
-!! its functions, which reach across a cell: the greatest place along n of the particles of a in the
-!! cells around, with half their width, and the least of b (compare J. A. Nairn, C. C. Hammerquist,
-!! G. D. Smith, Comput. Methods Appl. Mech. Eng. 362 (2020) 112859).
+!! G. Bardenhagen et al., CMES 2 (2001) 509). Where more than two meet, pairs are treated in turn in
+!! a fixed order until no force changes. The gap at a node follows from the particles, not from
+!! shape functions, which extend across a cell: the greatest position along n of the particles of a
+!! in the cells around, with half their width, and the least of b (compare J. A. Nairn, C. C.
+!! Hammerquist, G. D. Smith, Comput. Methods Appl. Mech. Eng. 362 (2020) 112859).
 module transfer_contact
    use base_elementary, only: take_fast_powers
    use base_kinds, only: wp
@@ -44,8 +44,8 @@ module transfer_contact
 
 contains
 
-   !> Pushes that keep the bodies at a node from approaching. The sum of the pushes of a pair is
-   !! zero to the last bit. Equation (C.3) of doc/theory/contact.md.
+   !> Contact impulses that keep the bodies at a node from approaching. The sum of the impulses of a
+   !! pair is zero to the last bit. Equation (C.3) of doc/theory/contact.md.
    pure subroutine separate_bodies(mass, velocity, normal, state, law, push)
       real(wp), intent(in) :: mass(:)                !! (body) At the node [kg]
       real(wp), intent(in) :: velocity(:, :)         !! (3, body) At the end of the step [m/s]
@@ -140,9 +140,9 @@ contains
       end do
    end subroutine particle_widths
 
-   !> How far the particles of a tile reach along the normals of its nodes: the greatest place of
-   !! those in the cells around, seen from the node. Nodes without a normal are passed over. One
-   !! side of (C.2).
+   !> Extent of the particles of a tile along the normals of its nodes: the greatest position of
+   !! those in the cells around, relative to the node. Nodes without a normal are skipped. One side
+   !! of (C.2).
    pure subroutine find_reach(grid, corner, start, first, position, half, normal, reach)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: corner(3)              !! Lower corner of the tile [m]

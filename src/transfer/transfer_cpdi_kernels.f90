@@ -74,7 +74,7 @@ contains
       real(wp), intent(inout) :: patch(numbers)              !! (column, node), flat
       integer :: n
 
-      ! a number that the compiler knows makes the columns one vector
+      ! a compile-time constant makes the columns one vector
       if (count == 4) then
          !$omp simd
          do n = 1, 4
@@ -90,7 +90,7 @@ contains
    end subroutine add_line
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch: each corner gets
-   !! a force, and hands it to its nodes.
+   !! a force, and distributes it to its nodes.
    pure subroutine scatter_corner_stress(grid, shape, first, volume, stress, rows, number, patch)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
@@ -112,7 +112,7 @@ contains
       do p = 1, shape%count
          q = first + p - 1
          v = -volume(q)/(grid%spacing*real(corners, wp))
-         ! the stress seen along the edges
+         ! the stress in the basis of the edges
          do l = 1, 3
             do k = 1, 3
                along(k, l) = v*(stress(q, symmetric(k, 1))*shape%corner%inverse(l, p) &

@@ -40,7 +40,7 @@ contains
       integer :: owner(grid%tile_nodes), ends(lanes), cell, n
 
       owner = 0
-      ! of the nodes that are held those in the regions; others lie up to half a cell outside
+      ! only nodes inside of the regions; other held nodes are up to half a cell outside
       do n = 1, size(rigid%held(tile)%node)
          associate (node => rigid%held(tile)%node(n), wall => rigid%held(tile)%wall(n))
             if (covers(rigid%wall(wall), grid, node_place(grid, coordinate, node))) &
@@ -60,8 +60,8 @@ contains
       end do
    end subroutine cut_cells
 
-   !> Shares of the edges of one cell: along each of the two other directions the mean over the ends
-   !! of an edge of what lies outside of the region, weighed with the function of the end.
+   !> Weights of the edges of one cell: along each of the two other directions the mean over the
+   !! ends of an edge of the fraction outside of the region, weighted with the function of the end.
    pure subroutine cut_cell(grid, coordinate, wall, node, ends, smooth, share, ring)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
@@ -95,7 +95,7 @@ contains
          do e = 1, edges
             low = low_end(l, e)
             next = low + ishft(1, lane_bit(l))
-            ! an edge that ends in the region is seen from its end outside
+            ! an edge that ends in the region is traversed from its end outside
             if (ends(low) > 0 .and. ends(next) == 0) low = next
             if (ends(next) > 0 .and. ends(low) == 0) next = low
             do k = 1, 3
@@ -109,7 +109,7 @@ contains
       if (grid%axisymmetric) share(hoop_edges) = share([1, 1, 2, 2])
    end subroutine cut_cell
 
-   !> Smooth way from 0 to 1 [1].
+   !> Smooth step from 0 to 1 [1].
    pure real(wp) function ramp(x) result(y)
       real(wp), intent(in) :: x                      !! Below 0: 0, above 1: 1
 

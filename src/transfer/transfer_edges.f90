@@ -154,7 +154,7 @@ contains
    ! gate: long kernel because columns and coefficients are arguments of their own
    pure subroutine blend_plane(low, high, u, w, across, x, z, alpha, slopes)
       integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
+      integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: u(edges)                       !! (term) Of the slope
       real(wp), intent(in) :: w(lanes)                       !! (term) Of the polynomial
       real(wp), contiguous, intent(in) :: across(:)          !! (particle) Coordinate across
@@ -176,7 +176,7 @@ contains
    ! gate: long kernel because columns and coefficients are arguments of their own
    pure subroutine blend_space(low, high, u, w, across, aside, x, y, z, alpha, slopes)
       integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
+      integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: u(edges)                       !! (term) Of the slope
       real(wp), intent(in) :: w(lanes)                       !! (term) Of the polynomial
       real(wp), contiguous, intent(in) :: across(:), aside(:) !! (particle) Coordinates across

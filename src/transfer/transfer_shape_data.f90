@@ -205,8 +205,8 @@ contains
          self%inverse(9, n))
    end subroutine corner_reserve
 
-   !> Length of columns for some particles. It is not a power of two, since such columns would share
-   !! a few sets of the cache.
+   !> Length of columns for some particles. It is not a power of two, because such columns would map
+   !! to few cache sets.
    pure integer function column_length(particles) result(length)
       integer, intent(in) :: particles               !! Particles of a tile
 

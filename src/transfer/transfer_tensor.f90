@@ -76,8 +76,7 @@ contains
       margin = 1
    end function tensor_margin
 
-   !> Nodes along a line that a particle touches, counted from `low` on; three, unless the basis
-   !! says otherwise.
+   !> Nodes along a line that a particle touches, counted from `low` on; default: three.
    pure integer function tensor_reach(self) result(reach)
       class(basis_tensor_t), intent(in) :: self
 

@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How node velocities come back to particles, and particle velocities to nodes.
+!> Transfer of velocities from nodes to particles, and from particles to nodes.
 !!
-!! By default a transfer is PIC: v <- S (u + a dt), with u and a velocity and
-!! acceleration of the nodes, dt the time that the forces act, and S the way from nodes to
-!! particles. Velocities are defined midway between positions, so u + a dt also moves the particles
-!! through the whole step. Each transfer overrides what differs.
+!! By default a transfer is PIC: v <- S (u + a dt), with u and a velocity and acceleration of the
+!! nodes, dt the time that the forces act, and S the map from nodes to particles. Velocities are
+!! defined midway between positions, so u + a dt also moves the particles through the whole step.
+!! Each transfer overrides what differs.
 !!
 !! Some transfers use the series w = y_0 + y_1 + ... + y_n of node velocities with y_(s+1) = y_s -
-!! S^+ S y_s, where S^+ is the way from particles to nodes, divided by the mass of nodes. With n + 1
+!! S^+ S y_s, where S^+ is the map from particles to nodes, divided by the mass of nodes. With n + 1
 !! = k it is the sum over l of (-1)**(l+1) binomial(k, l) (S^+ S)**(l-1) y_0, without its large
 !! terms of alternating sign. Each y is one sweep from nodes to particles and back. Equations (T.1),
 !! (T.2) and (T.5) of doc/theory/transfers.md.
@@ -28,7 +28,7 @@ module transfer_velocity
    type, abstract :: velocity_t
    contains
       procedure :: declare => velocity_declare       !! Declares its keys, if it has any
-      procedure :: read => velocity_read             !! Reads them
+      procedure :: read => velocity_read             !! Reads the keys
       procedure :: affine => velocity_affine         !! Do particles carry a linear velocity field?
       procedure :: turning => velocity_turning       !! Do they carry its rotation only?
       procedure :: flip_fraction => velocity_flip_fraction
@@ -128,7 +128,7 @@ contains
    end subroutine velocity_advection
 
    !> Node fields that `heat` uses.
-   ! gate: long kernel because it sees all that the nodes know
+   ! gate: long kernel because it uses all node fields
    pure subroutine velocity_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
       class(velocity_t), intent(in) :: self
@@ -156,8 +156,8 @@ contains
       end do
    end subroutine velocity_heat_fields
 
-   !> Give the kinetic energy that gets lost on the way from particles to nodes and back to the
-   !! particles as heat, before they get their new velocities.
+   !> Convert the kinetic energy that the transfer to the nodes and back dissipates to heat of the
+   !! particles, before they get their new velocities.
    ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine velocity_heat(self, grid, basis, shape, first, fields, scalar, velocity, energy)
       class(velocity_t), intent(in) :: self

@@ -43,9 +43,10 @@ contains
       term = velocity + dt*acceleration
    end subroutine fmpm_first_term
 
-   !> Half the sum of the powers from k to 2 k - 1, less half of that from 1 to k - 1, which the way
-   !! back gains; what is lost on the way to the nodes outweighs it. The first power is a variance
-   !! of the velocity itself, which would see a uniform velocity on the nodes: particles take it.
+   !> Half the sum of the powers from k to 2 k - 1, less half of that from 1 to k - 1, which the
+   !! transfer back gains; the loss in the transfer to the nodes outweighs it. The first power is a
+   !! variance of the velocity itself and would include a uniform velocity on the nodes, so the
+   !! particles compute it.
    pure real(wp) function fmpm_loss_weight(self, power) result(weight)
       class(velocity_fmpm_t), intent(in) :: self
       integer, intent(in) :: power                           !! Power of A
@@ -79,9 +80,9 @@ contains
    end subroutine fmpm_advection
 
    !> With y the last term, r = v - S u, a for a dt, and var and cov of node values at a particle:
-   !! 1/2 r**2 on the way to the nodes, 1/2 var(u) - 1/2 var(u + a) there and back, 1/2 var(y) and
-   !! the terms that nodes know. Order 1 is PIC and loses both variances. Equation (T.12).
-   ! gate: long kernel because it sees all that the nodes know
+   !! 1/2 r**2 in the transfer to the nodes, 1/2 var(u) - 1/2 var(u + a) there and back, 1/2 var(y)
+   !! and the terms of the nodes. Order 1 is PIC and loses both variances. Equation (T.12).
+   ! gate: long kernel because it uses all node fields
    pure subroutine fmpm_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
       class(velocity_fmpm_t), intent(in) :: self
