@@ -18,7 +18,7 @@ module base_communicator
    !> Messages of a rank so far, and its waiting time.
    type :: traffic_t
       integer(int64) :: messages = 0                  !! Messages sent
-      integer(int64) :: words = 0                     !! Words of 8 bytes in them
+      integer(int64) :: words = 0                     !! Words of 8 bytes in the messages
       integer(int64) :: agreements = 0                !! Collective calls
       real(wp) :: waiting = 0.0_wp                    !! Wall time in calls that wait [s]
    end type traffic_t

@@ -76,7 +76,7 @@ contains
    subroutine file_numbers(line, values, sound)
       character(len=*), intent(in) :: line           !! With blanks between the numbers
       real(wp), intent(out) :: values(:)             !! As written, 0 from the first wrong one on
-      logical, intent(out) :: sound                  !! Are they all there?
+      logical, intent(out) :: sound                  !! True if all digits are present
       type(text_t), allocatable :: words(:)
       integer :: k
 

@@ -125,8 +125,8 @@ contains
       end associate
    end subroutine check_key
 
-   !> Put the default in the place of a value that the command line made useless. What belongs to
-   !! it is useless by the command line as well.
+   !> Replace a value that the command line made invalid by its default. Keys that depend on it
+   !! become invalid as well.
    subroutine drop(key, value)
       type(key_t), intent(in) :: key
       type(value_t), intent(inout) :: value              !! Value
@@ -189,8 +189,8 @@ contains
    !> Compare a value with a condition.
    subroutine compare(owner, condition, value, same_group, reason)
       type(key_t), intent(in) :: owner                   !! The key of the condition
-      type(condition_t), intent(in) :: condition         !! What it should be
-      type(value_t), intent(in) :: value                 !! What it is
+      type(condition_t), intent(in) :: condition         !! Expected value
+      type(value_t), intent(in) :: value                 !! Actual value
       logical, intent(in) :: same_group                  !! Is it in the group of the key?
       character(len=:), allocatable, intent(inout) :: reason !! Why the condition does not hold
       character(len=:), allocatable :: place, word

@@ -208,7 +208,7 @@ contains
       end do
    end function lost_sign
 
-   !> What to add to a message about numbers: that braces are missing, or what expressions gave.
+   !> Hint for a message about numbers: missing braces, or the results of expressions.
    function lost_braces(key, tokens) result(hint)
       type(key_t), intent(in) :: key
       type(token_t), intent(in) :: tokens(:)
@@ -231,7 +231,7 @@ contains
       end do
    end function lost_braces
 
-   !> The values as they are written, cut if they are long.
+   !> The values as written, truncated if they are long.
    function written(tokens) result(text)
       type(token_t), intent(in) :: tokens(:)
       character(len=:), allocatable :: text

@@ -157,7 +157,7 @@ contains
       whole = int(long)
    end subroutine read_integer
 
-   !> What a key expects.
+   !> Description of the values that a key expects.
    function expectation(key) result(text)
       type(key_t), intent(in) :: key
       character(len=:), allocatable :: text

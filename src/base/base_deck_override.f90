@@ -95,7 +95,7 @@ contains
    pure subroutine take_apart(text, group, choice, key, value)
       character(len=*), intent(in) :: text               !! Text as written
       character(len=:), allocatable, intent(out) :: group  !! Lower case
-      character(len=:), allocatable, intent(out) :: choice !! What stood in brackets
+      character(len=:), allocatable, intent(out) :: choice !! Text in brackets
       character(len=:), allocatable, intent(out) :: key    !! Lower case
       character(len=:), allocatable, intent(out) :: value  !! Text as written
       integer :: bracket, closing, dot, equals

@@ -20,7 +20,7 @@ module base_deck_problems
 
    !> One error or warning.
    type :: problem_t
-      character(len=:), allocatable :: file              !! Where it is
+      character(len=:), allocatable :: file              !! File and line
       integer :: line = 0                                !! Line of the file, 0 = none
       logical :: is_error = .true.                       !! Or else a warning
       character(len=:), allocatable :: text              !! What is wrong and what to do
@@ -49,7 +49,7 @@ contains
    !> Record an error.
    pure subroutine problems_error(self, file, line, text)
       class(problems_t), intent(inout) :: self
-      character(len=*), intent(in) :: file               !! Where it is
+      character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       character(len=*), intent(in) :: text               !! What is wrong and what to do
       logical :: joined
@@ -63,7 +63,7 @@ contains
    !> Record a warning.
    pure subroutine problems_warning(self, file, line, text)
       class(problems_t), intent(inout) :: self
-      character(len=*), intent(in) :: file               !! Where it is
+      character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       character(len=*), intent(in) :: text               !! What is wrong and what to do
       logical :: joined
@@ -130,7 +130,7 @@ contains
    !> Join a message with that of another copy of the same body, if there is one.
    pure subroutine join_copies(self, file, line, is_error, text, joined)
       class(problems_t), intent(inout) :: self
-      character(len=*), intent(in) :: file               !! Where it is
+      character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file
       logical, intent(in) :: is_error                    !! Or else a warning
       character(len=*), intent(in) :: text               !! Its text
@@ -234,7 +234,7 @@ contains
    !> Append an entry.
    pure subroutine record_problem(self, file, line, is_error, text)
       class(problems_t), intent(inout) :: self           !! The list, with the new counts
-      character(len=*), intent(in) :: file               !! Where it is
+      character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       logical, intent(in) :: is_error                    !! Or else a warning
       character(len=*), intent(in) :: text               !! What is wrong and what to do

@@ -136,7 +136,7 @@ contains
    !> Allocate the arrays of a value.
    subroutine allocate_values(key, value)
       type(key_t), intent(in) :: key
-      type(value_t), intent(inout) :: value              !! Gets the arrays unless it has them
+      type(value_t), intent(inout) :: value              !! Arrays are added unless present
 
       if (.not. allocated(value%filled)) allocate (value%filled(key%number_of_values), &
          source=.false.)

@@ -32,7 +32,7 @@ module base_elementary
    integer, parameter :: mantissa = 52                  !! Bits of the fraction
    real(wp), parameter :: per_ln2 = 1.4426950408889634_wp !! 1/ln 2
    real(wp), parameter :: ln2_high = 0.6931471805598903_wp !! Ends with 11 bits of zero
-   real(wp), parameter :: ln2_low = 5.497923018708371e-14_wp !! What is missing to ln 2
+   real(wp), parameter :: ln2_low = 5.497923018708371e-14_wp !! Remainder of ln 2
    !> Beyond these bounds the exponential function is 0 or too large for a real.
    real(wp), parameter :: least_exponent = -746.0_wp, greatest_exponent = 710.0_wp
 

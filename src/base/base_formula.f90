@@ -27,7 +27,7 @@ module base_formula
    type :: formula_t
       integer, private :: count = 0                      !! Number of operations
       integer, private :: depth = 0                      !! Greatest number of values at a time
-      integer, allocatable, private :: code(:)           !! (operation) What it does
+      integer, allocatable, private :: code(:)           !! (operation) Operation code
       integer, allocatable, private :: operand(:)        !! (operation) Which variable
       integer, allocatable, private :: place(:)          !! (operation) Position in the text
       real(wp), allocatable, private :: constant(:)      !! (operation) A constant
@@ -122,7 +122,7 @@ contains
    subroutine append_operation(self, parser, code, gain, place, constant, operand)
       type(formula_t), intent(inout) :: self
       type(parser_t), intent(inout) :: parser            !! Counts the values
-      integer, intent(in) :: code                        !! What it does
+      integer, intent(in) :: code                        !! Operation code
       integer, intent(in) :: gain                        !! Change of the stack: 1, 0 or -1
       integer, intent(in) :: place                       !! Letter of the text
       real(wp), intent(in), optional :: constant         !! Value of a constant
@@ -367,7 +367,7 @@ contains
 
    !> All variables and constants.
    function name_list(parser) result(names)
-      type(parser_t), intent(in) :: parser               !! Knows the variables
+      type(parser_t), intent(in) :: parser               !! Has the names of the variables
       type(text_t), allocatable :: names(:)
 
       names = parser%names

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a deck may hold: groups and keys with kind, unit, default, range and meaning.
+!> The schema of decks: groups and keys with kind, unit, default, range and meaning.
 !!
 !! Each part of the program declares its own keys. Reading, checking, the echo, the template and the
 !! explanations all walk this one table.
@@ -18,11 +18,11 @@ module base_schema
    integer, parameter, public :: kind_logical = 3        !! .true. or .false.
    integer, parameter, public :: kind_text = 4           !! Texts in quotes
 
-   !> What another key must be so that a key means something.
+   !> Condition on another key under which a key is accepted.
    type :: condition_t
       character(len=:), allocatable :: group             !! Group of the other key
       character(len=:), allocatable :: key               !! The other key
-      type(text_t), allocatable :: words(:)              !! What it may be; empty: .true.
+      type(text_t), allocatable :: words(:)              !! Accepted values; empty: .true.
    end type condition_t
 
    !> Range of the numbers that a key allows.
@@ -32,7 +32,7 @@ module base_schema
       real(wp) :: most = huge(1.0_wp)                    !! Upper bound [SI]
       logical :: least_open = .false.                    !! The lower bound itself is out of range
       logical :: most_open = .false.                     !! The upper bound itself is out of range
-      character(len=:), allocatable :: hint              !! Why the range is what it is, or empty
+      character(len=:), allocatable :: hint              !! Reason for the range, or empty
    end type range_t
 
    !> One key.
@@ -80,7 +80,7 @@ module base_schema
       procedure :: extend_owner => schema_extend_owner   !! Let a key apply to one more word
       procedure :: require => schema_require             !! Keys that must be given
       procedure :: refer => schema_refer                 !! Names of which group a key refers to
-      procedure :: explain_range => schema_explain_range !! Why the range is what it is
+      procedure :: explain_range => schema_explain_range !! Reason for the range
       procedure :: preset => schema_preset               !! Declare presets of a group
       procedure :: find => schema_find                   !! Index of a group
       procedure :: names => schema_names                 !! Names of all groups

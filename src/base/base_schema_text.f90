@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a deck may hold, as text for people: one key explained, or all of them as a template.
+!> The schema of decks as text: one key explained, or all keys as a template.
 module base_schema_text
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
@@ -127,7 +127,7 @@ contains
       end do
    end subroutine explain_key
 
-   !> What is to be known about the unit of a key.
+   !> Note on the unit of a key.
    pure function unit_note(key) result(note)
       type(key_t), intent(in) :: key
       character(len=:), allocatable :: note
@@ -158,7 +158,7 @@ contains
       if (.not. key%exact) text = "up to "//number(key%number_of_values)//" "//text//"s"
    end function kind_of
 
-   !> Default of a key as it is written in a deck.
+   !> Default of a key as written in a deck.
    function literal(key) result(text)
       type(key_t), intent(in) :: key                     !! The key, with a default
       character(len=:), allocatable :: text
@@ -172,7 +172,7 @@ contains
       text = "'"//text//"'"
    end function literal
 
-   !> A deck with all keys: defaults as they are, all else as comments.
+   !> A deck with all keys: defaults as values, other keys as comments.
    function template(schema) result(text)
       type(schema_t), intent(in) :: schema               !! Allowed values
       character(len=:), allocatable :: text

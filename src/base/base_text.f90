@@ -35,7 +35,7 @@ contains
    !> Append letters to a buffer.
    pure subroutine buffer_add(self, letters)
       class(buffer_t), intent(inout) :: self
-      character(len=*), intent(in) :: letters            !! What to append
+      character(len=*), intent(in) :: letters            !! Text to append
       character(len=:), allocatable :: longer
       integer :: needed
 

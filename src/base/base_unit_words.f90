@@ -148,7 +148,7 @@ contains
    pure subroutine take_symbol(self, name, behind, below, letters)
       type(written_unit_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! The symbol with its prefix
-      character(len=*), intent(in) :: behind             !! What follows
+      character(len=*), intent(in) :: behind             !! Remaining text
       logical, intent(in) :: below                       !! Is it after the slash?
       integer, intent(out) :: letters                    !! Letters of the power
       real(wp) :: power

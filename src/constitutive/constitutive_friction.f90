@@ -129,7 +129,7 @@ contains
    end function frictional_least_pressure
 
    !> Shear modulus in the square of the wave speed. Separated material supports no shear; its wave
-   !! speed does not grow with its volume, or a cloud of it would shorten the time step.
+   !! speed does not grow with its volume, otherwise a cloud of debris would shorten the time step.
    pure subroutine frictional_add_wave_speed(self, state, deformation, first, last)
       class(frictional_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
@@ -172,10 +172,9 @@ contains
       end do
    end subroutine add_joined_shear_speed
 
-   !> Take the volume that shear gained out of the pressure: p + rho c**2 (exp(gained) - 1), exact
-   !! for p = K (rho/rho0 - 1). What the flow of the step gains, x times the volume gained before,
-   !! then raises the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of
-   !! doc/theory/strength.md.
+   !> Remove the dilatant volume from the pressure: p + rho c**2 (exp(gained) - 1), exact for p = K
+   !! (rho/rho0 - 1). The dilatancy of the step, x times the volume gained before, then increases
+   !! the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of doc/theory/strength.md.
    pure subroutine add_dilation_pressure(first, last, gained, mass, volume, wave_speed, pressure, &
       tangent)
       integer, intent(in) :: first                   !! First particle of the range

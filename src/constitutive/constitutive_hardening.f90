@@ -226,8 +226,8 @@ contains
    ! gate: long kernel because a return changes four fields of a particle
    pure subroutine move_flow_results(offset, before, lanes, volume, stress, plastic_strain, &
       plastic_increment, plastic_work)
-      integer, intent(in) :: offset                  !! Particles of the range before the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
+      integer, intent(in) :: before                  !! Index offset in the store
       type(flow_lanes_t), intent(in) :: lanes
       real(wp), contiguous, intent(in) :: volume(:)                !! (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]

@@ -25,7 +25,7 @@ module constitutive_law
       real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
-      procedure :: read_mode => law_read_mode        !! Reads what decides on other models
+      procedure :: read_mode => law_read_mode        !! Reads keys that decide on other models
       procedure :: fault => law_fault                !! Error in the combination of its keys
       procedure :: read => law_read                  !! Reads its keys
       procedure :: gives_whole_stress => law_gives_whole_stress !! True if it gives the whole stress
@@ -106,7 +106,7 @@ contains
    end function law_fault
 
    !> True if the law gives the whole stress. Then the material has no equation of state and no
-   !! limit of tension, and there is no elastic trial but what the law makes of it.
+   !! limit of tension, and the law computes its own trial stress, if any.
    pure logical function law_gives_whole_stress(self) result(whole)
       class(law_t), intent(in) :: self
 
@@ -197,8 +197,8 @@ contains
          deformation%pressure)
    end subroutine law_predict_trial
 
-   !> Add to the square of the wave speed what the law contributes. A law that gives the whole
-   !! stress finds 0 and leaves the square of its fastest wave.
+   !> Add the contribution of the law to the square of the wave speed. For a law that gives the
+   !! whole stress the input is 0 and the result is the square of its fastest wave speed.
    pure subroutine law_add_wave_speed(self, state, deformation, first, last)
       class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store

@@ -36,7 +36,7 @@ module constitutive_softening
    type :: softening_t
       real(wp) :: energy = 0.0_wp                    !! Gf, of a crack per area [J/m2]
       real(wp) :: strength = 0.0_wp                  !! Principal stress that opens cracks [Pa]
-      real(wp) :: limit = 0.0_wp !! Or principal strain; 0 if it is the stress that counts [1]
+      real(wp) :: limit = 0.0_wp !! Principal strain; 0 with a stress criterion [1]
       !> Width of the band that opens across an edge of the grid, set by the scene: one cell where
       !! the gradient of a cell is that of its own nodes, more where gradients are smoother [cells]
       real(wp) :: width = 1.0_wp
@@ -192,8 +192,9 @@ contains
       end do
    end subroutine softening_restore_stress
 
-   !> Let cracks open and weaken the tension of what has some. On entry deviator and pressure are
-   !! those without cracks, on return those that act. What cracks take is recorded as plastic work.
+   !> Open cracks and reduce the tension of cracked particles. On entry deviator and pressure are
+   !! those without cracks, on return the effective ones. The energy of cracks is recorded as
+   !! plastic work.
    pure subroutine softening_open_cracks(self, state, deformation, first, last, spacing)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store

@@ -122,7 +122,7 @@ contains
       has = .true.
    end function p_alpha_has_pores
 
-   !> The pressure depends on energy and on what has been crushed.
+   !> The pressure depends on energy and on the crushing so far.
    pure subroutine p_alpha_request(self, requests)
       class(eos_p_alpha_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests

@@ -135,8 +135,8 @@ contains
    end subroutine drucker_prager_update
 
    !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
-   !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has separated has no
-   !! grains that climb over each other. Equation (Y.22).
+   !! plasticity", 2008, section 8.3). Flow dilates only on the cone, because separated grains do
+   !! not climb over each other. Equation (Y.22).
    ! gate: long kernel because flow changes stress, pressure and volume
    pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
       plastic_increment, plastic_work, dilation)

@@ -165,9 +165,9 @@ contains
    pure subroutine collect(law, offset, count, before, homologous, plastic_strain, &
       plastic_increment, plastic_work, lanes)
       class(law_johnson_cook_t), intent(in) :: law
-      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
       integer, intent(in) :: count                   !! Particles of the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: before                  !! Index offset in the store
       real(wp), contiguous, intent(in) :: homologous(:)            !! (range) [1]
       real(wp), contiguous, intent(in) :: plastic_strain(:)        !! (store) [1]
       !> Equivalent trial stress [Pa] in, 0 [1] out where nothing flows (range).

@@ -302,9 +302,9 @@ contains
    pure subroutine collect(law, offset, count, before, ratio, trial_ratio, plastic_strain, &
       plastic_increment, plastic_work, lanes)
       class(law_steinberg_guinan_t), intent(in) :: law
-      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
       integer, intent(in) :: count                   !! Particles of the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: before                  !! Index offset in the store
       real(wp), contiguous, intent(in) :: ratio(:)       !! G/G0 after the step (range) [1]
       real(wp), contiguous, intent(in) :: trial_ratio(:) !! G/G0 of the trial (range) [1]
       real(wp), contiguous, intent(in) :: plastic_strain(:)        !! (store) [1]

@@ -175,8 +175,8 @@ contains
       end do
    end subroutine add_cell_slopes
 
-   !> What the particles of a tile add to the axis of their nodes: volume times the products of
-   !! their gradient, volume that has not failed, failed volume. Equation (C.11).
+   !> Contribution of the particles of a tile to the axis of their nodes: volume times the products
+   !! of their gradient, volume that has not failed, failed volume. Equation (C.11).
    pure subroutine set_products(store, tile, slope, values)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -230,7 +230,7 @@ contains
    !> Rotation of Jacobi that takes one pair of elements from a symmetric matrix.
    pure subroutine rotate(i, j, a, v)
       integer, intent(in) :: i, j                    !! Row and column
-      real(wp), intent(inout) :: a(3, 3)             !! It is changed
+      real(wp), intent(inout) :: a(3, 3)             !! Updated
       real(wp), intent(inout) :: v(3, 3)             !! Rotations so far, in columns
       real(wp) :: theta, t, c, s, column(3)
 
@@ -273,8 +273,8 @@ contains
       end do
    end subroutine choose_sides
 
-   !> What decides whether the sides of nodes part: the volumes of both, and their positions along
-   !! the axis times volume.
+   !> Data that decide whether the sides of nodes separate: the volumes of both, and their positions
+   !! along the axis times volume.
    pure subroutine weigh_sides(grid, shape, store, tile, axis, other, patch)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located

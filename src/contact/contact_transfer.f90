@@ -70,7 +70,7 @@ contains
       end do
    end subroutine scatter_sides
 
-   !> Velocity that a particle brings to a place beside it [m/s].
+   !> Velocity field of a particle at a position near it [m/s].
    pure function velocity_at(store, particle, away) result(velocity)
       type(store_t), intent(in) :: store
       integer, intent(in) :: particle                !! Of the store

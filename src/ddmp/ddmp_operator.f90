@@ -230,7 +230,7 @@ contains
    !> Add the value at the next node, minus that at the previous node.
    pure subroutine add_change(numbers, pad, low, high, shift, sums, patch)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: pad                     !! Numbers before them in memory
+      integer, intent(in) :: pad                     !! Offset in memory
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
@@ -318,7 +318,7 @@ contains
       end associate
    end subroutine gradient_plane
 
-   !> The two directions besides one.
+   !> The two directions other than a given one.
    pure subroutine others(direction, one, other)
       integer, intent(in) :: direction               !! Of the derivative
       integer, intent(out) :: one                    !! The lower of the others
@@ -328,7 +328,7 @@ contains
       other = merge(2, 3, direction == 3)
    end subroutine others
 
-   !> Integrals along a direction of what stands on the nodes.
+   !> Integrals along a direction of the node values.
    pure subroutine mean_along(numbers, low, high, shift, line, field, means)
       integer, intent(in) :: numbers                 !! Of the tile
       integer, intent(in) :: low                     !! First index in use
@@ -397,7 +397,7 @@ contains
       end do
    end subroutine difference_along
 
-   !> Minus the transpose of that: what one node gains the other loses.
+   !> Minus its transpose: the gain of one node is the loss of the other.
    pure subroutine add_difference(numbers, low, high, shift, factor, sums, field)
       integer, intent(in) :: numbers                 !! Of the tile
       integer, intent(in) :: low                     !! First index in use
@@ -424,7 +424,7 @@ contains
    ! gate: long kernel because directions are given by their shifts
    pure subroutine apply_mass(numbers, pad, low, high, one, other, third, weight, field, sums)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: pad                     !! Numbers before them in memory
+      integer, intent(in) :: pad                     !! Offset in memory
       integer, intent(in) :: low                     !! First number of a cell
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: one                     !! Numbers to the next node, first direction

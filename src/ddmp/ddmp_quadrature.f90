@@ -86,8 +86,8 @@ contains
       controlled = .false.
    end function quadrature_controlled
 
-   !> True if each node has a force that is right for uniform stress, and the point rule acts on
-   !! what differs from the mean stress of that node.
+   !> True if the force at each node is exact for uniform stress, and the point rule acts on the
+   !! difference from the mean stress of that node.
    pure logical function quadrature_differing(self) result(differing)
       class(quadrature_t), intent(in) :: self
 

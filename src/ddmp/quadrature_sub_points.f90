@@ -230,7 +230,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(inout) :: shape !! Of the tile; gets them as values
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
-      integer, intent(in) :: skip                            !! Columns of the values before them
+      integer, intent(in) :: skip                            !! Column offset in the values
       real(wp), allocatable :: values(:, :)
 
       call move_alloc(shape%values, values)

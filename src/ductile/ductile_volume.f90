@@ -13,7 +13,7 @@ module ductile_volume
 
 contains
 
-   !> Volume becomes that of the matrix; that of the motion is kept beside it.
+   !> Replace the volume by that of the matrix, and save that of the motion.
    pure subroutine to_matrix_volume(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range

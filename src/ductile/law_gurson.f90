@@ -209,9 +209,9 @@ contains
    !> Trial stresses, porosity and strength of a group.
    pure subroutine read_group(law, offset, count, before, state, deformation, group)
       type(law_gurson_t), intent(in) :: law
-      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
       integer, intent(in) :: count                   !! Particles of the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: before                  !! Index offset in the store
       type(material_state_t), intent(in) :: state    !! State of the store
       type(deformation_t), intent(in) :: deformation !! Step of the range
       type(pore_lanes_t), intent(inout) :: group
@@ -237,7 +237,7 @@ contains
 
    !> Collect the particles of a group that flow. The others have no increments.
    pure subroutine collect(offset, count, group, excess, deformation, lanes)
-      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
       integer, intent(in) :: count                   !! Particles of the group
       type(pore_lanes_t), intent(in) :: group
       real(wp), intent(in) :: excess(most_lanes)     !! Over the yield surface [1]
@@ -269,8 +269,8 @@ contains
    !! the mean of the stresses before and after the step. Equations (D.9) and (D.11).
    pure subroutine move_results(law, offset, before, lanes, state, deformation)
       type(law_gurson_t), intent(in) :: law
-      integer, intent(in) :: offset                  !! Particles of the range before the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
+      integer, intent(in) :: before                  !! Index offset in the store
       type(pore_lanes_t), intent(inout) :: lanes
       type(material_state_t), intent(inout) :: state !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
@@ -308,7 +308,7 @@ contains
    !! Needleman, J. Eng. Mater. Technol. 102 (1980) 249). Equation (D.10).
    pure subroutine find_new_pores(law, before, state, lanes)
       type(law_gurson_t), intent(in) :: law
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: before                  !! Index offset in the store
       type(material_state_t), intent(in) :: state    !! State of the store
       type(pore_lanes_t), intent(inout) :: lanes
       real(wp) :: distance

@@ -134,8 +134,8 @@ contains
          deformation%pressure, deformation%wave_speed)
    end subroutine jwl_update
 
-   !> Kernel of the above, equations (X.1) and (X.2). Work along a path of finite steps can take
-   !! more energy than thin products have; their term of it is then 0.
+   !> Kernel of the above, equations (X.1) and (X.2). Finite steps can remove more energy than thin
+   !! products have; the energy term is then 0.
    pure subroutine product_pressure(first, last, eos, mass, volume, energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

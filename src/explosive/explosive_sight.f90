@@ -7,7 +7,7 @@ module explosive_sight
 
    public :: sight_map_t
 
-   !> What a cell holds. Where ranks differ the least holds.
+   !> Content of a cell. Where ranks differ the least value applies.
    integer(int64), parameter, public :: cell_explosive = 1, cell_other = 2, cell_empty = 3
 
    !> A box of cells around the explosives.
@@ -18,7 +18,7 @@ module explosive_sight
       integer :: cells(3) = 1                        !! Along each direction, 1 if inactive
       logical, allocatable :: open(:)                !! (cell from 0) Can a detonation pass?
    contains
-      procedure :: start => sight_map_start          !! From what the cells hold
+      procedure :: start => sight_map_start          !! From the content of the cells
       procedure :: cell_of => sight_map_cell_of      !! Place of the cell of a point
       procedure :: is_open => sight_map_is_open      !! Is a cell open? True outside of the box
       procedure :: sees => sight_map_sees            !! Is a straight line open?
@@ -29,11 +29,11 @@ module explosive_sight
 
 contains
 
-   !> Open the cells with explosive, and the empty ones beside these, which the edge of an explosive
-   !! cuts without a particle in them.
+   !> Open the cells with explosive, and empty neighbours of these that the boundary of the
+   !! explosive may cut.
    pure subroutine sight_map_start(self, content)
       class(sight_map_t), intent(inout) :: self      !! Corner, spacing and counts are set
-      integer(int64), intent(in) :: content(0:)      !! (cell) What it holds
+      integer(int64), intent(in) :: content(0:)      !! (cell) Content
       integer :: i, j, k, n
 
       allocate (self%open(0:size(content) - 1))
@@ -49,10 +49,10 @@ contains
       end do
    end subroutine sight_map_start
 
-   !> Does a cell beside a face of this one hold explosive?
+   !> True if a neighbour of the cell across a face contains explosive.
    pure logical function has_neighbour(map, content, place) result(has)
       type(sight_map_t), intent(in) :: map
-      integer(int64), intent(in) :: content(0:)      !! (cell) What it holds
+      integer(int64), intent(in) :: content(0:)      !! (cell) Content
       integer, intent(in) :: place(3)                !! Counted from 0
       integer :: beside(3), direction, side
 
@@ -98,8 +98,8 @@ contains
       is_open = self%open(number_of(self, place))
    end function sight_map_is_open
 
-   !> Is the straight line between two points open? Every piece of it between two faces of cells
-   !! must be in an open cell; a piece in the face itself may have that on either side.
+   !> Is the straight line between two points open? Each segment of it between two faces of cells
+   !! must be in an open cell; for a segment in a face the cell on either side is enough.
    pure logical function sight_map_sees(self, from, to) result(open)
       class(sight_map_t), intent(in) :: self
       real(wp), intent(in) :: from(3)                !! [m]

@@ -27,7 +27,7 @@ module io_checkpoint
 
    public :: checkpoint_newest, checkpoint_place_t, checkpoint_write, head_check, remove_old_files
 
-   !> Path of a checkpoint and its contents besides the state. The same on all ranks.
+   !> Path of a checkpoint and its contents other than the state. The same on all ranks.
    type :: checkpoint_place_t
       character(len=:), allocatable :: folder             !! Folder of the results
       character(len=:), allocatable :: case               !! Prefix of all files

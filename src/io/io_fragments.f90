@@ -66,7 +66,7 @@ contains
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(in) :: stores(:)
-      type(fragments_t), intent(in) :: wanted            !! What is looked for
+      type(fragments_t), intent(in) :: wanted            !! Definition of fragments
       real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
@@ -81,7 +81,7 @@ contains
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(in) :: stores(:)
-      type(fragments_t), intent(in) :: wanted            !! What is looked for
+      type(fragments_t), intent(in) :: wanted            !! Definition of fragments
       type(labels_t), allocatable, intent(out) :: labels(:) !! (store)
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
@@ -105,13 +105,13 @@ contains
       end do
    end subroutine fragment_labels
 
-   !> Find the fragments and what they hold. Collective.
+   !> Find the fragments and their contents. Collective.
    subroutine find_fragments(communicator, grid, tiles, stores, wanted, picks, cells, map, rows)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(in) :: stores(:)
-      type(fragments_t), intent(in) :: wanted            !! What is looked for
+      type(fragments_t), intent(in) :: wanted            !! Definition of fragments
       type(picks_t), allocatable, intent(out) :: picks(:) !! (store) Particles that count
       type(cells_t), intent(out) :: cells                !! Their cells on this rank
       type(map_t), intent(out) :: map                    !! All cells with their fragments
@@ -168,8 +168,8 @@ contains
       end do
    end subroutine learn_cells
 
-   !> Give each cell the number of its fragment, and the image of the box in which it lies beside
-   !! the first cell of the fragment.
+   !> Give each cell the number of its fragment, and the image of the box in which it is connected
+   !! to the first cell of the fragment.
    subroutine connect(grid, velocity_cut, map)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: velocity_cut               !! Cells that differ by more part [m/s]

@@ -32,10 +32,10 @@ module io_gauge
    integer, parameter :: basis_size = 4                  !! 1 and three coordinates
    integer, parameter :: products = 10                   !! Of pairs of these
 
-   !> What a gauge shows.
+   !> Definition of a gauge.
    type :: gauge_t
       integer :: kind = at_point                         !! One of the constants above
-      real(wp) :: point(3) = 0.0_wp                      !! Where it is, or starts [m]
+      real(wp) :: point(3) = 0.0_wp                      !! Position, or initial position [m]
       real(wp) :: radius = 0.0_wp                        !! Of the material that is seen [m]
       real(wp) :: depth = 0.0_wp                         !! The same below a surface [m]
       integer :: axis = 1                                !! Normal of the surface, about
@@ -53,7 +53,7 @@ contains
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
-      type(gauge_t), intent(in) :: gauge                 !! What it shows
+      type(gauge_t), intent(in) :: gauge                 !! Definition of the gauge
       real(wp), allocatable, intent(out) :: row(:)       !! (column)
       type(picks_t) :: picks(size(stores))
       real(wp), allocatable :: weight(:), offset(:, :)

@@ -31,7 +31,7 @@ module io_grid
 
    character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
 
-   !> A block of cells, and the planes of it that a rank writes.
+   !> A block of cells, and its planes written by one rank.
    type :: box_t
       integer :: first(3) = 0                            !! First cell, from 0
       logical :: layer(3) = .false.                      !! Is there one layer of cells?
@@ -50,7 +50,7 @@ contains
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
       type(mean_t), intent(in) :: means(:)               !! Means to write
       type(snapshot_format_t), intent(in) :: format      !! How, and of which particles
-      type(snapshot_header_t), intent(in) :: header      !! What else is written
+      type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
       type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
@@ -203,7 +203,7 @@ contains
       end select
    end subroutine cell_means
 
-   !> What each particle counts in a mean.
+   !> Weight of each particle in a mean.
    subroutine particle_weights(stores, picks, kind, weight)
       type(store_t), intent(in) :: stores(:)
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles

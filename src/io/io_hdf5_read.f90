@@ -112,7 +112,7 @@ contains
    subroutine source_info(self, name, info, error)
       class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      type(data_info_t), intent(out) :: info             !! What it is
+      type(data_info_t), intent(out) :: info             !! Description for messages
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       integer(hid_t) :: data_set, kind, space
       integer(hsize_t) :: extent(2), most(2)

@@ -220,8 +220,8 @@ contains
    !> Names in a folder with a given beginning and end, in alphabetical order.
    subroutine folder_entries(folder, prefix, suffix, names, readable)
       character(len=*), intent(in) :: folder              !! Folder
-      character(len=*), intent(in) :: prefix              !! What names begin with
-      character(len=*), intent(in) :: suffix              !! What they end with
+      character(len=*), intent(in) :: prefix              !! Prefix of names
+      character(len=*), intent(in) :: suffix              !! Suffix of names
       character(len=longest_name), allocatable, intent(out) :: names(:) !! Padded with blanks
       logical, intent(out) :: readable                    !! The folder could be read
       character(len=longest_name), allocatable :: found(:), larger(:)

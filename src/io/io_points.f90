@@ -117,7 +117,7 @@ contains
    subroutine read_heading(words, column, fault)
       type(text_t), intent(in) :: words(:)               !! Names
       integer, allocatable, intent(out) :: column(:)     !! (name) Number of its column, 0: none
-      character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
+      character(len=:), allocatable, intent(out) :: fault !! Error message, or empty
       type(text_t) :: known(size(columns))
       character(len=:), allocatable :: near
       integer :: n, k
@@ -173,7 +173,7 @@ contains
       integer, intent(in) :: column(:)                   !! (name) Number of its column, 0: none
       integer, intent(in) :: row
       type(point_list_t), intent(inout) :: list
-      character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
+      character(len=:), allocatable, intent(out) :: fault !! Error message, or empty
       real(wp) :: values(7)
       integer :: k
       logical :: sound

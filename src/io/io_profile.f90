@@ -26,7 +26,7 @@ module io_profile
    character(len=2), parameter :: parts_9(9) = ["xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", &
       "zz"]
 
-   !> What a profile shows.
+   !> Definition of a profile.
    type :: profile_t
       integer :: axis = 1                                !! Direction of the bins
       integer :: bins = 100                              !! Number of bins
@@ -40,7 +40,7 @@ contains
 
    !> Headings of the columns.
    function profile_columns(profile) result(columns)
-      type(profile_t), intent(in) :: profile             !! What it shows
+      type(profile_t), intent(in) :: profile             !! Definition of the profile
       character(len=column_length), allocatable :: columns(:)
 
       columns = [character(len=column_length) :: "time [s]", "step", "bin", "position [m]", &

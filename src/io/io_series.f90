@@ -39,7 +39,7 @@ contains
       character(len=*), intent(in) :: folder             !! Where the files are
       character(len=*), intent(in) :: prefix             !! As "CASE_p"
       integer, intent(in) :: next_number                 !! Number of the next snapshot
-      character(len=:), allocatable, intent(out) :: note !! Rank 0: what was left out, or empty
+      character(len=:), allocatable, intent(out) :: note !! Rank 0: omitted files, or empty
       type(error_t), allocatable, intent(out) :: error   !! The folder cannot be read
       character(len=longest_name), allocatable :: names(:)
       integer :: length
@@ -67,7 +67,7 @@ contains
       character(len=*), intent(in) :: names(:)           !! Names in the folder, sorted
       integer, intent(in) :: length                      !! Of the names that are collected
       integer, intent(in) :: next_number                 !! Number of the next snapshot
-      character(len=:), allocatable, intent(inout) :: note !! What was left out
+      character(len=:), allocatable, intent(inout) :: note !! Omitted files
       type(snapshot_info_t) :: info
       type(error_t), allocatable :: error
       integer :: index

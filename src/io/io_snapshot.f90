@@ -34,7 +34,7 @@ module io_snapshot
       integer :: compress = 1                            !! gzip level, 0: off
    end type snapshot_format_t
 
-   !> Content of a snapshot beside the particles. The same on all ranks. Texts that are not
+   !> Content of a snapshot other than the particles. The same on all ranks. Texts that are not
    !! allocated and counts that are 0 are left out; without host, date, ranks, threads and wall time
    !! equal runs give equal bytes.
    ! gate: header record because each component is an attribute of the file
@@ -42,7 +42,7 @@ module io_snapshot
       character(len=:), allocatable :: code              !! Name of the program
       character(len=:), allocatable :: version           !! Its version
       character(len=:), allocatable :: git               !! Its revision
-      character(len=:), allocatable :: compiler          !! What built it
+      character(len=:), allocatable :: compiler          !! Compiler and options of the program
       character(len=:), allocatable :: flags             !! How it was built
       character(len=:), allocatable :: host              !! Where it ran
       character(len=:), allocatable :: date              !! When the file was written
@@ -57,7 +57,7 @@ module io_snapshot
       real(wp) :: wall_seconds = 0.0_wp                  !! Wall time so far [s]
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       real(wp) :: dt = 0.0_wp                            !! Time step [s]
-      real(wp) :: dt_next = 0.0_wp                       !! Stable time step that comes [s]
+      real(wp) :: dt_next = 0.0_wp                       !! Next stable time step [s]
       real(wp) :: velocity_lag = 0.0_wp                  !! Of velocities behind positions [s]
       integer(int64) :: step = 0                         !! Steps done
       !> (3, 4) In a cell that deforms: its deformation, and the corner that stays [m]
@@ -77,8 +77,8 @@ contains
       character(len=*), intent(in) :: path
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
       character(len=*), intent(in) :: fields(:)          !! What is written, ["default"]
-      type(snapshot_format_t), intent(in) :: format      !! How it is written
-      type(snapshot_header_t), intent(in) :: header      !! What else is written
+      type(snapshot_format_t), intent(in) :: format      !! Format of the file
+      type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
       type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
       type(labels_t), intent(in), optional :: labels(:)  !! (store) Fragments, 0 without them
       type(column_t), allocatable :: columns(:)

@@ -63,8 +63,8 @@ contains
       character(len=*), intent(in) :: path               !! The file; .mhd and .mha are MetaImage
       character(len=*), intent(in) :: dataset            !! Name of the data set in HDF5
       integer, intent(in) :: value                       !! Selected value
-      type(voxel_file_t), intent(out) :: voxels          !! What the file holds
-      type(error_t), allocatable, intent(out) :: error   !! It is broken, or lacks the value
+      type(voxel_file_t), intent(out) :: voxels          !! Description of the data in the file
+      type(error_t), allocatable, intent(out) :: error   !! Damaged, or without the value
       type(marker_t) :: marker
       character(len=:), allocatable :: ending
 

@@ -28,8 +28,8 @@ module io_walls
       character(len=wall_name_length), allocatable :: name(:) !! (wall) Region, or face
       character(len=wall_name_length), allocatable :: kind(:) !! (wall) Type of boundary
       integer, allocatable :: face(:)                    !! (wall) 1 to 6, 0 = rigid region
-      real(wp), allocatable :: begin(:)                  !! (wall) It is there from then on [s]
-      real(wp), allocatable :: end(:)                    !! (wall) It is gone from then on [s]
+      real(wp), allocatable :: begin(:)                  !! (wall) Start of the time interval [s]
+      real(wp), allocatable :: end(:)                    !! (wall) End of the time interval [s]
       real(wp), allocatable :: time(:)                   !! (entry) If any moves: when [s]
       real(wp), allocatable :: shift(:, :, :)            !! (3, wall, entry) Way since the start [m]
    contains
@@ -46,8 +46,8 @@ contains
       character(len=*), intent(in) :: name               !! Region or face
       character(len=*), intent(in) :: kind               !! Type of boundary
       integer, intent(in) :: face                        !! 1 to 6, 0 = rigid region
-      real(wp), intent(in) :: begin                      !! It is there from then on [s]
-      real(wp), intent(in) :: end                        !! It is gone from then on [s]
+      real(wp), intent(in) :: begin                      !! Start of the time interval [s]
+      real(wp), intent(in) :: end                        !! End of the time interval [s]
       integer, intent(out) :: wall                       !! Number
       character(len=wall_name_length) :: padded
 
@@ -167,7 +167,7 @@ contains
       call write_data(file, root//"/CellData/face", cells, shorts)
    end subroutine write_cells
 
-   !> Write what the walls are, when they are there and where they move.
+   !> Write kinds, time intervals and motions of the walls.
    subroutine write_table(file, walls, header)
       type(hdf5_file_t), intent(inout) :: file
       type(walls_t), intent(in) :: walls                 !! Walls to write

@@ -192,7 +192,7 @@ contains
       if (len(fault) > 0) call deck%complain(group, fault, "failed_as")
    end subroutine check_failure
 
-   !> A law that gives the whole stress has no other models beside it.
+   !> A law that gives the whole stress excludes other models.
    subroutine check_whole_stress(material, group, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
       type(group_t), intent(in) :: group             !! &material

@@ -190,8 +190,8 @@ contains
       call self%law%predict_trial(subset%state, subset%deformation, 1, n)
    end subroutine failed_law_gather
 
-   !> Energy that a deviator of stress releases which ends in the step: what it stores, and the work
-   !! that the mean of it and of 0 does. The elastic trial of the step does none.
+   !> Energy released by a deviator of stress that drops to zero in the step: the stored energy, and
+   !! the work of the mean of the old stress and zero. The elastic trial of the step does none.
    pure subroutine find_release(count, shear, volume, stress, gradient, released)
       integer, intent(in) :: count                   !! Particles
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]

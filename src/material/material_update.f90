@@ -214,7 +214,8 @@ contains
       end if
    end subroutine find_wave_speed
 
-   !> Stress from deviator and pressure, and what the viscosity of a law adds to the wave speed.
+   !> Stress from deviator and pressure, and the contribution of the viscosity of a law to the wave
+   !! speed.
    pure subroutine add_pressure(self, state, deformation, first, last, spacing)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state     !! State of the store
@@ -290,7 +291,7 @@ contains
          deformation%pressure(:last - first + 1) + state%brittle%bulking(first:last)
    end subroutine add_bulking
 
-   !> Deviator of stress, and what strength adds to the square of the wave speed.
+   !> Deviator of stress, and the contribution of strength to the square of the wave speed.
    pure subroutine update_deviator(self, state, deformation, first, last, dt)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store

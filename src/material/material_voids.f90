@@ -188,7 +188,7 @@ contains
          deformation%voids%alpha, state%solid_fraction)
    end subroutine voids_update_solid_fraction
 
-   !> Kernel of the above. What closes voids beyond the touching of grains is left to the material.
+   !> Kernel of the above. Compression beyond the contact of grains is that of the material.
    !! Equation (F.18).
    pure subroutine move_fraction(first, last, critical, volume, old_volume, fraction, &
       solid_fraction)
@@ -238,8 +238,8 @@ contains
       call self%to_solid_volume(state, deformation, first, last)
    end subroutine voids_to_solid_volumes
 
-   !> Volume becomes that of the motion again, and the pressure that on a whole surface. Where voids
-   !! open or close there is none: round-off of it would stop the opening.
+   !> Restore the volume of the motion, and convert the pressure to that on the whole surface. While
+   !! voids open or close the pressure is zero, because its round-off would stop the opening.
    pure subroutine voids_to_total_volume(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store

@@ -20,18 +20,18 @@ module mesh_halo
 
    !> Which tiles go to which ranks.
    type :: halo_t
-      integer, allocatable :: edge(:)                !! Own tiles that other ranks may see
+      integer, allocatable :: edge(:)                !! Own tiles that other ranks may need
       integer, allocatable :: inner(:)               !! Tiles that no other rank needs
       integer, allocatable :: rank(:)                !! Ranks around
       integer, allocatable :: before(:)              !! (rank around + 1) Entries before it
       integer, allocatable :: tile(:)                !! Own tiles to send, grouped by rank
       integer(int64) :: messages = 0                 !! Messages sent so far
-      integer(int64) :: words = 0                    !! Words of 8 bytes in them
+      integer(int64) :: words = 0                    !! Words of 8 bytes in the messages
       integer(int64), private :: version = -1        !! Of the tiles that this holds for
       type(posted_t), private :: posted              !! Messages in transit
-      integer(int64), allocatable, private :: incoming(:) !! What arrived
+      integer(int64), allocatable, private :: incoming(:) !! Received data
    contains
-      procedure :: plan => halo_plan                 !! Work out who gets what
+      procedure :: plan => halo_plan                 !! Build the lists of messages
       procedure :: post => halo_post                 !! Send
       procedure :: complete => halo_complete         !! Receive
       procedure :: post_packed => halo_post_packed   !! Send packed patches
@@ -45,7 +45,7 @@ contains
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets ghosts
-      type(halo_t), intent(inout) :: halo            !! Who gets what; brought up to date
+      type(halo_t), intent(inout) :: halo            !! Lists of messages; updated
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
 
       call halo%plan(communicator, grid, tiles)
@@ -53,7 +53,7 @@ contains
       call halo%complete(communicator, grid, tiles, patch)
    end subroutine exchange_patches
 
-   !> Work out who gets what, if tiles or cuts have changed.
+   !> Rebuild the lists of messages, if tiles or cuts have changed.
    subroutine halo_plan(self, communicator, grid, tiles)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
@@ -80,7 +80,7 @@ contains
    !> Group the pairs of tile and rank by rank; tiles of a rank ascend.
    subroutine group_by_rank(self, ranks, number)
       type(halo_t), intent(inout) :: self            !! Gets the groups
-      integer, intent(in) :: ranks(:, :)             !! (entry, tile) Ranks that see a tile
+      integer, intent(in) :: ranks(:, :)             !! (entry, tile) Ranks that need a tile
       integer, intent(in) :: number(:)               !! (tile) Entries
       integer(int64), allocatable :: to(:)
       integer, allocatable :: from(:), order(:)
@@ -129,7 +129,7 @@ contains
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      integer, intent(in) :: tile                    !! Whose surroundings
+      integer, intent(in) :: tile                    !! Tile in the centre
       integer, intent(out) :: ranks(neighbors)       !! Without this rank
       integer, intent(out) :: number                 !! Number
       integer :: place, rank, other
@@ -207,7 +207,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
       type(node_boxes_t), intent(in) :: boxes             !! Bounding boxes
-      type(packed_patch_t), intent(in) :: packed(:)        !! What is sent
+      type(packed_patch_t), intent(in) :: packed(:)        !! Packed patches to send
       real(wp), allocatable :: patch(:, :)
       integer :: entry, words, at, n
 

@@ -37,7 +37,7 @@ module mesh_moving_cell
       real(wp) :: dt = 0.0_wp                        !! [s]
    end type stretch_t
 
-   !> What is summed over the particles.
+   !> Sums over the particles.
    type :: sums_t
       !> Stress times volume of material that carries internal energy, of other material, and mass
       !! times the squares of velocities, xx yy zz xy yz xz [J]
@@ -61,7 +61,7 @@ module mesh_moving_cell
       real(wp) :: steps(3, 3) = 0.0_wp               !! Whole edges taken away in the step
    contains
       procedure :: tilt => cell_tilt                 !! Edges at the start
-      procedure :: renew => cell_renew               !! What depends on the edges
+      procedure :: renew => cell_renew               !! Quantities that depend on the edges
       procedure :: prepare => cell_prepare           !! Edges after a step
       procedure :: complete => cell_complete         !! New edges, equivalent ones
       procedure :: steer => cell_steer               !! Velocity gradient of the next step
@@ -103,7 +103,7 @@ contains
       call self%renew()
    end subroutine cell_tilt
 
-   !> F, its inverse and its determinant for the edges as they are.
+   !> F, its inverse and its determinant for the current edges.
    pure subroutine cell_renew(self)
       class(moving_cell_t), intent(inout) :: self
       integer :: axis
@@ -116,8 +116,8 @@ contains
          *self%stretch%before(3, 3)
    end subroutine cell_renew
 
-   !> Edges at the end of the step, once its length is known, and what follows from them. The mean
-   !! of F at both ends counts in between, (B.6).
+   !> Edges at the end of the step, once its length is known, and quantities that follow from them.
+   !! In between the mean of F at both ends is used, (B.6).
    pure subroutine cell_prepare(self, dt)
       class(moving_cell_t), intent(inout) :: self
       real(wp), intent(in) :: dt                     !! [s]
@@ -227,7 +227,7 @@ contains
       if (rate > strain/huge(dt)) dt = strain/rate
    end function cell_longest_step
 
-   !> What a restart needs: edges, velocity gradient, strain, sums, work, mass, speed, stage.
+   !> State for a restart: edges, velocity gradient, strain, sums, work, mass, speed, stage.
    pure function cell_pack(self) result(values)
       class(moving_cell_t), intent(in) :: self
       real(wp) :: values(packed)

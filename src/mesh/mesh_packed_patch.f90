@@ -208,7 +208,7 @@ contains
    pure subroutine copy_rows(kept, row, before, first, nodes, patch, values)
       integer, intent(in) :: kept                    !! How many rows
       integer, intent(in) :: row(kept)               !! Rows that are kept
-      integer, intent(in) :: before                  !! Rows of the patch before them
+      integer, intent(in) :: before                  !! Index offset in the patch
       integer, intent(in) :: first                   !! Nodes of the patch before the line
       integer, intent(in) :: nodes                   !! Nodes of the line
       real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
@@ -225,7 +225,7 @@ contains
    !> All rows of the nodes of a line. Compile-time constants make them one vector.
    pure subroutine copy_line(rows, before, all_rows, nodes, patch, values)
       integer, intent(in) :: rows                    !! Number of rows
-      integer, intent(in) :: before                  !! Rows of the patch before them
+      integer, intent(in) :: before                  !! Index offset in the patch
       integer, intent(in) :: all_rows                !! Rows of the patch
       integer, intent(in) :: nodes                   !! Nodes of the line
       real(wp), intent(in) :: patch(all_rows*nodes)  !! (row, node) Flat
@@ -290,7 +290,7 @@ contains
    pure subroutine copy_numbers(number, values, before, numbers, patch)
       integer, intent(in) :: number                  !! Number
       real(wp), intent(in) :: values(number)         !! Flattened
-      integer, intent(in) :: before                  !! Numbers of the patch before them
+      integer, intent(in) :: before                  !! Index offset in the patch
       integer, intent(in) :: numbers                 !! Of the patch
       real(wp), intent(inout) :: patch(numbers)      !! Flattened
 

@@ -140,7 +140,7 @@ contains
    !> Add a line of numbers to sums.
    pure subroutine add_numbers(number, before, packed, numbers, sums)
       integer, intent(in) :: number                  !! Number
-      integer, intent(in) :: before                  !! Numbers of the sums before them
+      integer, intent(in) :: before                  !! Index offset in the sums
       real(wp), intent(in) :: packed(number)         !! Flattened
       integer, intent(in) :: numbers                 !! Of the sums
       real(wp), intent(inout) :: sums(numbers)       !! Flattened
@@ -157,7 +157,7 @@ contains
       integer, intent(in) :: kept                    !! How many rows
       integer, intent(in) :: row(kept)               !! Rows that are kept
       integer, intent(in) :: nodes                   !! Nodes of the line
-      integer, intent(in) :: before                  !! Nodes of the sums before them
+      integer, intent(in) :: before                  !! Index offset in the sums
       real(wp), intent(in) :: packed(kept, nodes)    !! (row kept, node)
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums
       integer :: node, k

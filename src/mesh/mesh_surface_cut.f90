@@ -18,7 +18,7 @@ module mesh_surface_cut
    !> Steps of the lattice before the set: surfaces that follow the lattice give flat facets
    real(wp), parameter :: offset = 0.6180339887_wp
 
-   !> What is cut.
+   !> The set whose surface is found.
    type :: lattice_t
       logical :: active(3) = .true.                  !! Active directions
       real(wp) :: lower(3) = 0.0_wp                  !! Corner of the bounds [m]

@@ -14,7 +14,7 @@ module mesh_surface_normal
    public :: covers, find_surface_normal, touches
 
    real(wp), parameter :: pace = 0.5_wp              !! Of the search along a ray [cells]
-   integer, parameter :: paces = 8                   !! So far it is looked for a way out
+   integer, parameter :: paces = 8                   !! Maximum search distance
    real(wp), parameter :: aside = 0.05_wp            !! Of the positions that give slopes [cells]
    integer, parameter :: halvings = 40               !! Of a piece of a ray
    real(wp), parameter :: beside = 0.499999_wp       !! A position so near touches a wall [cells]

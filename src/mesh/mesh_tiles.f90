@@ -85,12 +85,12 @@ contains
       allocate (self%coordinate(3, 0), self%neighbor(neighbors, 0))
    end subroutine know_grid
 
-   !> Who touches whom, from who did so before.
+   !> Neighbours of the tiles, from those before.
    subroutine find_neighbors(self, grid, former, renumbered, neighbor)
       class(tiles_t), intent(in) :: self             !! The tiles, with their former neighbours
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: former(:)               !! (tile) Former index, 0 = new
-      integer, intent(in) :: renumbered(0:)          !! (former tile) Index now, 0 = gone
+      integer, intent(in) :: renumbered(0:)          !! (former tile) Current index, 0 = removed
       integer, intent(inout) :: neighbor(:, :)       !! (27, tile) Index of a neighbour, 0 = none
       integer :: tile, place
 

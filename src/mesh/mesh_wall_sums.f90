@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What each wall has done to the material since the start: its impulse, and the work at the
-!! velocity of the wall. Equation (O.2) of doc/theory/instruments.md.
+!> Action of each wall on the material since the start: its impulse, and the work at the velocity of
+!! the wall. Equation (O.2) of doc/theory/instruments.md.
 module mesh_wall_sums
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
@@ -17,7 +17,7 @@ module mesh_wall_sums
       type(exact_sum_t), allocatable :: total(:, :)  !! (entry, wall)
    contains
       procedure :: start => sums_start               !! Allocate them
-      procedure :: add => sums_add                   !! Add what a wall does in a step
+      procedure :: add => sums_add                   !! Add the action of a wall in a step
       procedure :: merge => sums_merge               !! Add others
       procedure :: clear => sums_clear               !! Set to zero
       procedure :: words => sums_words               !! As integers, for a checkpoint

@@ -80,7 +80,7 @@ contains
       call schema%logical("log", "timing", "print a table of timings at the end", default=".true.")
    end subroutine declare_log
 
-   !> Check what compares keys of &output and &checkpoint with others.
+   !> Check keys of &output and &checkpoint against other keys.
    subroutine check_output_groups(deck)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       integer :: n
@@ -110,7 +110,7 @@ contains
    !> Check the names of fields in a deck with errors that leave the stores of the scene unknown.
    subroutine check_output_fields(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(in) :: simulation   !! As far as it is built
+      type(simulation_t), intent(in) :: simulation   !! Possibly incomplete after errors
       class(stream_t), allocatable :: stream
       type(group_t) :: group
       character(len=:), allocatable :: word

@@ -57,7 +57,7 @@ contains
    subroutine check_field_names(group, deck, simulation, stream)
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(in) :: simulation   !! As far as it is built
+      type(simulation_t), intent(in) :: simulation   !! Possibly incomplete after errors
       class(stream_t), intent(in) :: stream          !! Of the kind that is to hold the fields
       type(store_t) :: none(0)
       character(len=field_length), allocatable :: names(:)

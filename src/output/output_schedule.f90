@@ -21,7 +21,7 @@ module output_schedule
       integer(int64) :: done = 0                     !! Intervals or listed times that have passed
    contains
       procedure :: due => schedule_due               !! Is it due now? If so, it counts as done
-      procedure :: catch_up => schedule_catch_up     !! Count what was due before a time as done
+      procedure :: catch_up => schedule_catch_up     !! Count outputs due before a time as done
       procedure :: expected => schedule_expected     !! How often it will be due
    end type schedule_t
 
@@ -124,7 +124,7 @@ contains
    pure real(wp) function schedule_expected(self, time_end, steps) result(times)
       class(schedule_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      real(wp), intent(in) :: steps                  !! Steps that it will take, 0 = unknown
+      real(wp), intent(in) :: steps                  !! Expected steps, 0 = unknown
       real(wp), parameter :: countless = 1.0e18_wp   ! still a 64-bit integer
 
       times = 0.0_wp

@@ -24,11 +24,11 @@ module output_stream
    type, abstract :: stream_t
       integer :: place = 0                           !! Number of its &output, 0 = it has none
       character(len=:), allocatable :: file          !! Name of a table, beginning of other names
-      type(schedule_t) :: schedule                   !! When it is written
+      type(schedule_t) :: schedule                   !! Times of output
       integer(int64) :: last_step = -1               !! Step that was written last
    contains
-      procedure(about_i), deferred :: about          !! What is written, for the help of `kind`
-      procedure(about_i), deferred :: ending         !! What follows the case in names of files
+      procedure(about_i), deferred :: about          !! Description, for the help of `kind`
+      procedure(about_i), deferred :: ending         !! Suffix of file names, after the case
       procedure(declare_i), deferred :: declare      !! Declare the keys of the kind
       procedure(read_i), deferred :: read            !! Read and check these keys
       procedure(open_i), deferred :: open            !! Open the files, new or after a restart
@@ -183,7 +183,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! The field cannot be written
    end subroutine stream_try_field
 
-   !> Define what the field `fragment` of snapshots numbers, unless an earlier stream has.
+   !> Define the fragments of the field `fragment` of snapshots, unless an earlier stream has.
    subroutine stream_offer_fragments(self, fragments)
       class(stream_t), intent(in) :: self
       type(fragments_t), allocatable, intent(inout) :: fragments

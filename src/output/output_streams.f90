@@ -29,7 +29,7 @@ module output_streams
       procedure :: plan => outputs_plan              !! Read the streams from the deck
       procedure :: limit => outputs_limit            !! Refuse implausible sizes
       procedure :: open => outputs_open              !! Open files, new or after a restart
-      procedure :: write_due => outputs_write_due    !! Write what is due
+      procedure :: write_due => outputs_write_due    !! Write the streams that are due
       procedure :: has_series => outputs_has_series  !! Are there snapshots?
       procedure :: full_snapshots => outputs_full_snapshots !! Files with all particles
       procedure :: ledger_rows => outputs_ledger_rows !! Rows that evaluate the ledger
@@ -41,7 +41,7 @@ module output_streams
 
 contains
 
-   !> Read the streams. Without any, a run still writes what the kinds write by default.
+   !> Read the streams. Without any, the default outputs of the kinds are written.
    subroutine outputs_plan(self, deck, simulation, shapes, time_end)
       class(outputs_t), intent(inout) :: self        !! The streams; folder and case are set
       type(deck_t), intent(inout) :: deck            !! Collects errors

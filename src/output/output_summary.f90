@@ -123,7 +123,7 @@ contains
       call json%add("reason", reason)
    end subroutine add_end
 
-   !> What was done in the steps, and how fast.
+   !> Particle updates in the steps, and their rate.
    subroutine add_work(json, updates, worked, rate)
       type(json_t), intent(inout) :: json
       integer(int64), intent(in) :: updates          !! Of particles, on all ranks
@@ -135,7 +135,7 @@ contains
       call json%add("particle_updates_per_s", rate)
    end subroutine add_work
 
-   !> On what it ran.
+   !> Ranks and threads.
    subroutine add_layout(json, simulation)
       type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation
@@ -360,7 +360,7 @@ contains
       call json%end()
    end subroutine add_timers
 
-   !> The ledger, and what it cannot show.
+   !> The ledger, and the trust indicators.
    subroutine add_balance(json, simulation, now, trust)
       type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation   !! With the start
@@ -417,7 +417,7 @@ contains
       end associate
    end subroutine add_exact
 
-   !> Names of what was written.
+   !> Names of the output files.
    subroutine add_files(json, outputs)
       type(json_t), intent(inout) :: json
       type(outputs_t), intent(in) :: outputs

@@ -26,7 +26,7 @@ contains
    subroutine write_walls(simulation, outputs, folder, time_end, error)
       type(simulation_t), intent(in) :: simulation
       type(outputs_t), intent(in) :: outputs         !! Case and header
-      character(len=*), intent(in) :: folder         !! Where the file goes
+      character(len=*), intent(in) :: folder         !! Folder of the file
       real(wp), intent(in) :: time_end               !! End of the run [s]
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       type(walls_t) :: walls
@@ -89,8 +89,8 @@ contains
       type(walls_t), intent(inout) :: walls          !! Get it
       type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
-      real(wp), intent(in) :: begin                  !! It is there from then on [s]
-      real(wp), intent(in) :: finish                 !! It is gone from then on [s]
+      real(wp), intent(in) :: begin                  !! Start of the time interval [s]
+      real(wp), intent(in) :: finish                 !! End of the time interval [s]
       real(wp), intent(in) :: piece(:, :, :)         !! (3, corner, 1) [m]
       character(len=:), allocatable :: kind
       integer :: wall
@@ -133,10 +133,10 @@ contains
 
    !> The number of a wall in the file, with the times at which it is there.
    pure subroutine name_part(walls, source, begin, finish, wall)
-      type(walls_t), intent(inout) :: walls          !! Get it if they lack it
+      type(walls_t), intent(inout) :: walls          !! Receive it if they lack it
       type(wall_t), intent(in) :: source             !! A part of a face, or a rigid region
-      real(wp), intent(out) :: begin                 !! It is there from then on [s]
-      real(wp), intent(out) :: finish                !! It is gone from then on [s]
+      real(wp), intent(out) :: begin                 !! Start of the time interval [s]
+      real(wp), intent(out) :: finish                !! End of the time interval [s]
       integer, intent(out) :: wall                   !! Number
       character(len=:), allocatable :: name
 

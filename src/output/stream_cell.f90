@@ -34,7 +34,7 @@ contains
       text = "a table of stress, strain and edges of &cell"
    end function cell_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function cell_ending(self) result(text)
       class(stream_cell_t), intent(in) :: self
       character(len=:), allocatable :: text

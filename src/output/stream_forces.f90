@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Output of forces: a table of what the material does to boundaries, their parts and rigid regions.
-!! Equation (O.2) of doc/theory/instruments.md.
+!> Output of forces: a table of the forces of the material on boundaries, their parts and rigid
+!! regions. Equation (O.2) of doc/theory/instruments.md.
 module stream_forces
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
@@ -51,7 +51,7 @@ contains
       text = "a table of forces on boundaries and rigid regions"
    end function forces_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function forces_ending(self) result(text)
       class(stream_forces_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -70,7 +70,7 @@ contains
          owner="kind = "//kind)
    end subroutine forces_declare
 
-   !> Read the keys of the kind. What walls do is summed from now on.
+   !> Read the keys of the kind. Wall forces are summed from now on.
    subroutine forces_read(self, group, deck, simulation, shapes)
       class(stream_forces_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output

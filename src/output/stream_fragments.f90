@@ -18,7 +18,7 @@ module stream_fragments
 
    !> A table of fragments.
    type, extends(table_stream_t) :: stream_fragments_t
-      type(fragments_t) :: fragments                 !! Which particles, and what separates them
+      type(fragments_t) :: fragments !! Selection of particles, and the separation criterion
    contains
       procedure :: about => fragments_about          !! For the help
       procedure :: ending => fragments_ending        !! Of the name
@@ -39,7 +39,7 @@ contains
       text = "a table of fragments"
    end function fragments_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function fragments_ending(self) result(text)
       class(stream_fragments_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -79,7 +79,7 @@ contains
       if (velocity_cut > unset) self%fragments%velocity_cut = velocity_cut
    end subroutine fragments_read
 
-   !> Define what the field `fragment` of snapshots numbers, unless an earlier stream has.
+   !> Define the fragments of the field `fragment` of snapshots, unless an earlier stream has.
    subroutine fragments_offer(self, fragments)
       class(stream_fragments_t), intent(in) :: self
       type(fragments_t), allocatable, intent(inout) :: fragments

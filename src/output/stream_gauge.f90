@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Output of a gauge: a table with a row for each time of what an instrument shows at one place.
+!> Output of a gauge: a table of the signal of an instrument at one position, one row per time.
 module stream_gauge
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
@@ -29,7 +29,7 @@ module stream_gauge
 
    !> A gauge.
    type, extends(table_stream_t) :: stream_gauge_t
-      type(gauge_t) :: gauge                         !! Where it is and what it shows
+      type(gauge_t) :: gauge                         !! Position and quantity
    contains
       procedure :: about => gauge_about              !! For the help
       procedure :: ending => gauge_ending            !! Of the name
@@ -53,7 +53,7 @@ contains
       text = "a table of what an instrument at one place shows"
    end function gauge_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function gauge_ending(self) result(text)
       class(stream_gauge_t), intent(in) :: self
       character(len=:), allocatable :: text

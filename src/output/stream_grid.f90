@@ -27,7 +27,7 @@ module stream_grid
 
    !> Fields on the grid.
    type, extends(snapshot_stream_t) :: stream_grid_t
-      type(mean_t), allocatable :: means(:)          !! What is averaged
+      type(mean_t), allocatable :: means(:)          !! Averaged quantities
       real(wp) :: cells = 0.0_wp                     !! Most cells of a file
    contains
       procedure :: about => grid_about               !! For the help
@@ -50,7 +50,7 @@ contains
       text = "means over the particles of each cell"
    end function grid_about
 
-   !> What follows the case in names of files.
+   !> Suffix of file names, after the case.
    pure function grid_ending(self) result(text)
       class(stream_grid_t), intent(in) :: self
       character(len=:), allocatable :: text

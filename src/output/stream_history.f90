@@ -19,7 +19,7 @@ module stream_history
 
    !> A history.
    type, extends(table_stream_t) :: stream_history_t
-      type(history_columns_t) :: columns             !! What a row holds
+      type(history_columns_t) :: columns             !! Columns of a row
    contains
       procedure :: about => history_about            !! For the help
       procedure :: ending => history_ending          !! Of the name
@@ -43,7 +43,7 @@ contains
       text = "a table of the ledger over time"
    end function history_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function history_ending(self) result(text)
       class(stream_history_t), intent(in) :: self
       character(len=:), allocatable :: text

@@ -48,7 +48,7 @@ contains
       text = "particles"
    end function particles_about
 
-   !> What follows the case in names of files.
+   !> Suffix of file names, after the case.
    pure function particles_ending(self) result(text)
       class(stream_particles_t), intent(in) :: self
       character(len=:), allocatable :: text

@@ -43,7 +43,7 @@ contains
       text = "a table of means in bins along an axis"
    end function profile_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function profile_ending(self) result(text)
       class(stream_profile_t), intent(in) :: self
       character(len=:), allocatable :: text

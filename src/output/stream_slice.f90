@@ -34,7 +34,7 @@ contains
       text = "particles near a plane"
    end function slice_about
 
-   !> What follows the case in names of files.
+   !> Suffix of file names, after the case.
    pure function slice_ending(self) result(text)
       class(stream_slice_t), intent(in) :: self
       character(len=:), allocatable :: text

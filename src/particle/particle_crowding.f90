@@ -37,7 +37,7 @@ contains
    end function nodes_alone
 
    !> Add volume, and volume times pressure, of the particles of a tile to its nodes. A failed
-   !! particle counts with at most the volume of its mass at rest: the rest of it is void.
+   !! particle counts with at most the volume of its mass at rest: the remainder is void.
    pure subroutine add_to_nodes(grid, coordinate, store, tile, density, loose, patch)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
@@ -74,8 +74,8 @@ contains
       if (open) volume = min(volume, store%state%mass(p)/density)
    end function claimed_volume
 
-   !> Volume that particles claim at nodes, and how much of it the nodes have. Equation (L.8) of
-   !! doc/theory/ledger.md.
+   !> Volume of the particles at nodes, and the part of it within the nodal volume. Equation (L.8)
+   !! of doc/theory/ledger.md.
    pure subroutine measure_claims(grid, coordinate, alone, patch, claimed, occupied)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0

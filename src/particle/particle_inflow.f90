@@ -34,7 +34,7 @@ module particle_inflow
       integer(int64), allocatable :: identity(:)     !! (entry) Their first identities
       real(wp), allocatable :: origin(:)             !! (entry) Positions along the axis [m]
    contains
-      procedure :: travel => inflow_travel           !! How far material has come
+      procedure :: travel => inflow_travel           !! Displacement of the flow
       procedure :: enter => inflow_enter             !! Particles that enter in a step
    end type inflow_t
 

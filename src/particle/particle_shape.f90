@@ -247,7 +247,7 @@ contains
       if (allocated(self%shape)) call self%shape%bounds(lo, hi)
    end subroutine holder_bounds
 
-   !> Hold a copy of a shape instead of what was held.
+   !> Store a copy of a shape.
    subroutine holder_set(self, shape)
       class(shape_holder_t), intent(inout) :: self
       class(shape_t), intent(in) :: shape

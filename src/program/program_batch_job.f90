@@ -15,8 +15,8 @@ module program_batch_job
 
    public :: job_text, quoted, resume_command
 
-   real(wp), parameter :: particles_of_rank = 1.0e6_wp !! doc/developer/scaling.md says why
-   integer, parameter :: usual_threads = 4           !! Of a rank, where there are tiles for them
+   real(wp), parameter :: particles_of_rank = 1.0e6_wp !! reason: doc/developer/scaling.md
+   integer, parameter :: usual_threads = 4           !! Threads per rank, if there are enough tiles
    character(len=*), parameter :: usual_time = "04:00:00" !! Of a job
    integer, parameter :: usual_notice = 300, least_notice = 60 !! Before the end of a job [s]
    character(len=*), parameter :: newline = new_line("a")

@@ -145,7 +145,7 @@ contains
 
    !> Copy one file; paths in the README become those of the copy.
    subroutine copy_file(folder, name, example, copied, error)
-      character(len=*), intent(in) :: folder         !! Where it is
+      character(len=*), intent(in) :: folder         !! Folder of the file
       character(len=*), intent(in) :: name           !! Name
       character(len=*), intent(in) :: example        !! Name of the example
       type(copied_t), intent(inout) :: copied        !! Receives the file name

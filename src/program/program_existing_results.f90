@@ -62,7 +62,7 @@ contains
          "' already"
    end function location_text
 
-   !> What the user can do with existing results.
+   !> Options of the user for existing results.
    pure function options_text(former) result(text)
       type(former_run_t), intent(in) :: former
       character(len=:), allocatable :: text

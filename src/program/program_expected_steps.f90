@@ -370,7 +370,7 @@ contains
       type(body_t), intent(in) :: bodies(:)
       type(limits_t), intent(in) :: limits           !! Bounds of the step
       real(wp), intent(out) :: dt                    !! [s]
-      !> What limits it, empty for the wave speed
+      !> Limit of the step, empty for the wave speed
       character(len=:), allocatable, intent(out) :: cause
 
       call find_stable_step(simulation, bodies, dt, cause)
@@ -383,7 +383,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
       real(wp), intent(out) :: dt                    !! [s]
-      !> What limits it, empty for the wave speed
+      !> Limit of the step, empty for the wave speed
       character(len=:), allocatable, intent(out) :: cause
       type(material_state_t) :: state
       real(wp) :: fastest, diffusivity, longest

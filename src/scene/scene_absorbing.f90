@@ -108,8 +108,8 @@ contains
       end associate
    end function share_of_face
 
-   !> Indices of the materials that reach the nodes of a boundary at the start: those of the cells
-   !! beside it; 0 where there is none.
+   !> Indices of the materials that reach the nodes of a boundary at the start: those of the
+   !! adjacent cells; 0 where there is none.
    subroutine find_beyond(grid, bodies, face, beyond)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
@@ -145,7 +145,8 @@ contains
       if (node == 0) node = number
    end subroutine set_missing
 
-   !> Mark the cells beside a boundary whose middle is in a body, or that hold a particle of a list.
+   !> Mark the cells adjacent to a boundary whose middle is in a body, or that contain a particle of
+   !! a list.
    subroutine find_beside(grid, body, face, beside)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body

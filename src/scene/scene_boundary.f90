@@ -115,7 +115,7 @@ contains
       end do
    end subroutine check_boundaries
 
-   !> What a wall must have, and what does not go together.
+   !> Required keys of a wall, and contradictions.
    subroutine check_wall(deck, boundary, condition)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
@@ -339,7 +339,7 @@ contains
       call move_alloc(rigid%wall, simulation%space%rigid%wall)
    end subroutine read_walls
 
-   !> What a &boundary does, how it moves, and its region.
+   !> Condition, motion and region of a &boundary.
    subroutine read_wall(deck, simulation, shapes, group, wall)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(in) :: simulation

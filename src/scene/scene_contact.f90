@@ -150,7 +150,7 @@ contains
       contact%law = contact%law(source, source)
    end subroutine share_laws
 
-   !> What does not go together with contact of a body with itself.
+   !> Check settings that self-contact excludes.
    subroutine refuse_parting(deck, simulation, bodies, contact)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and method are known
@@ -216,7 +216,7 @@ contains
          "contact of a body with itself does not go with "//what, "bodies")
    end subroutine refuse_method
 
-   !> What does not go together with contact.
+   !> Check settings that contact excludes.
    subroutine refuse_others(deck, group, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &effects
@@ -413,10 +413,10 @@ contains
       if (same > 1) name = name//"@"//number(same)
    end function store_name
 
-   !> Columns of node fields that contact needs beside those of each velocity field.
+   !> Columns of node fields that contact needs in addition to those of each velocity field.
    pure integer function contact_columns(contact, pressed) result(columns)
       type(contact_t), intent(in) :: contact
-      logical, intent(in) :: pressed                 !! Are the pushes kept for their work?
+      logical, intent(in) :: pressed !! True if contact forces are stored for their work
 
       type(node_tally_t) :: tally
       type(nodes_t) :: nodes
@@ -430,7 +430,7 @@ contains
       columns = int(tally%needed)
    end function contact_columns
 
-   !> Lines of `--check`: the velocity fields, the pairs and what they cost.
+   !> Lines of `--check`: the velocity fields, the pairs and their cost.
    function contact_text(simulation, bodies) result(text)
       type(simulation_t), intent(in) :: simulation   !! The run with contact
       type(body_t), intent(in) :: bodies(:)

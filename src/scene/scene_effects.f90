@@ -97,8 +97,9 @@ contains
       call update_gravity(simulation)
    end subroutine read_gravity
 
-   !> The effects that are on, then the models of each material, all with their reasons. What each
-   !! costs is in the guide; fields that they add are listed with their bytes elsewhere.
+   !> The effects that are on, then the models of each material, all with their reasons. Their costs
+   !! are in doc/reference/effects.md; the fields that they add are listed with their bytes
+   !! elsewhere.
    function effects_text(deck) result(text)
       type(deck_t), intent(in) :: deck               !! Read and checked
       character(len=:), allocatable :: text, named, usual
@@ -164,7 +165,7 @@ contains
       text = text//named//new_line("a")
    end function material_line
 
-   !> Has a model that the deck does not name nothing to do, as what it belongs to is off?
+   !> True if a default model has no effect, because its effect is off.
    logical function idle(model, group, effects) result(nothing)
       integer, intent(in) :: model                   !! In `model_names`
       type(group_t), intent(in) :: group             !! &material

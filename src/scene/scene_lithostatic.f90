@@ -22,7 +22,7 @@ module scene_lithostatic
 
 contains
 
-   !> Read whether a body begins with the stress of its weight, and refuse what cannot.
+   !> Read whether a body starts with the stress of its weight, and refuse bodies that cannot.
    subroutine read_lithostatic(deck, simulation, group, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and gravity

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &method: its keys and what they choose.
+!> The group &method: its keys and the method that they select.
 module scene_method
    use base_deck, only: deck_t, group_t
    use base_schema, only: schema_t
@@ -78,7 +78,7 @@ contains
          range="> 0 <= 20", owner="split")
    end subroutine declare_method
 
-   !> Declare what strains the particles, and whose rotation they carry.
+   !> Declare the keys of the strain update and of the rotation of particles.
    subroutine declare_strain(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
@@ -169,7 +169,7 @@ contains
       call group%get("split_max", method%splitting%generations)
    end subroutine read_splitting
 
-   !> What belongs to the dual domain gradient.
+   !> Check the keys of the dual domain gradient.
    subroutine read_dual(method, deck, group)
       type(method_t), intent(inout) :: method        !! The method with its rule chosen
       type(deck_t), intent(inout) :: deck            !! Collects complaints
@@ -192,8 +192,8 @@ contains
       method%leapfrog = .not. paper
    end subroutine read_dual
 
-   !> Refuse rules that know nothing of the hoop stress: what they take out of the particles they
-   !! give back without it.
+   !> Refuse quadratures without hoop stress: the stress that they subtract from the particles would
+   !! be restored without it.
    subroutine refuse_axis(deck, group, quadrature)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group             !! &method

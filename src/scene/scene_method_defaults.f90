@@ -66,9 +66,10 @@ contains
          call deck%set_default("method", 1, "stress_update", trim(stress_names(stress_after)))
    end subroutine set_dependent_defaults
 
-   !> Elastic bodies that push each other are strained with what their particles got: straining with
-   !! the nodes takes 3 to 5 % of their energy in a collision. Transfers that filter the velocities
-   !! lose more by it. Equation (C.8) of doc/theory/contact.md.
+   !> In contact, elastic bodies are strained with the velocities of their particles (musl):
+   !! straining with the node velocities dissipates 3 to 5 % of their energy in a collision.
+   !! Transfers that filter the velocities dissipate more with it. Equation (C.8) of
+   !! doc/theory/contact.md.
    subroutine set_contact_default(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
       character(len=:), allocatable :: transfer

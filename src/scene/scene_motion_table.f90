@@ -23,7 +23,7 @@ contains
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: key            !! Its key that names the file
-      type(meaning_t), intent(in) :: meaning         !! What the table holds
+      type(meaning_t), intent(in) :: meaning         !! Description of the table
       character(len=*), intent(in) :: unit_text      !! Unit of the components in SI
       type(motion_t), intent(inout) :: motion        !! Gets times and values in SI
       character(len=:), allocatable :: name, path, text

@@ -30,7 +30,7 @@ module scene_particles
    public :: body_of, distribute_particles, fill_simulation, fill_store, first_step, make_stores, &
       number_bodies, prepare_simulation, spin_bodies, survey_t, take_survey
 
-   !> What the bodies will fill, known before there are particles.
+   !> Counts of particles that the bodies will have, found before particles exist.
    type :: survey_t
       integer(int64) :: particles = 0                !! In all bodies
       integer(int64) :: tiles = 0                    !! Tiles that hold some, on all ranks

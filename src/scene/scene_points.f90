@@ -33,7 +33,7 @@ module scene_points
    type :: point_region_t
       type(point_list_t) :: list                     !! Lengths, velocities and volumes in SI
       character(len=:), allocatable :: path
-      character(len=:), allocatable :: body          !! Whose rows are meant, or empty
+      character(len=:), allocatable :: body          !! Body whose rows are used, or empty
       logical :: snapshot = .false.                  !! Is it one of another run?
       type(placing_t) :: placing                     !! Where the list has been moved to
    end type point_region_t
@@ -48,7 +48,7 @@ contains
       type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       type(point_region_t), allocatable, intent(out) :: points
-      type(shape_holder_t), intent(inout) :: holder  !! Gets the cloud that they are
+      type(shape_holder_t), intent(inout) :: holder  !! Receives the particles
       type(error_t), allocatable :: error
       character(len=:), allocatable :: text
       type(hdf5_source_t) :: source
@@ -101,7 +101,7 @@ contains
 
    contains
 
-      !> What one of the deck is in SI.
+      !> Conversion from the unit of the deck to SI.
       real(wp) function factor(text) result(value)
          character(len=*), intent(in) :: text        !! Unit of SI
          type(unit_t) :: unit
@@ -343,7 +343,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
       type(material_t), intent(in) :: material       !! Its material
-      type(traits_t), intent(in) :: traits           !! What the method wants of particles
+      type(traits_t), intent(in) :: traits           !! Particle fields that the method needs
       type(point_region_t), intent(in) :: points
       logical, intent(in) :: stress                  !! Is the stress wanted?
       type(field_requests_t) :: requests

@@ -18,7 +18,7 @@ module scene_points_placing
    !> Where the points of a region go.
    type :: placing_t
       real(wp) :: scale = 1.0_wp                     !! Factor, applied first [1]
-      real(wp) :: volume_scale = 1.0_wp              !! What it makes of volumes [1]
+      real(wp) :: volume_scale = 1.0_wp              !! Factor of volumes [1]
       real(wp) :: rotation(3, 3) = 0.0_wp            !! Orthogonal, applied after the factor [1]
       real(wp) :: translate(3) = 0.0_wp              !! Applied last [m]
       logical :: changes = .false.                   !! Are there a factor or angles?

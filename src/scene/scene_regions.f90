@@ -29,7 +29,7 @@ module scene_regions
    !> A region.
    type :: named_shape_t
       character(len=:), allocatable :: name          !! Name in the deck
-      type(shape_holder_t) :: shape                  !! Where it is
+      type(shape_holder_t) :: shape                  !! Position in the deck
       type(point_region_t), allocatable :: points    !! Its points, if it is a list of them
       logical :: ready = .false.                     !! Is the shape built?
       logical :: in_progress = .false.               !! Is it being built?
@@ -180,7 +180,7 @@ contains
    !> Build all regions.
    subroutine read_shapes(deck, communicator, grid, shapes)
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
+      type(communicator_t), intent(in) :: communicator !! Broadcasts the data of files
       type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), allocatable, intent(out) :: shapes(:)
       type(group_t) :: group
@@ -199,7 +199,7 @@ contains
    !> Build one region and those that it is made of.
    recursive subroutine build(deck, communicator, grid, shapes, index)
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
+      type(communicator_t), intent(in) :: communicator !! Broadcasts the data of files
       type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Index of the region
@@ -250,7 +250,7 @@ contains
       shapes(index)%ready = .true.
    end subroutine build
 
-   !> Add to a displacement what keeps the centre of a shape in its place while it is rotated.
+   !> Add to a displacement the part that keeps the centre of a shape fixed during its rotation.
    pure subroutine keep_centre(holder, scale, rotate, translate)
       type(shape_holder_t), intent(in) :: holder     !! The shape as it was declared
       real(wp), intent(in) :: scale                  !! Factor [1]
@@ -333,7 +333,7 @@ contains
    !> A set operation on other regions.
    recursive subroutine build_set(deck, communicator, grid, shapes, index, group, word)
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
+      type(communicator_t), intent(in) :: communicator !! Broadcasts the data of files
       type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Index of the region

@@ -51,7 +51,7 @@ contains
       call holder%set(voxels)
    end subroutine read_voxel_region
 
-   !> Send what was read to all ranks.
+   !> Broadcast the data of the file to all ranks.
    subroutine share(communicator, file)
       type(communicator_t), intent(in) :: communicator
       type(voxel_file_t), intent(inout) :: file      !! Known to the first rank

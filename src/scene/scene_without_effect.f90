@@ -47,7 +47,7 @@ contains
       end do
    end subroutine warn_of_materials
 
-   !> Effects that are on in &effects and in no material, or without what they act on.
+   !> Effects that are on in &effects and used by no material, or that have nothing to act on.
    subroutine warn_of_effects(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation

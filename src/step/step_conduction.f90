@@ -33,7 +33,7 @@ module step_conduction
    integer, parameter :: capacity = 1                !! Row of heat capacity [J/K]
    integer, parameter :: content = 2                 !! Row of heat [J]
    integer, parameter :: filled = 3                  !! Row of volume [m3]
-   integer, parameter :: hidden = 2                  !! Row of what nodes do not see [J]
+   integer, parameter :: hidden = 2                  !! Row of heat that nodes do not resolve [J]
    integer, parameter :: fluxes = 3                  !! Row of flux times volume, by direction
    !> Rows of a symmetric tensor that hold its first line, and of a full one
    integer, parameter :: first_line(3) = [1, 4, 6], full_line(3) = [1, 4, 7]

@@ -18,7 +18,7 @@ contains
    !> Record the work of artificial viscosity and plastic flow.
    subroutine record_losses(ledger, material, state, deformation, count)
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
-      type(material_t), intent(in) :: material       !! What can lose at all
+      type(material_t), intent(in) :: material       !! Materials with dissipation
       type(material_state_t), intent(in) :: state           !! Which fields there are
       type(deformation_t), intent(in) :: deformation !! The step of the particles
       integer, intent(in) :: count                   !! Particles
@@ -36,7 +36,7 @@ contains
          losses(2) = sum(deformation%plastic_work(:count))
          call ledger%sums(plastic)%add(losses(2))
       end if
-      ! with an internal energy this work is a part of it
+      ! materials with an internal energy include this work in it
       if (.not. allocated(state%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
    end subroutine record_losses
 

@@ -143,12 +143,12 @@ module step_ledger
       !> Only entries that accumulate are used
       type(exact_sum_t) :: sums(size(ledger_entries))
       type(balance_t) :: start                       !! At the start of the run
-      type(wall_sums_t) :: walls                     !! What each wall does, if an output shows it
+      type(wall_sums_t) :: walls                     !! Action of each wall, if an output shows it
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
    contains
       procedure :: record_lost => ledger_record_lost     !! Record the particles that left the box
-      procedure :: record_particle => ledger_record_particle     !! Record a particle that goes
+      procedure :: record_particle => ledger_record_particle     !! Record a particle that leaves
       procedure :: merge => ledger_merge             !! Add the sums of another ledger
       procedure :: clear => ledger_clear             !! Set the sums to zero
       procedure :: balance => ledger_balance         !! Present entries and errors
@@ -214,7 +214,7 @@ contains
    !> Add the sums of another ledger, such as that of a thread.
    subroutine ledger_merge(self, other)
       class(ledger_t), intent(inout) :: self
-      class(ledger_t), intent(in) :: other           !! What is added
+      class(ledger_t), intent(in) :: other           !! Ledger to add
       integer :: n
 
       do n = 1, size(ledger_entries)

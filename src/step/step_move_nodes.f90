@@ -415,7 +415,7 @@ contains
          end if
       end associate
       if (.not. allocated(mapped) .or. tile > simulation%space%tiles%own) return
-      ! what was gained is added to a velocity that walls have changed already
+      ! the gain is added to a velocity that walls have changed already
       if (simulation%scheme%method%averages()) mapped = mapped + field%nodes%work%taken(:, :, tile)
       call record_strained(simulation, field, scratch, tile, mapped)
    end subroutine remap_tile
@@ -427,7 +427,7 @@ contains
       type(clock_t), intent(in) :: clock
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) What they gained, in [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Gain [m/s]
 
       associate (nodes => field%nodes, share => scheme%method%unseen)
          velocity = nodes%motion%velocity(:, :, tile) + (1.0_wp - share)*velocity &

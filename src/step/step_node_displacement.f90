@@ -81,7 +81,7 @@ contains
    pure subroutine examine_nodes(velocity, mass, bound, reach)
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: mass(:)    !! (node) [kg]
-      real(wp), intent(in) :: bound                  !! Speed at which a node goes too far [m/s]
+      real(wp), intent(in) :: bound                  !! Speed at which a node moves too far [m/s]
       type(reach_t), intent(inout) :: reach          !! Gets speeds as displacements [m/s]
       real(wp) :: speed
       integer :: node

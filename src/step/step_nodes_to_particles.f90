@@ -99,7 +99,7 @@ contains
       integer, intent(in) :: tile
       type(gather_parts_t), intent(in) :: parts      !! Requested parts
       real(wp), intent(in) :: dt                     !! Time step [s]
-      type(view_t), intent(inout) :: view            !! What its particles see
+      type(view_t), intent(inout) :: view            !! Node fields for its particles
       type(view_t), intent(inout) :: other           !! The same of the other side, if it has one
       real(wp) :: fastest, steepest
       integer :: index
@@ -373,7 +373,7 @@ contains
       end associate
    end subroutine find_gradient
 
-   !> Add to a velocity gradient times the time step what the other side of nodes has more.
+   !> Add the difference between the sides of nodes to a velocity gradient times the time step.
    subroutine add_gradient(simulation, field, scratch, index, tile, difference, dt)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field    !! With sides
@@ -408,7 +408,7 @@ contains
          - field%nodes%motion%strain(:, :, tile), dt)
    end subroutine find_strain
 
-   !> Add to values of the particles of a tile what the other side of nodes has more.
+   !> Add the difference between the sides of nodes to values of the particles of a tile.
    ! gate: long kernel because the node fields of both sides are arguments of their own
    subroutine add_values(simulation, field, shape, index, tile, factor, mine, theirs, before, &
       values)

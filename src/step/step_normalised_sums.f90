@@ -39,7 +39,7 @@ module step_normalised_sums
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
    !! material beyond the scope
    integer, parameter :: mass = 1, volume = 2, unblended = 2, foreign = 6
-   integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
+   integer, parameter :: rows = 7                    !! Columns of node stress, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
    !> Bound on the mean of the factors of a direction. A few particles that represent a whole cell
@@ -112,7 +112,7 @@ contains
       yes = any([(relaxes_pressure(scheme, stores, index), index=1, size(stores))])
    end function relaxes_any
 
-   !> Factors of all edges and nodes for the particles as they are.
+   !> Factors of all edges and nodes for the current particles.
    subroutine find_edge_factors(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -335,10 +335,10 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      real(wp), intent(in) :: full(:)                !! (cell) How far it is full, 0 to 1
-      real(wp), intent(in) :: own(:)                 !! (cell) How far it is in the scope, 0 to 1
+      real(wp), intent(in) :: full(:)                !! (cell) Fill, 0 to 1
+      real(wp), intent(in) :: own(:)                 !! (cell) Degree of normalisation, 0 to 1
       real(wp), intent(in) :: weight(:)              !! (cell) Of its part on the nodes
-      real(wp), intent(in) :: shares(:, :)           !! (edge, cell) What walls leave [1]
+      real(wp), intent(in) :: shares(:, :)           !! (edge, cell) Fraction outside of walls [1]
       real(wp), intent(in) :: ring(:, :)             !! (lane, cell) Of hoop terms at walls [1]
       real(wp) :: whole(cell_edges), rest(cell_edges)
       integer :: cell
@@ -414,8 +414,8 @@ contains
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
       real(wp), intent(in) :: own                    !! How far its material is in the scope, 0 to 1
       real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
-      real(wp), intent(in) :: rest(:)                !! (edge) Share of it that nodes carry [1]
-      real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
+      real(wp), intent(in) :: rest(:)                !! (edge) Fraction transmitted by nodes [1]
+      real(wp), intent(in) :: share(:)               !! (edge) Fraction outside of walls [1]
       logical, intent(in) :: axisymmetric            !! Are there rings?
       real(wp), intent(inout) :: factor(:)           !! (edge) Sums [m3] in, factors [1] out
       real(wp) :: target(size(factor)), ratio, most, stiff

@@ -333,10 +333,10 @@ contains
       end associate
    end subroutine push_nodes
 
-   !> What the loads on surfaces do to the particles of a tile: a stress and a force density.
+   !> Loads on surfaces as a stress and a force density at the particles of a tile.
    pure subroutine find_loads(simulation, scratch, store, tile)
       type(simulation_t), intent(in) :: simulation   !! With loads
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread; gets them
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread; receives them
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 

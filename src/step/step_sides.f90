@@ -20,8 +20,8 @@ module step_sides
 
    integer, parameter :: sum_intact = 1              !! Intact volume
    integer, parameter :: sum_slope = 2               !! Its gradient
-   integer, parameter :: sum_axis = 3                !! What gives the axes of the nodes
-   integer, parameter :: sum_parts = 4               !! What decides where sides part
+   integer, parameter :: sum_axis = 3                !! Sums for the axes of the nodes
+   integer, parameter :: sum_parts = 4               !! Sums for the separation of sides
    !> Rows of the sums
    integer, parameter :: rows(4) = [2, 6, product_rows, part_rows]
 
@@ -140,7 +140,7 @@ contains
       end do
    end subroutine add_tile
 
-   !> What follows from the sums on the nodes of all tiles that need it.
+   !> Evaluate the sums on the nodes of all tiles that need it.
    subroutine finish(simulation, sides, kind)
       type(simulation_t), intent(inout) :: simulation
       type(sides_t), intent(inout) :: sides          !! Sums are known

@@ -198,7 +198,7 @@ contains
    !! 0 for missing directions.
    pure subroutine weigh_corners(count, before, position, lower, inverse, weight)
       integer, intent(in) :: count                   !! Particles of the chunk
-      integer, intent(in) :: before                  !! Particles of the store before them
+      integer, intent(in) :: before                  !! Index offset in the store
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]

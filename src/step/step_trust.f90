@@ -139,7 +139,7 @@ contains
    !! checkpoint do not change, so that a continued run gives the same record as an uninterrupted
    !! one. Collective.
    subroutine final_trust(simulation, code, now, trust)
-      type(simulation_t), intent(inout) :: simulation !! At its end; stays as it is
+      type(simulation_t), intent(inout) :: simulation !! At its end; not changed
       integer, intent(in) :: code                    !! Exit code
       type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(out) :: trust            !! What is known
@@ -176,7 +176,7 @@ contains
       trust%longest = max(trust%longest, look%longest)
       trust%worst(trust_stretch) = max(trust%worst(trust_stretch), look%share)
       trust%worst(trust_volume) = max(trust%worst(trust_volume), look%overlap)
-      ! pressures that are small beside the inertia of the motion have no weight
+      ! pressures that are small compared with the inertia of the motion have no weight
       trust%pressure = max(trust%pressure, look%pressure, look%kinetic)
       trust%difference = max(trust%difference, look%difference)
       if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
@@ -429,8 +429,8 @@ contains
 
    !> Is a warning due? It is given once.
    logical function warns(trust, entry, from) result(due)
-      type(trust_t), intent(inout) :: trust          !! Notes that it is given
-      integer, intent(in) :: entry                   !! Of what
+      type(trust_t), intent(inout) :: trust          !! Notes that the warning is printed
+      integer, intent(in) :: entry                   !! Subject of the warning
       integer, intent(in) :: from                    !! Verdict from which on
 
       due = .false.
@@ -475,7 +475,7 @@ contains
       end associate
       call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text))
    end subroutine refuse_impossible
-   !> Does a material have a temperature and no internal energy, beside others that have? Heat that
+   !> True if a material has a temperature and no internal energy, while others have one. Heat that
    !! is conducted between them is not in the energy balance.
    pure logical function holds_heat(scheme, materials) result(yes)
       type(scheme_t), intent(in) :: scheme

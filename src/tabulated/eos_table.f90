@@ -21,8 +21,8 @@ module eos_table
 
    public :: eos_table_t
 
-   !> Inconsistency of a table from which on the user is warned. The interpolation of steep curves
-   !! between few nodes makes some of it.
+   !> Inconsistency of a table above which the user is warned. Interpolation of steep curves between
+   !! few nodes causes part of it.
    real(wp), parameter :: most_inconsistent = 0.02_wp
 
    !> Equation of state of a table.
@@ -236,8 +236,7 @@ contains
       energy = self%table%energy_of(self%density, warmth)
    end function table_start_energy
 
-   !> What the table covers, its pressure in the reference state, and its
-   !! inconsistency.
+   !> Range of the table, its pressure in the reference state, and its inconsistency.
    function table_report(self) result(text)
       class(eos_table_t), intent(in) :: self
       character(len=:), allocatable :: text

@@ -31,8 +31,8 @@ contains
       traits%extent = .true.
    end subroutine gimp_request
 
-   !> Functions reach half the box of a particle beyond the cells beside their node. The box is no
-   !! longer than a cell, so that it touches three nodes along a line.
+   !> Functions extend half the box of a particle beyond the cells adjacent to their node. The box
+   !! is no longer than a cell, so that it touches three nodes along a line.
    pure subroutine gimp_find_overhang(self, grid, store, tile, direction, overhang)
       class(basis_gimp_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

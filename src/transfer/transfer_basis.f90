@@ -63,7 +63,7 @@ module transfer_basis
          type(shape_data_t), intent(in) :: shape
          integer, intent(in) :: count                           !! Number of columns
          real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-         integer, intent(in) :: before                          !! Columns of the patch before them
+         integer, intent(in) :: before                          !! Column offset in the patch
          real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       end subroutine scatter_values_i
 
@@ -139,8 +139,8 @@ contains
    end function basis_at_wall
 
    !> Width in cells of the band that a crack opens across an edge of the grid: one where the
-   !! gradient of a cell is that of its own nodes. Smoother gradients drag particles of the cells
-   !! beside it along; their widths are those that a bar needs (test/verify/crack).
+   !! gradient of a cell is that of its own nodes. Smoother gradients involve particles of adjacent
+   !! cells; their widths are measured with a bar (test/verify/crack).
    pure real(wp) function basis_band_width(self) result(width)
       class(basis_t), intent(in) :: self
 
@@ -250,7 +250,7 @@ contains
       type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: p, k
 

@@ -29,13 +29,13 @@ module transfer_contact
       "stick", "frictionless", "bonded"]
 
    integer, parameter, public :: state_open = 0          !! The bodies are apart
-   integer, parameter, public :: state_closed = 1        !! They touch
-   integer, parameter, public :: state_bonded = 2        !! A bond holds them together
+   integer, parameter, public :: state_closed = 1        !! True if the bodies touch
+   integer, parameter, public :: state_bonded = 2        !! True if a bond holds
 
    integer, parameter :: most_turns = 50             !! Of the pairs at a node
    real(wp), parameter :: enough = 1.0e-12_wp        !! Gain over the velocities that ends the turns
 
-   !> What holds between two bodies.
+   !> Contact law of a pair of bodies.
    type :: pair_law_t
       integer :: kind = contact_friction             !! One of those above
       real(wp) :: friction = 0.0_wp                  !! Coefficient of friction [1]
@@ -50,8 +50,8 @@ contains
       real(wp), intent(in) :: mass(:)                !! (body) At the node [kg]
       real(wp), intent(in) :: velocity(:, :)         !! (3, body) At the end of the step [m/s]
       real(wp), contiguous, intent(in) :: normal(:, :, :) !! (3, a, b) From a to b, for a < b [1]
-      integer, intent(in) :: state(:, :)             !! (a, b) How near they are, for a < b
-      type(pair_law_t), intent(in) :: law(:, :)      !! (a, b) What holds between them
+      integer, intent(in) :: state(:, :)             !! (a, b) Gap, for a < b
+      type(pair_law_t), intent(in) :: law(:, :)      !! (a, b) Contact law
       real(wp), contiguous, intent(out) :: push(:, :, :) !! (3, a, b) On b, for a < b [kg m/s]
       real(wp) :: now(3, size(mass)), change(3), wanted(3), gain, scale
       integer :: a, b, turn, pairs
@@ -82,11 +82,11 @@ contains
       end do
    end subroutine separate_bodies
 
-   !> Of the push that would stop all relative motion leave what surfaces can bear: no pull, and
-   !! along the surface no more than friction. Equation (C.4).
+   !> Limit the impulse that would stop all relative motion to the contact law: no tension, and
+   !! along the surface at most friction. Equation (C.4).
    pure subroutine restrict(law, normal, push)
-      type(pair_law_t), intent(in) :: law            !! What holds between the two
-      real(wp), intent(in) :: normal(3)              !! Towards the body that is pushed [1]
+      type(pair_law_t), intent(in) :: law            !! Contact law
+      real(wp), intent(in) :: normal(3)              !! Normal to the body that is pushed [1]
       real(wp), intent(inout) :: push(3)             !! [kg m/s]
       real(wp) :: along(3), pressed, slip
 
@@ -110,7 +110,7 @@ contains
       real(wp), intent(in) :: push(3)                !! On the body that n leads to [kg m/s]
       real(wp), intent(in) :: normal(3)              !! [1]
       real(wp), intent(in) :: area(3)                !! Of the surface at the node, a vector [m2]
-      real(wp), intent(in) :: dt                     !! Time that it takes [s]
+      real(wp), intent(in) :: dt                     !! Duration [s]
       real(wp) :: pressed, sheared
 
       pressed = dot_product(push, normal)

@@ -22,7 +22,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       integer, intent(in) :: rows                            !! Columns of the patch
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(inout) :: patch(rows*number)          !! (column, node), flat
@@ -68,7 +68,7 @@ contains
       integer, intent(in) :: count                           !! Number of columns
       real(wp), intent(in) :: weight                         !! Function of the line
       real(wp), intent(in) :: lower(count), upper(count)     !! (column) For its two nodes
-      integer, intent(in) :: at                              !! Numbers of the patch before them
+      integer, intent(in) :: at                              !! Index offset in the patch
       integer, intent(in) :: rows                            !! Columns of the patch
       integer, intent(in) :: numbers                         !! Numbers of the patch
       real(wp), intent(inout) :: patch(numbers)              !! (column, node), flat
@@ -145,7 +145,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
-      integer, intent(in) :: skip                            !! Columns of the values before them
+      integer, intent(in) :: skip                            !! Column offset in the values
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: a(lanes, 3), b(lanes, 3), weight(lines), sums(6), value(3), x, share
       integer :: p, c, m, at, n, corners, offset(lines)

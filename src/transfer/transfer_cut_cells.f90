@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Cells that rigid regions cut, for normalised sums: what of the weight of each edge lies outside.
+!> Cells that rigid regions cut, for normalised sums: the fraction of the weight of each edge
+!! outside.
 !!
-!! Material fills what a region leaves of a cell. Across its surface it transmits the pressure of
-!! the whole cell, since the node beyond moves with the wall; along the surface its fraction is that
-!! of the cell outside, found where the surface meets the edges that end in it.
+!! Material fills the part of a cell outside of the region. Across its surface it transmits the
+!! pressure of the whole cell, since the node beyond moves with the wall; along the surface its
+!! fraction is that of the cell outside, found where the surface meets the edges that end in it.
 module transfer_cut_cells
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -17,9 +18,9 @@ module transfer_cut_cells
 
    public :: cut_cells, ramp
 
-   integer, parameter :: halvings = 30               !! Of an edge, to find where it is cut
-   !> From where on nodes beyond a surface carry pressure along it, as a place on the edge that it
-   !! cuts, 1 at that node; what nodes outside carry of it then they carry besides their own [1]
+   integer, parameter :: halvings = 30               !! Bisections to find the cut of an edge
+   !> From where on nodes beyond a surface carry pressure along it, as a position on the edge that
+   !! it cuts, 1 at that node; nodes outside transmit this part in addition to their own [1]
    real(wp), parameter :: half = 0.5_wp
    !> Thinner rests of cells carry no pressure along the surface, twice as thick ones all [1]
    real(wp), parameter :: thin = 0.25_wp
@@ -30,7 +31,7 @@ contains
    pure subroutine cut_cells(grid, coordinate, rigid, tile, smooth, shares, ring)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      type(rigid_t), intent(in) :: rigid             !! The regions, nodes in them found
+      type(rigid_t), intent(in) :: rigid             !! Rigid regions, with their nodes
       integer, intent(in) :: tile                    !! Index of the tile
       logical, intent(in) :: smooth                  !! Do positions enter smoothly?
       real(wp), intent(inout) :: shares(:, 0:)       !! (edge, cell) [1]

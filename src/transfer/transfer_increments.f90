@@ -18,7 +18,7 @@ module transfer_increments
 
    public :: increments_t
 
-   integer, parameter :: no_moments = 0, rotation = 1, linear_field = 2 !! What particles carry
+   integer, parameter :: no_moments = 0, rotation = 1, linear_field = 2 !! Particle fields
 
    !> Node fields of one tile.
    type :: increments_t
@@ -51,7 +51,7 @@ contains
       real(wp), intent(in) :: ahead !! Fraction c of the gain in the displacement [1]
       logical, intent(in) :: heats                   !! Is lost kinetic energy found?
       logical, intent(in) :: affine                  !! Do particles carry linear velocity fields?
-      logical, intent(in) :: turning                 !! Do they carry their rotation only?
+      logical, intent(in) :: turning                 !! True if particles carry their rotation only
       integer :: k, node, place(3)
 
       self%axes = 0
@@ -102,7 +102,7 @@ contains
    !> Node fields of the tile.
    pure subroutine increments_set_nodes(self, low, high, dt, velocity, acceleration)
       class(increments_t), intent(inout) :: self
-      integer, intent(in) :: low                             !! First node that particles see
+      integer, intent(in) :: low                             !! First node that particles use
       integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: dt                             !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
@@ -124,7 +124,7 @@ contains
       class(increments_t), intent(inout) :: self
       integer, intent(in) :: axes                            !! Active directions
       integer, intent(in) :: axis(axes)                      !! Which they are
-      integer, intent(in) :: low                             !! First node that particles see
+      integer, intent(in) :: low                             !! First node that particles use
       integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: dt                             !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
@@ -251,7 +251,8 @@ contains
       end do
    end subroutine increments_add_heat
 
-   !> What the motion along one direction loses, and the vector g u - (1 - g) d at the particles.
+   !> Energy that the motion along one direction dissipates, and the vector g u - (1 - g) d at the
+   !! particles.
    ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine lose_energy(count, first, pic, ahead, gain, way, velocity, moved, heat)
       integer, intent(in) :: count                           !! Particles of the tile

@@ -55,7 +55,7 @@ contains
       end do
    end subroutine pushed_copy
 
-   !> Ensure capacity for what loads do to the particles of a tile.
+   !> Ensure capacity for the loads at the particles of a tile.
    pure subroutine pushed_reserve_load(self, count)
       class(pushed_stress_t), intent(inout) :: self
       integer, intent(in) :: count                           !! Particles of the tile

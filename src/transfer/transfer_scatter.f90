@@ -26,7 +26,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
       if (grid%dimensions == 3) then

@@ -52,7 +52,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: skip, at(4)
 
@@ -76,7 +76,7 @@ contains
       real(wp), contiguous, intent(in) :: c3(:)              !! Third one
       real(wp), contiguous, intent(in) :: c4(:)              !! Fourth one
       integer, intent(in) :: number                          !! How many of them are added
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(corners, 3), b(corners, 3), weight(corners), sums(corners, 4)
       integer :: cell, p, n
@@ -295,7 +295,7 @@ contains
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
       integer, intent(in) :: number                          !! Columns
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), intent(in) :: sums(corners, number)          !! (lane, column)
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: n, c, node

@@ -116,8 +116,8 @@ contains
       rate = rate*2.0_wp/(real(last, wp)*grid%spacing)
    end function compression
 
-   !> Share of the compression of a cell that is not smooth: 0 to 1. A node without cells of weight
-   !! has no gradient, so isolated particles keep all of it.
+   !> Fraction of the compression of a cell that is not smooth: 0 to 1. A node without cells of
+   !! weight has no gradient, so isolated particles keep all of it.
    pure real(wp) function share_left(grid, base, velocity, gradient) result(left)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: base                            !! First node of the cell

@@ -26,7 +26,7 @@ contains
       integer, intent(in) :: count                           !! Particles of the tile
       type(spline_data_t), intent(in) :: spline
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
-      integer, intent(in) :: skip                            !! Columns of the values before them
+      integer, intent(in) :: skip                            !! Column offset in the values
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: wide(lanes, size(nodes, 2)), weight(batch, line, 3), found(lanes, batch)
       integer :: first, c, before, number, p, low, high
@@ -148,7 +148,7 @@ contains
    !> Functions of some particles.
    pure subroutine copy_functions(reach, before, number, rows, functions, copy)
       integer, intent(in) :: reach                           !! Nodes along a line
-      integer, intent(in) :: before                          !! Particles before them
+      integer, intent(in) :: before                          !! Index offset
       integer, intent(in) :: number                          !! Their number
       integer, intent(in) :: rows                            !! Length of the next
       real(wp), intent(in) :: functions(rows, line, 3)       !! (particle, node, direction)

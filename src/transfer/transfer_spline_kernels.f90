@@ -69,7 +69,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
       if (grid%active(2)) then
@@ -85,7 +85,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       type(lines_t) :: lines
       real(wp) :: part(columns, batch), sums(columns*size(patch, 2))
@@ -116,7 +116,7 @@ contains
    !> Functions along x, and products of functions along y and z, of some particles.
    pure subroutine multiply_lines(shape, skipped, number, lines)
       type(shape_data_t), intent(in) :: shape
-      integer, intent(in) :: skipped                         !! Particles before them
+      integer, intent(in) :: skipped                         !! Index offset
       integer, intent(in) :: number                          !! Their number
       type(lines_t), intent(inout) :: lines
       integer :: p, i, j, k, reach
@@ -144,7 +144,7 @@ contains
    !> The same with derivatives along one of the directions.
    pure subroutine multiply_slopes(shape, skipped, number, lines)
       type(shape_data_t), intent(in) :: shape
-      integer, intent(in) :: skipped                         !! Particles before them
+      integer, intent(in) :: skipped                         !! Index offset
       integer, intent(in) :: number                          !! Their number
       type(lines_t), intent(inout) :: lines
       integer :: p, i, j, k, reach

@@ -31,7 +31,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: part(columns, shape%count), sums(columns*size(patch, 2))
       integer :: p, c, skip
@@ -171,7 +171,7 @@ contains
       integer, intent(in) :: nodes                           !! Nodes of the tile
       integer, intent(in) :: number                          !! Columns that are added
       real(wp), intent(in) :: sums(columns, nodes)           !! (column, node)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: node, c
 

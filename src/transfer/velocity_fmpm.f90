@@ -18,8 +18,8 @@ module velocity_fmpm
       procedure :: declare => fmpm_declare           !! Nothing of its own
       procedure :: first_term => fmpm_first_term     !! Velocity after the forces
       procedure :: loss_weight => fmpm_loss_weight   !! Share of terms in the lost energy
-      procedure :: velocity_increment => fmpm_increment !! What nodes add to velocities
-      procedure :: advection_velocity => fmpm_advection !! What nodes add to positions
+      procedure :: velocity_increment => fmpm_increment !! Velocity increment
+      procedure :: advection_velocity => fmpm_advection !! Advection velocity
       procedure :: heat_fields => fmpm_heat_fields   !! Node fields of the lost energy
       procedure :: mixing => fmpm_mixing             !! Factors of gathered fields in it
    end type velocity_fmpm_t
@@ -91,7 +91,7 @@ contains
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y [m/s]
-      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Lost by it [J/kg]
+      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Dissipated energy [J/kg]
       real(wp), allocatable, intent(inout) :: fields(:, :)   !! (9, node) u, a dt, y
       real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) [J/kg]
 

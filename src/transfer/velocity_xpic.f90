@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> XPIC of order k: the node velocity before the forces is replaced by the sum of k terms of the
-!! series, so that particles lose only what nodes cannot see; the acceleration is added to it. C.
-!! Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724; but the position moves
-!! with the new node velocity, as velocities stand between positions. Equation (T.6) of
-!! doc/theory/transfers.md.
+!! series, so that particles lose only the components that nodes cannot represent; the acceleration
+!! is added to it. C. Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724; but
+!! the position moves with the new node velocity, as velocities stand between positions. Equation
+!! (T.6) of doc/theory/transfers.md.
 module velocity_xpic
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -67,7 +67,7 @@ contains
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y [m/s]
-      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Lost by it [J/kg]
+      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Dissipated energy [J/kg]
       real(wp), allocatable, intent(inout) :: fields(:, :)   !! (9, node) w, a dt, y
       real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) [J/kg]
 
