@@ -38,7 +38,7 @@ module law_neo_hookean
 
 contains
 
-   !> True: the law excludes an equation of state.
+   !> The law excludes an equation of state.
    pure logical function neo_hookean_gives_whole_stress(self) result(whole)
       class(law_neo_hookean_t), intent(in) :: self
 

@@ -271,7 +271,7 @@ contains
       energy = self%chemical/self%density
    end function jwl_start_energy
 
-   !> True: the equation of state describes detonation products.
+   !> The equation of state describes detonation products.
    pure logical function jwl_detonates(self) result(does)
       class(eos_jwl_t), intent(in) :: self
 
