@@ -313,7 +313,7 @@ contains
    subroutine sort_problems(self, files, order)
       type(problems_t), intent(in) :: self
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
-      integer, allocatable, intent(out) :: order(:)      !! Entry by place
+      integer, allocatable, intent(out) :: order(:)      !! Entries by position in the deck
       integer, allocatable :: merged(:), place(:)
       integer :: i, left, middle, run, right, total
 

@@ -113,7 +113,7 @@ contains
       type(store_t), intent(in) :: stores(:)
       type(fragments_t), intent(in) :: wanted            !! Definition of fragments
       type(picks_t), allocatable, intent(out) :: picks(:) !! (store) Particles that count
-      type(cells_t), intent(out) :: cells                !! Their cells on this rank
+      type(cells_t), intent(out) :: cells                !! Cells of the fragments on this rank
       type(map_t), intent(out) :: map                    !! All cells with their fragments
       real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
       real(wp), allocatable :: sums(:, :), here(:, :)
@@ -137,7 +137,7 @@ contains
    subroutine learn_cells(communicator, grid, cells, sums, velocity_cut, map)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       real(wp), intent(in) :: sums(:, :)                 !! (sum, cell)
       real(wp), intent(in) :: velocity_cut               !! Finite: velocities go along [m/s]
       type(map_t), intent(out) :: map                    !! All cells
@@ -255,7 +255,7 @@ contains
    subroutine hand_over(communicator, grid, cells, sums, map, key, here)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       real(wp), intent(in) :: sums(:, :)                 !! (sum, cell)
       type(map_t), intent(in) :: map                     !! All cells
       integer(int64), allocatable, intent(out) :: key(:) !! Cells of the fragments of this rank

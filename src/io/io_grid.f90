@@ -82,7 +82,7 @@ contains
    !> The smallest block around the cells of all ranks, and the rank that writes each plane.
    subroutine find_box(communicator, cells, compress, box)
       type(communicator_t), intent(in) :: communicator
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       integer, intent(in) :: compress                    !! gzip level
       type(box_t), intent(out) :: box
       integer(int64) :: edges(6), chunks
@@ -246,7 +246,7 @@ contains
    subroutine write_field(file, box, cells, mean, values, single, units)
       type(hdf5_file_t), intent(inout) :: file
       type(box_t), intent(in) :: box                     !! All cells of the file
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       type(mean_t), intent(in) :: mean
       real(wp), intent(in) :: values(:, :)               !! (component, cell)
       logical, intent(in) :: single                      !! In single precision
@@ -276,7 +276,7 @@ contains
    subroutine share_out(communicator, box, cells, values, dense)
       type(communicator_t), intent(in) :: communicator
       type(box_t), intent(in) :: box                     !! All cells of the file
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       real(wp), intent(in) :: values(:, :)               !! (component, cell)
       real(wp), allocatable, intent(out) :: dense(:, :)  !! (component and cell of a plane, plane)
       type(communicator_t) :: ranks

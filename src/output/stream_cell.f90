@@ -17,7 +17,7 @@ module stream_cell
    type, extends(table_stream_t) :: stream_cell_t
    contains
       procedure :: about => cell_about               !! For the help
-      procedure :: ending => cell_ending             !! Of the name
+      procedure :: ending => cell_ending             !! Suffix of file names
       procedure :: declare => cell_declare           !! No keys of its own
       procedure :: read => cell_read                 !! Check that there is a cell
       procedure :: list_columns => cell_list_columns !! Names of columns

@@ -32,7 +32,7 @@ module stream_forces
       real(wp) :: last_time = -1.0_wp                !! Time of that row, below 0 = none [s]
    contains
       procedure :: about => forces_about             !! For the help
-      procedure :: ending => forces_ending           !! Of the name
+      procedure :: ending => forces_ending           !! Suffix of file names
       procedure :: declare => forces_declare         !! Keys
       procedure :: read => forces_read               !! Read the keys
       procedure :: list_columns => forces_list_columns !! Names of columns

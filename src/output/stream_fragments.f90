@@ -21,7 +21,7 @@ module stream_fragments
       type(fragments_t) :: fragments !! Selection of particles, and the separation criterion
    contains
       procedure :: about => fragments_about          !! For the help
-      procedure :: ending => fragments_ending        !! Of the name
+      procedure :: ending => fragments_ending        !! Suffix of file names
       procedure :: declare => fragments_declare      !! Keys
       procedure :: read => fragments_read            !! Read the keys
       procedure :: offer_fragments => fragments_offer !! For the field `fragment`

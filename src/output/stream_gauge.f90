@@ -32,7 +32,7 @@ module stream_gauge
       type(gauge_t) :: gauge                         !! Position and quantity
    contains
       procedure :: about => gauge_about              !! For the help
-      procedure :: ending => gauge_ending            !! Of the name
+      procedure :: ending => gauge_ending            !! Suffix of file names
       procedure :: declare => gauge_declare          !! Keys
       procedure :: read => gauge_read                !! Read the keys
       procedure :: try_field => gauge_try_field      !! Check a name

@@ -22,7 +22,7 @@ module stream_history
       type(history_columns_t) :: columns             !! Columns of a row
    contains
       procedure :: about => history_about            !! For the help
-      procedure :: ending => history_ending          !! Of the name
+      procedure :: ending => history_ending          !! Suffix of file names
       procedure :: declare => history_declare        !! Keys
       procedure :: read => history_read              !! Read the keys
       procedure :: read_default => history_read_default !! Without &output

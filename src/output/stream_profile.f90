@@ -24,7 +24,7 @@ module stream_profile
       type(profile_t) :: profile                     !! Bins, fields and particles
    contains
       procedure :: about => profile_about            !! For the help
-      procedure :: ending => profile_ending          !! Of the name
+      procedure :: ending => profile_ending          !! Suffix of file names
       procedure :: declare => profile_declare        !! Keys
       procedure :: read => profile_read              !! Read the keys
       procedure :: try_field => profile_try_field    !! Check a name

@@ -100,10 +100,11 @@ contains
    subroutine declare_shocks(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%text("method", "viscosity_limiter", "what artificial viscosity resists: "// &
-         "smooth, compression less the part that the surrounding node gradients predict, so "// &
-         "that smoothly converging flow is not heated; none, all compression", default="none", &
-         words="none smooth", owner="effects.artificial_viscosity & run.method = ddmp")
+      call schema%text("method", "viscosity_limiter", "part of the compression that artificial "// &
+         "viscosity resists: smooth, the compression less the part that the surrounding node "// &
+         "gradients predict, so that smoothly converging flow is not heated; none, all of it", &
+         default="none", words="none smooth", &
+         owner="effects.artificial_viscosity & run.method = ddmp")
       call schema%real("method", "heat_flux", &
          "coefficient of an artificial heat flux in shocks, about 2, against wall heating", &
          default="0", range=">= 0 <= 100", owner="effects.artificial_viscosity")
