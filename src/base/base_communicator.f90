@@ -169,7 +169,7 @@ contains
    !> Replace integers by their minima over the ranks.
    subroutine communicator_least(self, values)
       class(communicator_t), intent(in) :: self
-      integer(int64), contiguous, intent(inout) :: values(:) !! Of this rank on entry, minima on return
+      integer(int64), contiguous, intent(inout) :: values(:) !! Of this rank in, minima out
       integer(int64), allocatable :: least(:)
 
       if (self%size == 1) return
