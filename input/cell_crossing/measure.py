@@ -59,7 +59,7 @@ def tables(runs):
 
 def phrases(_):
     """By how much matter is compressed behind the shock, which no run tells."""
-    return [f"its matter is compressed by {100.0 * (1.0 - exact()[1]):.0f} %"]
+    return [f"its material is compressed by {100.0 * (1.0 - exact()[1]):.0f} %"]
 
 
 def draw(runs, plot):

@@ -18,7 +18,7 @@ module base_communicator
    !> Messages of a rank so far, and its waiting time.
    type :: traffic_t
       integer(int64) :: messages = 0                  !! Messages sent
-      integer(int64) :: words = 0                     !! Words of 8 bytes in them
+      integer(int64) :: words = 0                     !! Words of 8 bytes in the messages
       integer(int64) :: agreements = 0                !! Collective calls
       real(wp) :: waiting = 0.0_wp                    !! Wall time in calls that wait [s]
    end type traffic_t
@@ -53,7 +53,7 @@ module base_communicator
       procedure :: gather => communicator_gather      !! Concatenate over the ranks, on all of them
       procedure :: broadcast => communicator_broadcast !! Text of rank 0 to all
       procedure :: exchange => communicator_exchange  !! Sparse exchange of messages
-      procedure :: send_rows => communicator_send_rows !! Rows of words to their ranks
+      procedure :: send_rows => communicator_send_rows !! Send rows of words to their ranks
       procedure :: post => communicator_post          !! First half of an exchange: send
       procedure :: complete => communicator_complete  !! Second half: receive
    end type communicator_t
@@ -152,7 +152,7 @@ contains
    !> Replace numbers by their maxima over the ranks.
    subroutine communicator_maxima(self, values)
       class(communicator_t), intent(inout) :: self
-      real(wp), contiguous, intent(inout) :: values(:) !! Of this rank in, greatest out
+      real(wp), contiguous, intent(inout) :: values(:) !! Of this rank on entry, maxima on return
       real(wp), allocatable :: greatest(:)
       integer(int64) :: begin
 
@@ -169,7 +169,7 @@ contains
    !> Replace integers by their minima over the ranks.
    subroutine communicator_least(self, values)
       class(communicator_t), intent(in) :: self
-      integer(int64), contiguous, intent(inout) :: values(:) !! Of this rank in, least out
+      integer(int64), contiguous, intent(inout) :: values(:) !! Of this rank in, minima out
       integer(int64), allocatable :: least(:)
 
       if (self%size == 1) return

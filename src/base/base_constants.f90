@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Constants that several layers share.
+!> Constants used in several layers.
 module base_constants
    use base_kinds, only: wp
    implicit none

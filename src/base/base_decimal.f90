@@ -21,7 +21,7 @@ contains
 
    !> Read a number and shift its decimal exponent. Exponent letters are e, E, d and D.
    pure subroutine read_decimal(text, shift, value, verdict)
-      character(len=*), intent(in) :: text           !! As written
+      character(len=*), intent(in) :: text           !! Text as written
       integer, intent(in) :: shift                   !! Added to the decimal exponent
       real(wp), intent(out) :: value                 !! The number, 0 if it cannot be read
       integer, intent(out) :: verdict                !! One of the constants above
@@ -62,7 +62,7 @@ contains
 
    !> Read a number from a file of another program; one below 1e-306 becomes 0.
    pure subroutine file_number(text, value, sound)
-      character(len=*), intent(in) :: text           !! As written
+      character(len=*), intent(in) :: text           !! Text as written
       real(wp), intent(out) :: value                 !! Value of the text
       logical, intent(out) :: sound                  !! Is it valid?
       integer :: verdict
@@ -76,7 +76,7 @@ contains
    subroutine file_numbers(line, values, sound)
       character(len=*), intent(in) :: line           !! With blanks between the numbers
       real(wp), intent(out) :: values(:)             !! As written, 0 from the first wrong one on
-      logical, intent(out) :: sound                  !! Are they all there?
+      logical, intent(out) :: sound                  !! True if all digits are present
       type(text_t), allocatable :: words(:)
       integer :: k
 

@@ -27,7 +27,7 @@ module base_deck
 
    !> A deck.
    type :: deck_t
-      character(len=:), allocatable :: file              !! Its name
+      character(len=:), allocatable :: file              !! Name
       integer :: system = system_si                      !! Units of its numbers
       type(schema_t), private :: schema                  !! Keys that are allowed
       type(problems_t) :: problems                       !! Errors and warnings
@@ -156,7 +156,7 @@ contains
    !> Number of groups of a kind. One that may be given once always counts as one.
    pure integer function deck_count(self, name) result(count)
       class(deck_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! The kind, without &
+      character(len=*), intent(in) :: name               !! Kind, without &
 
       count = self%index%count(self%schema%find(name))
    end function deck_count
@@ -164,8 +164,8 @@ contains
    !> Index of a group in the list, 0 if there is none.
    pure integer function deck_locate(self, name, place) result(index)
       class(deck_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! The kind, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: name               !! Kind, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
 
       index = self%index%at(self%schema%find(name), place)
    end function deck_locate
@@ -173,7 +173,7 @@ contains
    !> One group; a group without values if there is none.
    function deck_group(self, name, place) result(group)
       class(deck_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! The kind, without &
+      character(len=*), intent(in) :: name               !! Kind, without &
       integer, intent(in), optional :: place             !! Number among those of its kind, or 1
       type(group_t) :: group
       integer :: index
@@ -194,7 +194,7 @@ contains
    !> Number of the group of a name among those of its kind, 0 if there is none.
    pure integer function deck_named(self, name, title) result(place)
       class(deck_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! The kind, without &
+      character(len=*), intent(in) :: name               !! Kind, without &
       character(len=*), intent(in) :: title              !! Value of its key `name`
       integer :: which
 
@@ -216,8 +216,8 @@ contains
    !> Record an error about a group.
    subroutine complain_of_place(self, name, place, message, key)
       class(deck_t), intent(inout) :: self
-      character(len=*), intent(in) :: name               !! The kind, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: name               !! Kind, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: message            !! What is wrong and what to do
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
@@ -237,8 +237,8 @@ contains
    !> Record a warning about a group.
    subroutine warn_of_place(self, name, place, message, key)
       class(deck_t), intent(inout) :: self
-      character(len=*), intent(in) :: name               !! The kind, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: name               !! Kind, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: message            !! What may be wrong and what to do
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
@@ -256,7 +256,7 @@ contains
    !! groups have errors.
    pure logical function deck_sound(self, name, place) result(sound)
       class(deck_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! The kind, without &
+      character(len=*), intent(in) :: name               !! Kind, without &
       integer, intent(in), optional :: place             !! Number among those of its kind, or all
       integer :: first, last, seen, which
 
@@ -364,8 +364,8 @@ contains
    !> Indices of a group and a key of a certain kind; 0 if there is no such key.
    pure function deck_slot(self, name, place, key, kind) result(slot)
       class(deck_t), intent(in) :: self
-      character(len=*), intent(in) :: name               !! The kind of the group, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: name               !! Kind of the group, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
       integer, intent(in) :: kind                        !! Kind of its values
       integer :: slot(2)
@@ -383,8 +383,8 @@ contains
    !> Set the derived value of a key of numbers.
    pure subroutine set_default_numbers(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! The kind of the group, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: group              !! Kind of the group, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
       real(wp), intent(in) :: value(:)                   !! Its values [SI]
       integer :: slot(2)
@@ -400,8 +400,8 @@ contains
    !> Set the derived value of a key of one number.
    pure subroutine set_default_number(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! The kind of the group, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: group              !! Kind of the group, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
       real(wp), intent(in) :: value                      !! Its value [SI]
 
@@ -411,10 +411,10 @@ contains
    !> Set the derived value of a key of integers.
    pure subroutine set_default_integers(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! The kind of the group, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: group              !! Kind of the group, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
-      integer, intent(in) :: value(:)                    !! Its values
+      integer, intent(in) :: value(:)                    !! Values
       integer :: slot(2)
 
       slot = self%slot(group, place, key, kind_integer)
@@ -428,10 +428,10 @@ contains
    !> Set the derived value of a key of one integer.
    pure subroutine set_default_integer(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! The kind of the group, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: group              !! Kind of the group, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
-      integer, intent(in) :: value                       !! Its value
+      integer, intent(in) :: value                       !! Value
 
       call self%set_default(group, place, key, [value])
    end subroutine set_default_integer
@@ -439,10 +439,10 @@ contains
    !> Set the derived value of a switch.
    pure subroutine set_default_switch(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! The kind of the group, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: group              !! Kind of the group, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
-      logical, intent(in) :: value                       !! Its value
+      logical, intent(in) :: value                       !! Value
       integer :: slot(2)
 
       slot = self%slot(group, place, key, kind_logical)
@@ -456,10 +456,10 @@ contains
    !> Set the derived value of a text.
    pure subroutine set_default_text(self, group, place, key, value)
       class(deck_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! The kind of the group, without &
-      integer, intent(in) :: place                       !! Number among those of its kind
+      character(len=*), intent(in) :: group              !! Kind of the group, without &
+      integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
-      character(len=*), intent(in) :: value              !! Its value
+      character(len=*), intent(in) :: value              !! Value
       integer :: slot(2)
 
       slot = self%slot(group, place, key, kind_text)

@@ -48,11 +48,11 @@ contains
 
    !> Check all groups. Keys with an error of their own are taken as they were meant.
    subroutine check_groups(schema, groups, index, deck_file, problems)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       type(group_t), intent(inout) :: groups(:)          !! All groups; unused keys are dropped
-      type(deck_index_t), intent(in) :: index            !! Where they are
+      type(deck_index_t), intent(in) :: index            !! Positions of groups and keys
       character(len=*), intent(in) :: deck_file          !! Name of the deck
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       integer :: i, k, rule
       logical :: unused
 
@@ -75,7 +75,7 @@ contains
    subroutine check_absent(rule, deck_file, problems)
       type(group_rule_t), intent(in) :: rule             !! What is allowed in it
       character(len=*), intent(in) :: deck_file          !! Name of the deck
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(text_t), allocatable :: names(:)
       integer :: k
 
@@ -90,13 +90,13 @@ contains
 
    !> Check one key of one group: does it apply, must it be given, is the name known?
    subroutine check_key(schema, key, place, groups, index, which, problems, unused)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       type(key_t), intent(in) :: key
-      integer, intent(in) :: place                       !! Its index
+      integer, intent(in) :: place                       !! Index
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(deck_index_t), intent(in) :: index            !! Where they are
+      type(deck_index_t), intent(in) :: index            !! Positions of groups and keys
       integer, intent(in) :: which                       !! Index of the group
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       logical, intent(out) :: unused                     !! The command line turned it off
       character(len=:), allocatable :: reason
       logical :: sure
@@ -125,11 +125,11 @@ contains
       end associate
    end subroutine check_key
 
-   !> Put the default in the place of a value that the command line made useless. What belongs to
-   !! it is useless by the command line as well.
+   !> Replace a value that the command line made invalid by its default. Keys that depend on it
+   !! become invalid as well.
    subroutine drop(key, value)
       type(key_t), intent(in) :: key
-      type(value_t), intent(inout) :: value              !! Its value
+      type(value_t), intent(inout) :: value              !! Value
       character(len=:), allocatable :: complaint
 
       call read_default(key, value, complaint)
@@ -138,10 +138,10 @@ contains
 
    !> True if a key means something in its group.
    logical function applies(schema, key, groups, index, which) result(holds)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       type(key_t), intent(in) :: key
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(deck_index_t), intent(in) :: index            !! Where they are
+      type(deck_index_t), intent(in) :: index            !! Positions of groups and keys
       integer, intent(in) :: which                       !! Index of the group
       character(len=:), allocatable :: reason
       logical :: sure
@@ -152,10 +152,10 @@ contains
 
    !> Why a key means nothing in its group; empty if it does.
    subroutine weigh(schema, key, groups, index, which, reason, sure, commanded)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       type(key_t), intent(in) :: key
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(deck_index_t), intent(in) :: index            !! Where they are
+      type(deck_index_t), intent(in) :: index            !! Positions of groups and keys
       integer, intent(in) :: which                       !! Index of the group
       character(len=:), allocatable, intent(out) :: reason !! Follows the name of the key
       logical, intent(out) :: sure                       !! False: a fault in another key hides it
@@ -189,8 +189,8 @@ contains
    !> Compare a value with a condition.
    subroutine compare(owner, condition, value, same_group, reason)
       type(key_t), intent(in) :: owner                   !! The key of the condition
-      type(condition_t), intent(in) :: condition         !! What it should be
-      type(value_t), intent(in) :: value                 !! What it is
+      type(condition_t), intent(in) :: condition         !! Expected value
+      type(value_t), intent(in) :: value                 !! Actual value
       logical, intent(in) :: same_group                  !! Is it in the group of the key?
       character(len=:), allocatable, intent(inout) :: reason !! Why the condition does not hold
       character(len=:), allocatable :: place, word
@@ -223,9 +223,9 @@ contains
    !> Names must not be used twice.
    subroutine check_name(groups, index, which, problems)
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(deck_index_t), intent(in) :: index            !! Where they are
+      type(deck_index_t), intent(in) :: index            !! Positions of groups and keys
       integer, intent(in) :: which                       !! Index of the group
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       integer :: first
 
       associate (group => groups(which))
@@ -238,16 +238,16 @@ contains
       end associate
    end subroutine check_name
 
-   !> Each name must be that of a group of the right kind, or the default. Nothing is said if one of
-   !! those groups has a fault in its name.
+   !> Each name must be that of a group of the right kind, or the default. No error is reported if
+   !! one of those groups has an invalid name.
    subroutine check_references(schema, key, groups, index, which, value, problems)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       type(key_t), intent(in) :: key
       type(group_t), intent(in) :: groups(:)             !! All groups
-      type(deck_index_t), intent(in) :: index            !! Where they are
+      type(deck_index_t), intent(in) :: index            !! Positions of groups and keys
       integer, intent(in) :: which                       !! Index of the group
       type(value_t), intent(in) :: value
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(text_t), allocatable :: names(:)
       character(len=:), allocatable :: near
       integer :: i, k, kind

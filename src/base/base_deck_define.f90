@@ -42,7 +42,7 @@ contains
       type(namelist_t), intent(in) :: namelist           !! As written
       type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
       integer, intent(in) :: system                      !! Units of the numbers
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       integer :: i, k
 
       self%system = system
@@ -70,7 +70,7 @@ contains
       type(block_t), intent(in) :: block                 !! Its group
       type(piece_t), intent(in) :: piece                 !! As written
       type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(piece_t) :: used
       character(len=:), allocatable :: fault, file, name
       real(wp) :: value
@@ -154,7 +154,7 @@ contains
 
    !> Cut a value of the command line into tokens.
    subroutine scan_value(text, piece)
-      character(len=*), intent(in) :: text               !! As written
+      character(len=*), intent(in) :: text               !! Text as written
       type(piece_t), intent(inout) :: piece              !! Gets the tokens, or is broken
       type(namelist_t) :: namelist
       type(problems_t) :: ignored
@@ -206,7 +206,7 @@ contains
       character(len=*), intent(in) :: label              !! The group, for messages
       character(len=*), intent(in) :: file               !! Where
       type(piece_t), intent(inout) :: piece              !! As written
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       logical, intent(in), optional :: within            !! Also expressions within texts
       character(len=:), allocatable :: fault, where_is
       real(wp) :: value
@@ -244,7 +244,7 @@ contains
       character(len=*), intent(in) :: label              !! The group, for messages
       character(len=*), intent(in) :: file               !! Where
       type(piece_t), intent(inout) :: piece              !! As written
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       character(len=:), allocatable :: fault
       real(wp) :: value
       integer :: closing, i, opening, place
@@ -300,7 +300,7 @@ contains
 
    !> A number with all its digits; integers without a point, so that keys of integers take them.
    pure function decimal_text(value) result(text)
-      real(wp), intent(in) :: value                      !! Any number
+      real(wp), intent(in) :: value                      !! Number
       character(len=:), allocatable :: text
       real(wp), parameter :: most = 2.0e9_wp
 

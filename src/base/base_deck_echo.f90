@@ -42,7 +42,7 @@ contains
       type(group_t), intent(in) :: groups(:)             !! All groups
       type(deck_index_t), intent(in) :: index            !! Their index
       integer, intent(in) :: which                       !! Index of the group
-      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+      type(buffer_t), intent(inout) :: buffer            !! Extended by the text
       integer :: k
 
       call buffer%line("&"//schema%groups(rule)%name)
@@ -61,8 +61,8 @@ contains
    !> One key.
    subroutine echo_key(key, value, buffer)
       type(key_t), intent(in) :: key
-      type(value_t), intent(in) :: value                 !! Its value
-      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+      type(value_t), intent(in) :: value                 !! Value
+      type(buffer_t), intent(inout) :: buffer            !! Extended by the text
       character(len=:), allocatable :: line, word
       integer :: i
 

@@ -20,11 +20,11 @@ contains
 
    !> Make a group of each block of the deck.
    subroutine fill_groups(schema, namelist, definitions, system, problems, groups, filled)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      type(namelist_t), intent(in) :: namelist           !! What is written
+      type(schema_t), intent(in) :: schema               !! Allowed values
+      type(namelist_t), intent(in) :: namelist           !! Namelist to write
       type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: groups(:)          !! Gets the groups
       integer, intent(inout) :: filled                   !! Number of groups so far
       integer, allocatable :: counts(:)
@@ -53,10 +53,10 @@ contains
       end do
    end subroutine fill_groups
 
-   !> What to say of a group that does not exist.
+   !> Error message for a group that does not exist.
    function unknown_group(schema, name) result(text)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      character(len=*), intent(in) :: name               !! As written
+      type(schema_t), intent(in) :: schema               !! Allowed values
+      character(len=*), intent(in) :: name               !! Text as written
       character(len=:), allocatable :: text
 
       text = meant("&", closest(name, schema%names()), "")
@@ -77,7 +77,7 @@ contains
 
    !> Make a group with all its keys and no values.
    subroutine start_group(rule, place, group)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed in it
+      type(group_rule_t), intent(in) :: rule             !! Allowed keys
       integer, intent(in) :: place                       !! Number among the groups of its kind
       type(group_t), intent(out) :: group
       integer :: i
@@ -94,11 +94,11 @@ contains
 
    !> Store the assignments of a block in its group.
    subroutine fill_group(rule, block, definitions, system, problems, group)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed in it
-      type(block_t), intent(in) :: block                 !! What is written
+      type(group_rule_t), intent(in) :: rule             !! Allowed keys
+      type(block_t), intent(in) :: block                 !! Block of the deck
       type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: group              !! Gets the values
       type(piece_t) :: resolved
       integer :: i, place
@@ -130,8 +130,8 @@ contains
 
    !> Report a key that does not exist, with the closest one that does.
    subroutine report_unknown_key(rule, key, file, line, problems)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed
-      character(len=*), intent(in) :: key                !! As written
+      type(group_rule_t), intent(in) :: rule             !! Allowed values
+      character(len=*), intent(in) :: key                !! Text as written
       character(len=*), intent(in) :: file               !! File, or the command line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       type(problems_t), intent(inout) :: problems        !! Gets the error
@@ -144,12 +144,12 @@ contains
 
    !> Convert a piece and keep its value.
    subroutine store(rule, place, piece, file, system, problems, group)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      type(group_rule_t), intent(in) :: rule             !! Allowed values
       integer, intent(in) :: place                       !! Index of the key
-      type(piece_t), intent(in) :: piece                 !! What is written
+      type(piece_t), intent(in) :: piece                 !! Part to write
       character(len=*), intent(in) :: file               !! Where
       integer, intent(in) :: system                      !! Units of the numbers
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: group              !! Gets the value
       character(len=:), allocatable :: complaint, hint
       integer :: subscript
@@ -194,7 +194,7 @@ contains
 
    !> A hint at the end of a message if one of the values is the name of a key.
    function lost_sign(rule, tokens) result(hint)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      type(group_rule_t), intent(in) :: rule             !! Allowed values
       type(token_t), intent(in) :: tokens(:)
       character(len=:), allocatable :: hint
       integer :: i
@@ -208,7 +208,7 @@ contains
       end do
    end function lost_sign
 
-   !> What to add to a message about numbers: that braces are missing, or what expressions gave.
+   !> Hint for a message about numbers: missing braces, or the results of expressions.
    function lost_braces(key, tokens) result(hint)
       type(key_t), intent(in) :: key
       type(token_t), intent(in) :: tokens(:)
@@ -231,7 +231,7 @@ contains
       end do
    end function lost_braces
 
-   !> The values as they are written, cut if they are long.
+   !> The values as written, truncated if they are long.
    function written(tokens) result(text)
       type(token_t), intent(in) :: tokens(:)
       character(len=:), allocatable :: text
@@ -241,8 +241,8 @@ contains
 
    !> Give the default to all values that are not set, and report those that are required.
    subroutine fill_defaults(rule, problems, group)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(group_rule_t), intent(in) :: rule             !! Allowed values
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: group              !! Gets the values
       type(value_t) :: default
       character(len=:), allocatable :: complaint

@@ -168,7 +168,7 @@ contains
    pure subroutine get_integer(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      integer, intent(out) :: value                      !! Its value
+      integer, intent(out) :: value                      !! Value
       integer, allocatable :: values(:)
 
       call self%list(key, values)
@@ -180,7 +180,7 @@ contains
    pure subroutine get_integers(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      integer, intent(out) :: value(:)                   !! Its values
+      integer, intent(out) :: value(:)                   !! Values
       integer, allocatable :: values(:)
       integer :: filled
 
@@ -194,7 +194,7 @@ contains
    pure subroutine list_integers(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      integer, allocatable, intent(out) :: value(:)      !! Its values
+      integer, allocatable, intent(out) :: value(:)      !! Values
       integer :: place
 
       allocate (value(0))
@@ -208,7 +208,7 @@ contains
    pure subroutine get_switch(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      logical, intent(out) :: value                      !! Its value
+      logical, intent(out) :: value                      !! Value
       integer :: place
 
       value = .false.
@@ -221,7 +221,7 @@ contains
    pure subroutine get_text(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      character(len=:), allocatable, intent(out) :: value !! Its value
+      character(len=:), allocatable, intent(out) :: value !! Value
       type(text_t), allocatable :: values(:)
 
       call self%list(key, values)
@@ -233,7 +233,7 @@ contains
    pure subroutine get_texts(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      character(len=:), allocatable, intent(out) :: value(:) !! Its values
+      character(len=:), allocatable, intent(out) :: value(:) !! Values
       type(text_t), allocatable :: values(:)
       integer :: i, longest
 
@@ -252,7 +252,7 @@ contains
    pure subroutine list_texts(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      type(text_t), allocatable, intent(out) :: value(:) !! Its values
+      type(text_t), allocatable, intent(out) :: value(:) !! Values
       integer :: count, i, place
 
       count = 0

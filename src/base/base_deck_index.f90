@@ -75,7 +75,7 @@ contains
             if (n < size(groups)) then
                next = order(n + 1)
                if (groups(next)%path == group%path) then
-                  ! groups may share a line
+                  ! several groups may be on one line
                   last = last_line(next)
                   if (groups(next)%first_line > group%first_line) last = groups(next)%first_line - 1
                end if
@@ -87,8 +87,8 @@ contains
 
    !> Hash of a kind and a name.
    pure integer(int64) function key_of(group, title) result(key)
-      character(len=*), intent(in) :: group              !! The kind, without &
-      character(len=*), intent(in) :: title              !! Its name
+      character(len=*), intent(in) :: group              !! Kind, without &
+      character(len=*), intent(in) :: title              !! Name
 
       key = hash_text(trim(group)//" "//trim(title))
    end function key_of
@@ -106,7 +106,7 @@ contains
    pure integer function index_at(self, kind, place) result(which)
       class(deck_index_t), intent(in) :: self
       integer, intent(in) :: kind                        !! The kind, 0 = none
-      integer, intent(in) :: place                       !! Number among those of its kind
+      integer, intent(in) :: place                       !! Index among the groups of its kind
 
       which = 0
       if (place < 1 .or. place > self%count(kind)) return
@@ -117,8 +117,8 @@ contains
    pure integer function index_named(self, groups, group, title) result(which)
       class(deck_index_t), intent(in) :: self
       type(group_t), intent(in) :: groups(:)             !! The groups that it was built from
-      character(len=*), intent(in) :: group              !! The kind, without &
-      character(len=*), intent(in) :: title              !! Its name
+      character(len=*), intent(in) :: group              !! Kind, without &
+      character(len=*), intent(in) :: title              !! Name
       integer(int64) :: key
       integer :: low, high, middle
 

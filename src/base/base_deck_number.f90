@@ -97,7 +97,7 @@ contains
 
    !> Read a number, its decimal exponent shifted.
    subroutine read_number(text, shift, number_read, complaint)
-      character(len=*), intent(in) :: text               !! As written
+      character(len=*), intent(in) :: text               !! Text as written
       integer, intent(in) :: shift                       !! Added to the decimal exponent
       real(wp), intent(out) :: number_read               !! The number [SI]
       character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is not a number
@@ -138,7 +138,7 @@ contains
 
    !> Read an integer.
    subroutine read_integer(text, whole, complaint)
-      character(len=*), intent(in) :: text               !! As written
+      character(len=*), intent(in) :: text               !! Text as written
       integer, intent(out) :: whole                      !! Value of the text
       character(len=:), allocatable, intent(inout) :: complaint !! "?" if it is not an integer
       character(len=*), parameter :: figures = "0123456789"
@@ -157,7 +157,7 @@ contains
       whole = int(long)
    end subroutine read_integer
 
-   !> What a key expects.
+   !> Description of the values that a key expects.
    function expectation(key) result(text)
       type(key_t), intent(in) :: key
       character(len=:), allocatable :: text

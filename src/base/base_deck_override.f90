@@ -22,12 +22,13 @@ contains
 
    !> Take one value of the command line into the groups.
    subroutine override(schema, text, definitions, system, problems, groups, filled)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      !> GROUP.KEY=VALUE, GROUP[NAME].KEY=VALUE, or with a mark before it what is to be removed
+      type(schema_t), intent(in) :: schema               !! Allowed values
+      !> GROUP.KEY=VALUE, GROUP[NAME].KEY=VALUE, or, with a mark before it, the name of a key to
+      !! remove
       character(len=*), intent(in) :: text
       type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: groups(:)          !! All groups, with capacity for one more
       integer, intent(inout) :: filled                   !! Number of groups
       character(len=:), allocatable :: choice, group, key, value
@@ -80,8 +81,8 @@ contains
 
    !> Say that there is no such group.
    subroutine unknown_group(schema, group, problems)
-      type(schema_t), intent(in) :: schema               !! What is allowed
-      character(len=*), intent(in) :: group              !! As written
+      type(schema_t), intent(in) :: schema               !! Allowed values
+      character(len=*), intent(in) :: group              !! Text as written
       type(problems_t), intent(inout) :: problems        !! Gets the error
       character(len=:), allocatable :: near
 
@@ -90,13 +91,13 @@ contains
       call problems%error(command_line, 0, "unknown group &"//group//near)
    end subroutine unknown_group
 
-   !> Take GROUP[CHOICE].KEY=VALUE apart. The key is empty if it has not this form.
+   !> Split GROUP[CHOICE].KEY=VALUE into its parts. The key is empty if it has not this form.
    pure subroutine take_apart(text, group, choice, key, value)
-      character(len=*), intent(in) :: text               !! As written
-      character(len=:), allocatable, intent(out) :: group  !! Small letters
-      character(len=:), allocatable, intent(out) :: choice !! What stood in brackets
-      character(len=:), allocatable, intent(out) :: key    !! Small letters
-      character(len=:), allocatable, intent(out) :: value  !! As written
+      character(len=*), intent(in) :: text               !! Text as written
+      character(len=:), allocatable, intent(out) :: group  !! Lower case
+      character(len=:), allocatable, intent(out) :: choice !! Text in brackets
+      character(len=:), allocatable, intent(out) :: key    !! Lower case
+      character(len=:), allocatable, intent(out) :: value  !! Text as written
       integer :: bracket, closing, dot, equals
 
       group = ""
@@ -124,9 +125,9 @@ contains
 
    !> Find the group that is meant; a group that may be given once is made if it is not there.
    subroutine choose(rule, choice, problems, groups, filled, which)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      type(group_rule_t), intent(in) :: rule             !! Allowed values
       character(len=*), intent(in) :: choice             !! Name or number in brackets, or empty
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: groups(:)          !! All groups
       integer, intent(inout) :: filled                   !! Number of groups
       integer, intent(out) :: which                      !! Index of the group, 0 if there is none
@@ -165,13 +166,13 @@ contains
 
    !> Put a value in the place of the one that a key had.
    subroutine put(rule, place, key, value, definitions, system, problems, group)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed
+      type(group_rule_t), intent(in) :: rule             !! Allowed values
       integer, intent(in) :: place                       !! Index of the key
       character(len=*), intent(in) :: key                !! The key with its subscript
-      character(len=*), intent(in) :: value              !! As written
+      character(len=*), intent(in) :: value              !! Text as written
       type(definitions_t), intent(in) :: definitions     !! Names in expressions
       integer, intent(in) :: system                      !! Units of the numbers
-      type(problems_t), intent(inout) :: problems        !! Gets what is wrong
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: group              !! Gets the value
       type(piece_t) :: piece
 
@@ -201,7 +202,7 @@ contains
    !> Texts without quotes, with commas between them where there may be several.
    subroutine bare_texts(number_of_values, value, tokens)
       integer, intent(in) :: number_of_values            !! Greatest number of values
-      character(len=*), intent(in) :: value              !! As written
+      character(len=*), intent(in) :: value              !! Text as written
       type(token_t), allocatable, intent(out) :: tokens(:)
       type(text_t), allocatable :: parts(:)
       integer :: comma, first, i

@@ -20,7 +20,7 @@ contains
    subroutine apply_presets(schema, index, problems, groups)
       type(schema_t), intent(in) :: schema               !! Keys that are allowed
       type(deck_index_t), intent(in) :: index            !! Index of the groups
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: groups(:)          !! All groups, with their defaults
       character(len=:), allocatable :: name
       integer :: i, p, e
@@ -45,7 +45,7 @@ contains
       type(deck_index_t), intent(in) :: index            !! Index of the groups
       type(preset_entry_t), intent(in) :: entry
       integer, intent(in) :: which                       !! Index of the group
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: groups(:)          !! All groups
       type(key_t) :: key
       type(value_t) :: value

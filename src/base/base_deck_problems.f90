@@ -15,16 +15,16 @@ module base_deck_problems
    type :: repeated_t
       character(len=:), allocatable :: body !! Name, the start of the names of its copies
       character(len=:), allocatable :: region !! Name of its region, which is repeated too
-      integer :: copies = 0                              !! How many
+      integer :: copies = 0                              !! Number of copies
    end type repeated_t
 
    !> One error or warning.
    type :: problem_t
-      character(len=:), allocatable :: file              !! Where it is
+      character(len=:), allocatable :: file              !! File and line
       integer :: line = 0                                !! Line of the file, 0 = none
       logical :: is_error = .true.                       !! Or else a warning
       character(len=:), allocatable :: text              !! What is wrong and what to do
-      character(len=:), allocatable :: common            !! Part of the text that all copies share
+      character(len=:), allocatable :: common            !! Part of the text common to all copies
       integer :: copies = 1                              !! Number of copies with this message
    end type problem_t
 
@@ -49,7 +49,7 @@ contains
    !> Record an error.
    pure subroutine problems_error(self, file, line, text)
       class(problems_t), intent(inout) :: self
-      character(len=*), intent(in) :: file               !! Where it is
+      character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       character(len=*), intent(in) :: text               !! What is wrong and what to do
       logical :: joined
@@ -63,7 +63,7 @@ contains
    !> Record a warning.
    pure subroutine problems_warning(self, file, line, text)
       class(problems_t), intent(inout) :: self
-      character(len=*), intent(in) :: file               !! Where it is
+      character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       character(len=*), intent(in) :: text               !! What is wrong and what to do
       logical :: joined
@@ -130,7 +130,7 @@ contains
    !> Join a message with that of another copy of the same body, if there is one.
    pure subroutine join_copies(self, file, line, is_error, text, joined)
       class(problems_t), intent(inout) :: self
-      character(len=*), intent(in) :: file               !! Where it is
+      character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file
       logical, intent(in) :: is_error                    !! Or else a warning
       character(len=*), intent(in) :: text               !! Its text
@@ -155,7 +155,7 @@ contains
       end do
    end subroutine join_copies
 
-   !> Split a message of a repeated body into the label that its copies share and the rest.
+   !> Split a message of a repeated body into the common label of its copies and the rest.
    pure subroutine take_copy_apart(repeated, text, which, label, rest)
       type(repeated_t), intent(in) :: repeated(:)        !! Repeated bodies
       character(len=*), intent(in) :: text               !! A message
@@ -234,7 +234,7 @@ contains
    !> Append an entry.
    pure subroutine record_problem(self, file, line, is_error, text)
       class(problems_t), intent(inout) :: self           !! The list, with the new counts
-      character(len=*), intent(in) :: file               !! Where it is
+      character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       logical, intent(in) :: is_error                    !! Or else a warning
       character(len=*), intent(in) :: text               !! What is wrong and what to do
@@ -313,7 +313,7 @@ contains
    subroutine sort_problems(self, files, order)
       type(problems_t), intent(in) :: self
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
-      integer, allocatable, intent(out) :: order(:)      !! Entry by place
+      integer, allocatable, intent(out) :: order(:)      !! Entries by position in the deck
       integer, allocatable :: merged(:), place(:)
       integer :: i, left, middle, run, right, total
 
@@ -368,7 +368,7 @@ contains
 
    !> Index of a file in the order of reading; texts that are not files come last.
    pure integer function place_of(file, files) result(place)
-      character(len=*), intent(in) :: file               !! Its name
+      character(len=*), intent(in) :: file               !! Name
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
 
       do place = 1, size(files)

@@ -23,7 +23,7 @@ contains
    !> Add the copies of repeated bodies and of their regions to the list of groups.
    subroutine repeat_groups(schema, problems, groups)
       type(schema_t), intent(in) :: schema               !! Keys that are allowed
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), allocatable, intent(inout) :: groups(:) !! All groups, defaults filled
       type(group_t), allocatable :: longer(:)
       integer, allocatable :: copies(:)
@@ -66,7 +66,7 @@ contains
    !> Number of copies of a body, 1 after an error.
    subroutine count_copies(body, problems, copies)
       type(group_t), intent(in) :: body
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       integer, intent(out) :: copies                     !! Number of bodies
       character(len=1), parameter :: axes(3) = ["x", "y", "z"]
       real(wp) :: step(3)
@@ -145,7 +145,7 @@ contains
    !> Name a copy, and remove its repetition.
    subroutine name_copy(schema, name, body)
       type(schema_t), intent(in) :: schema               !! Keys that are allowed
-      character(len=*), intent(in) :: name               !! Its name
+      character(len=*), intent(in) :: name               !! Name
       type(group_t), intent(inout) :: body
       character(len=11), parameter :: keys(2) = ["repeat     ", "repeat_step"]
       character(len=:), allocatable :: complaint

@@ -16,7 +16,7 @@ module base_deck_value
 
    !> The value of one key of one group.
    type :: value_t
-      character(len=:), allocatable :: key               !! Its name
+      character(len=:), allocatable :: key               !! Name
       logical :: given = .false.                         !! In the deck or on the command line
       logical :: valid = .true.                          !! No error so far
       logical :: derived = .false.                       !! Derived from other keys
@@ -49,7 +49,7 @@ contains
    !> Set the value of a key to its default.
    subroutine read_default(key, value, complaint)
       type(key_t), intent(in) :: key
-      type(value_t), intent(out) :: value                !! Its value
+      type(value_t), intent(out) :: value                !! Value
       character(len=:), allocatable, intent(out) :: complaint !! Empty without an error
       type(token_t), allocatable :: tokens(:)
       type(text_t), allocatable :: words(:)
@@ -136,7 +136,7 @@ contains
    !> Allocate the arrays of a value.
    subroutine allocate_values(key, value)
       type(key_t), intent(in) :: key
-      type(value_t), intent(inout) :: value              !! Gets the arrays unless it has them
+      type(value_t), intent(inout) :: value              !! Arrays are added unless present
 
       if (.not. allocated(value%filled)) allocate (value%filled(key%number_of_values), &
          source=.false.)
@@ -322,7 +322,7 @@ contains
    !> Check a text against the words that are allowed, in letters of either case.
    subroutine check_words(key, written, text, complaint)
       type(key_t), intent(in) :: key
-      character(len=*), intent(in) :: written            !! As written
+      character(len=*), intent(in) :: written            !! Text as written
       character(len=:), allocatable, intent(out) :: text !! In the case of the key
       character(len=:), allocatable, intent(inout) :: complaint !! Empty without an error
       character(len=:), allocatable :: near

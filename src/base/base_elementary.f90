@@ -32,7 +32,7 @@ module base_elementary
    integer, parameter :: mantissa = 52                  !! Bits of the fraction
    real(wp), parameter :: per_ln2 = 1.4426950408889634_wp !! 1/ln 2
    real(wp), parameter :: ln2_high = 0.6931471805598903_wp !! Ends with 11 bits of zero
-   real(wp), parameter :: ln2_low = 5.497923018708371e-14_wp !! What is missing to ln 2
+   real(wp), parameter :: ln2_low = 5.497923018708371e-14_wp !! Remainder of ln 2
    !> Beyond these bounds the exponential function is 0 or too large for a real.
    real(wp), parameter :: least_exponent = -746.0_wp, greatest_exponent = 710.0_wp
 
@@ -108,8 +108,8 @@ contains
       logical :: small
       integer(int64) :: bits
 
-      ! Below the least normal number the exponent says nothing. A factor of 1 elsewhere would make
-      ! the compiler write both cases out.
+      ! The exponent field of a subnormal number is not its exponent. With a factor of 1 for normal
+      ! numbers the compiler would generate both branches.
       small = x < 1.0e-290_wp
       bits = transfer(x*merge(two54, 0.5_wp, small), bits) - bits_of_root
       fraction = transfer(iand(bits, fraction_bits) + bits_of_root, fraction) - 1.0_wp

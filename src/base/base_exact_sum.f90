@@ -113,7 +113,7 @@ contains
    !> Add another sum.
    pure subroutine exact_sum_merge(self, other)
       class(exact_sum_t), intent(inout) :: self
-      type(exact_sum_t), intent(in) :: other             !! What is added
+      type(exact_sum_t), intent(in) :: other             !! Number to add
 
       if (self%terms + other%terms + 1_int64 >= most_terms) call carry_limbs(self)
       self%limbs = self%limbs + other%limbs

@@ -27,7 +27,7 @@ module base_formula
    type :: formula_t
       integer, private :: count = 0                      !! Number of operations
       integer, private :: depth = 0                      !! Greatest number of values at a time
-      integer, allocatable, private :: code(:)           !! (operation) What it does
+      integer, allocatable, private :: code(:)           !! (operation) Operation code
       integer, allocatable, private :: operand(:)        !! (operation) Which variable
       integer, allocatable, private :: place(:)          !! (operation) Position in the text
       real(wp), allocatable, private :: constant(:)      !! (operation) A constant
@@ -39,7 +39,7 @@ module base_formula
 
    !> State of the parser.
    type :: parser_t
-      character(len=:), allocatable :: text              !! Small letters
+      character(len=:), allocatable :: text              !! Lower case
       integer :: at = 1                                  !! Next letter
       integer :: stack = 0                               !! Values on the stack so far
       type(text_t), allocatable :: names(:)              !! Names of the variables
@@ -51,7 +51,7 @@ contains
 
    !> True if a name is that of a function or of a constant, so that no variable can have it.
    pure logical function is_reserved(name) result(yes)
-      character(len=*), intent(in) :: name               !! Small letters
+      character(len=*), intent(in) :: name               !! Lower case
 
       yes = name == "pi" .or. function_index(name) > 0
    end function is_reserved
@@ -122,7 +122,7 @@ contains
    subroutine append_operation(self, parser, code, gain, place, constant, operand)
       type(formula_t), intent(inout) :: self
       type(parser_t), intent(inout) :: parser            !! Counts the values
-      integer, intent(in) :: code                        !! What it does
+      integer, intent(in) :: code                        !! Operation code
       integer, intent(in) :: gain                        !! Change of the stack: 1, 0 or -1
       integer, intent(in) :: place                       !! Letter of the text
       real(wp), intent(in), optional :: constant         !! Value of a constant
@@ -318,7 +318,7 @@ contains
       type(formula_t), intent(inout) :: self             !! Gets the operations
       type(parser_t), intent(inout) :: parser            !! At the opening bracket
       character(len=*), intent(in) :: name               !! Name of the function
-      integer, intent(in) :: which                       !! Its index
+      integer, intent(in) :: which                       !! Index
       integer, intent(in) :: first                       !! First letter of its name
       integer :: given, opening, wanted
 
@@ -346,7 +346,7 @@ contains
 
    !> Suggestion of a name that is close.
    function suggestion(name, names) result(question)
-      character(len=*), intent(in) :: name               !! As written
+      character(len=*), intent(in) :: name               !! Text as written
       type(text_t), intent(in) :: names(:)               !! Valid names
       character(len=:), allocatable :: question
 
@@ -367,7 +367,7 @@ contains
 
    !> All variables and constants.
    function name_list(parser) result(names)
-      type(parser_t), intent(in) :: parser               !! Knows the variables
+      type(parser_t), intent(in) :: parser               !! Has the names of the variables
       type(text_t), allocatable :: names(:)
 
       names = parser%names

@@ -22,7 +22,7 @@ contains
 
    !> Index of a function, 0 if there is none of that name.
    pure integer function function_index(name) result(which)
-      character(len=*), intent(in) :: name           !! Small letters
+      character(len=*), intent(in) :: name           !! Lower case
 
       do which = size(function_names), 1, -1
          if (function_names(which) == name) return
@@ -31,7 +31,7 @@ contains
 
    !> Number of arguments of a function, or `takes_any`.
    pure integer function function_arguments(which) result(arguments)
-      integer, intent(in) :: which                   !! Its index
+      integer, intent(in) :: which                   !! Index
 
       select case (function_names(which))
       case ("min", "max")
@@ -106,7 +106,7 @@ contains
 
    !> Replace the first argument by the value of a function.
    pure subroutine apply_function(which, first, second, fault)
-      integer, intent(in) :: which                   !! Its index
+      integer, intent(in) :: which                   !! Index
       real(wp), intent(inout) :: first               !! First argument, then the value
       real(wp), intent(in) :: second                 !! Second argument, if it takes two
       character(len=:), allocatable, intent(inout) :: fault !! Allocated if there is no result

@@ -42,7 +42,7 @@ contains
 
    !> Hash of a text, with its trailing blanks.
    pure function hash_text(text) result(hash)
-      character(len=*), intent(in) :: text              !! Any text
+      character(len=*), intent(in) :: text              !! Text
       integer(int64) :: hash
       integer :: letter
 

@@ -17,7 +17,7 @@ module base_namelist
 
    !> One value of an assignment.
    type :: token_t
-      character(len=:), allocatable :: raw               !! As written
+      character(len=:), allocatable :: raw               !! Text as written
       character(len=:), allocatable :: text              !! The same without its quotes
       logical :: quoted = .false.                        !! Was it in quotes?
       logical :: comma = .false.                         !! Is it a comma?
@@ -28,7 +28,7 @@ module base_namelist
 
    !> One `key = value`.
    type :: piece_t
-      character(len=:), allocatable :: key               !! Small letters
+      character(len=:), allocatable :: key               !! Lower case
       character(len=:), allocatable :: subscript         !! Text in brackets after the key
       integer :: line = 0                                !! Line of the key
       logical :: broken = .false.                        !! Has its error been reported?
@@ -37,7 +37,7 @@ module base_namelist
 
    !> One group.
    type :: block_t
-      character(len=:), allocatable :: name              !! Small letters
+      character(len=:), allocatable :: name              !! Lower case
       character(len=:), allocatable :: file              !! Its file
       integer :: line = 0                                !! Line of its name
       integer :: first = 0                               !! Its first letter in the text
@@ -62,7 +62,7 @@ contains
       class(namelist_t), intent(out) :: self
       character(len=*), intent(in) :: text               !! All lines
       character(len=*), intent(in) :: file               !! Its name, for messages
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(scanner_t) :: scanner
       type(lexeme_t) :: found
       logical :: reported
@@ -121,7 +121,7 @@ contains
       class(namelist_t), intent(inout) :: self           !! Gets the group
       type(scanner_t), intent(inout) :: scanner          !! After the name of the group
       type(lexeme_t), intent(in) :: head                 !! The name of the group
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       type(block_t) :: group
       type(lexeme_t), allocatable :: words(:)
       integer :: filled
@@ -200,7 +200,7 @@ contains
       type(block_t), intent(inout) :: group              !! Gets the assignments
       type(scanner_t), intent(in) :: scanner
       type(lexeme_t), intent(in) :: words(:)             !! All words of the group
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       integer, allocatable :: key_at(:), value_at(:)
       integer :: i, last, pieces
 
@@ -252,7 +252,7 @@ contains
       type(scanner_t), intent(in) :: scanner
       type(lexeme_t), intent(in) :: key(:)               !! Words of the key and the equals sign
       type(lexeme_t), intent(in) :: values(:)            !! Words of the value
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       character(len=:), allocatable :: name
       integer :: bracket, i, total
 

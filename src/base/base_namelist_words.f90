@@ -108,7 +108,7 @@ contains
    subroutine scanner_next(self, word, problems)
       class(scanner_t), intent(inout) :: self
       type(lexeme_t), intent(out) :: word
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       logical :: crossed
 
       call skip_blanks(self, crossed, problems)
@@ -145,7 +145,7 @@ contains
    subroutine skip_blanks(self, crossed, problems)
       class(scanner_t), intent(inout) :: self
       logical, intent(out) :: crossed !! Does another file begin here within a group?
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
 
       crossed = .false.
       do while (self%at <= len(self%text))
@@ -170,7 +170,7 @@ contains
    !> Go to the next line.
    subroutine end_line(self, problems)
       class(scanner_t), intent(inout) :: self            !! At the end of a line
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
 
       if (self%at - self%line_start > longest_line + 1) then
          call problems%error(self%file, self%line, "the line is longer than "// &
@@ -204,7 +204,7 @@ contains
    subroutine read_quoted(self, word, problems)
       class(scanner_t), intent(in) :: self               !! At the opening quote
       type(lexeme_t), intent(inout) :: word              !! The word, with its start
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
       integer :: at
 
       at = self%at + 1
@@ -230,7 +230,7 @@ contains
    subroutine read_formula(self, word, problems)
       class(scanner_t), intent(in) :: self               !! At the opening brace
       type(lexeme_t), intent(inout) :: word              !! The word, with its start
-      type(problems_t), intent(inout) :: problems        !! Gets errors
+      type(problems_t), intent(inout) :: problems        !! Collects errors
 
       word%last = self%at + scan(self%text(self%at:), "}"//newline) - 1
       word%kind = word_formula

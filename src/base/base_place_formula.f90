@@ -19,7 +19,7 @@ contains
 
    !> Compile a formula of the position. Its variables are x, y, z in this order.
    subroutine compile_place_formula(text, formula, fault, place)
-      character(len=*), intent(in) :: text               !! As written
+      character(len=*), intent(in) :: text               !! Text as written
       type(formula_t), intent(out) :: formula
       character(len=:), allocatable, intent(out) :: fault !! Error, empty if there is none
       integer, intent(out) :: place                      !! Position of the error
@@ -75,7 +75,7 @@ contains
 
    !> A formula times a power of ten.
    pure function shifted(formula, exponent) result(text)
-      character(len=*), intent(in) :: formula            !! Any
+      character(len=*), intent(in) :: formula            !! Value
       integer, intent(in) :: exponent                    !! Of ten
       character(len=:), allocatable :: text
 

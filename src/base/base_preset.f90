@@ -25,7 +25,7 @@ module base_preset
    !> One preset.
    type :: preset_t
       character(len=:), allocatable :: group             !! Group it belongs to
-      character(len=:), allocatable :: name              !! Its name
+      character(len=:), allocatable :: name              !! Name
       character(len=:), allocatable :: title             !! Title
       type(preset_entry_t), allocatable :: entries(:)    !! In the order of applying
    end type preset_t

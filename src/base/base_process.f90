@@ -18,8 +18,8 @@ module base_process
       function c_setenv(name, value, overwrite) bind(c, name="setenv") result(status)
          import :: c_char, c_int
          implicit none
-         character(kind=c_char), intent(in) :: name(*)   !! Null terminated
-         character(kind=c_char), intent(in) :: value(*)  !! Null terminated
+         character(kind=c_char), intent(in) :: name(*)   !! Null-terminated
+         character(kind=c_char), intent(in) :: value(*)  !! Null-terminated
          integer(c_int), value :: overwrite              !! 0: keep the old value
          integer(c_int) :: status
       end function c_setenv
@@ -28,7 +28,7 @@ module base_process
       function c_execv(path, arguments) bind(c, name="execv") result(status)
          import :: c_char, c_int, c_ptr
          implicit none
-         character(kind=c_char), intent(in) :: path(*)   !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)   !! Null-terminated
          type(c_ptr), intent(in) :: arguments(*)         !! Null terminated, a null pointer last
          integer(c_int) :: status
       end function c_execv
@@ -37,7 +37,7 @@ module base_process
       function c_sysconf(name) bind(c, name="sysconf") result(value)
          import :: c_int, c_long
          implicit none
-         integer(c_int), value :: name                   !! Its name
+         integer(c_int), value :: name                   !! Name
          integer(c_long) :: value
       end function c_sysconf
    end interface
@@ -53,11 +53,11 @@ contains
       found = status == 0 .and. length > 0
    end function is_set
 
-   !> Set an environment variable, unless the user has set it. Without memory for it, it stays
-   !! unset.
+   !> Set an environment variable, unless the user has set it. It remains unset if no memory is
+   !! available.
    subroutine set_default(name, value)
       character(len=*), intent(in) :: name               !! Name of the variable
-      character(len=*), intent(in) :: value              !! Its value
+      character(len=*), intent(in) :: value              !! Value
       integer(c_int) :: ignored
 
       ignored = c_setenv(name//c_null_char, value//c_null_char, 0_c_int)
@@ -79,8 +79,8 @@ contains
       ranks = 1
    end function ranks_here
 
-   !> Number of cores for all ranks on this node. A rank that the launcher has bound sees only its
-   !! own cores, so then all cores of the node count.
+   !> Number of cores for all ranks on this node. A rank that the launcher has bound has access only
+   !! to its own cores; then all cores of the node are counted.
    integer function cores_here() result(cores)
       cores = omp_get_num_procs()
       if (is_set("OMPI_MCA_orte_bound_at_launch")) cores = max(cores, int(c_sysconf(cores_online)))

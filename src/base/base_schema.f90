@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a deck may hold: groups and keys with kind, unit, default, range and meaning.
+!> The schema of decks: groups and keys with kind, unit, default, range and meaning.
 !!
 !! Each part of the program declares its own keys. Reading, checking, the echo, the template and the
 !! explanations all walk this one table.
@@ -18,11 +18,11 @@ module base_schema
    integer, parameter, public :: kind_logical = 3        !! .true. or .false.
    integer, parameter, public :: kind_text = 4           !! Texts in quotes
 
-   !> What another key must be so that a key means something.
+   !> Condition on another key under which a key is accepted.
    type :: condition_t
       character(len=:), allocatable :: group             !! Group of the other key
       character(len=:), allocatable :: key               !! The other key
-      type(text_t), allocatable :: words(:)              !! What it may be; empty: .true.
+      type(text_t), allocatable :: words(:)              !! Accepted values; empty: .true.
    end type condition_t
 
    !> Range of the numbers that a key allows.
@@ -32,7 +32,7 @@ module base_schema
       real(wp) :: most = huge(1.0_wp)                    !! Upper bound [SI]
       logical :: least_open = .false.                    !! The lower bound itself is out of range
       logical :: most_open = .false.                     !! The upper bound itself is out of range
-      character(len=:), allocatable :: hint              !! Why the range is what it is, or empty
+      character(len=:), allocatable :: hint              !! Reason for the range, or empty
    end type range_t
 
    !> One key.
@@ -42,7 +42,7 @@ module base_schema
       integer :: kind = kind_real                        !! One of the constants above
       integer :: number_of_values = 1                    !! Greatest number of values
       logical :: exact = .true.                          !! All values must be given
-      character(len=:), allocatable :: doc               !! Its meaning
+      character(len=:), allocatable :: doc               !! Meaning
       character(len=:), allocatable :: unit_text         !! Unit of SI as text
       type(unit_t) :: unit                               !! The same to count with
       character(len=:), allocatable :: default           !! In SI; not allocated: none
@@ -57,7 +57,7 @@ module base_schema
    !> One group.
    type :: group_rule_t
       character(len=:), allocatable :: name              !! As in the deck, without &
-      character(len=:), allocatable :: doc               !! Its meaning
+      character(len=:), allocatable :: doc               !! Meaning
       logical :: many = .false.                          !! May be given more than once
       type(key_t), allocatable :: keys(:)                !! In the order of the echo
    contains
@@ -80,7 +80,7 @@ module base_schema
       procedure :: extend_owner => schema_extend_owner   !! Let a key apply to one more word
       procedure :: require => schema_require             !! Keys that must be given
       procedure :: refer => schema_refer                 !! Names of which group a key refers to
-      procedure :: explain_range => schema_explain_range !! Why the range is what it is
+      procedure :: explain_range => schema_explain_range !! Reason for the range
       procedure :: preset => schema_preset               !! Declare presets of a group
       procedure :: find => schema_find                   !! Index of a group
       procedure :: names => schema_names                 !! Names of all groups
@@ -94,7 +94,7 @@ contains
    subroutine schema_group(self, name, doc, many)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! As in the deck, without &
-      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in) :: doc                !! Meaning
       logical, intent(in), optional :: many              !! May be given more than once
       type(group_rule_t), allocatable :: longer(:)
       integer :: known
@@ -116,11 +116,11 @@ contains
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Name and number of values
-      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: unit     !! Of SI, or deg; without: 1
       character(len=*), intent(in), optional :: default  !! In SI
       character(len=*), intent(in), optional :: range    !! In SI: > 0, >= 0 < 1
-      character(len=*), intent(in), optional :: owner    !! When it means something
+      character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t) :: key
       logical :: known
 
@@ -139,10 +139,10 @@ contains
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Name and number of values
-      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! As in the deck
       character(len=*), intent(in), optional :: range    !! Such as > 0, >= 0 <= 9
-      character(len=*), intent(in), optional :: owner    !! When it means something
+      character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t) :: key
 
       key%kind = kind_integer
@@ -153,10 +153,10 @@ contains
    subroutine schema_logical(self, group, name, doc, default, owner)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group it belongs to
-      character(len=*), intent(in) :: name               !! Its name
-      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in) :: name               !! Name
+      character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! .true. or .false.
-      character(len=*), intent(in), optional :: owner    !! When it means something
+      character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t) :: key
 
       key%kind = kind_logical
@@ -169,10 +169,10 @@ contains
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Name and number of values
-      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! Without quotes
       character(len=*), intent(in), optional :: words    !! All that is allowed, blanks between
-      character(len=*), intent(in), optional :: owner    !! When it means something
+      character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       character(len=*), intent(in), optional :: unit     !! Of the value of a formula
       type(key_t) :: key
       logical :: known
@@ -192,10 +192,10 @@ contains
       type(key_t), intent(inout) :: key                  !! Kind, unit and words are set
       character(len=*), intent(in) :: group              !! Group it belongs to
       character(len=*), intent(in) :: name               !! Name and number of values
-      character(len=*), intent(in) :: doc                !! Its meaning
+      character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! In SI
       character(len=*), intent(in), optional :: range    !! In SI
-      character(len=*), intent(in), optional :: owner    !! When it means something
+      character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t), allocatable :: longer(:)
       integer :: place
 
@@ -225,7 +225,7 @@ contains
       end associate
    end subroutine schema_add
 
-   !> Take name and number of values apart.
+   !> Split a name from the number of its values.
    subroutine set_name(self, key, name)
       class(schema_t), intent(inout) :: self
       type(key_t), intent(inout) :: key                  !! Gets name and number of values
@@ -242,7 +242,7 @@ contains
       if (status /= 0) call blame(self, "number of values of "//name)
    end subroutine set_name
 
-   !> Take a range such as >= 0 < 1 apart.
+   !> Parse a range such as >= 0 < 1.
    subroutine set_range(self, key, range)
       class(schema_t), intent(inout) :: self
       type(key_t), intent(inout) :: key                  !! Gets the bounds
@@ -271,7 +271,7 @@ contains
       end do
    end subroutine set_range
 
-   !> Take conditions such as `strength_model = mu_i & effects.thermal` apart.
+   !> Parse conditions such as `strength_model = mu_i & effects.thermal`.
    subroutine set_owners(key, owner)
       type(key_t), intent(inout) :: key                  !! Gets the conditions
       character(len=*), intent(in) :: owner              !! Conditions with & between them
@@ -426,7 +426,7 @@ contains
    !> Note a mistake in a declaration; the first one is kept.
    subroutine blame(self, what)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: what               !! What is wrong
+      character(len=*), intent(in) :: what               !! Error message
 
       if (.not. allocated(self%fault)) self%fault = "declaration of the deck: "//what
    end subroutine blame

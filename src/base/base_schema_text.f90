@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a deck may hold, as text for people: one key explained, or all of them as a template.
+!> The schema of decks as text: one key explained, or all keys as a template.
 module base_schema_text
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
@@ -19,7 +19,7 @@ contains
 
    !> Explain a key, written as KEY or GROUP.KEY, or a group.
    subroutine explain(schema, name, text, error)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       character(len=*), intent(in) :: name               !! As the user wrote it
       character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error   !! There is no such key
@@ -63,9 +63,9 @@ contains
 
    !> A preset: its numbers and where they are from.
    subroutine explain_preset(schema, preset, buffer)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       type(preset_t), intent(in) :: preset
-      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+      type(buffer_t), intent(inout) :: buffer            !! Extended by the text
       character(len=:), allocatable :: line
       integer :: i, rule, place
 
@@ -88,7 +88,7 @@ contains
    !> A group: its meaning and its keys.
    subroutine explain_group(rule, buffer)
       type(group_rule_t), intent(in) :: rule
-      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+      type(buffer_t), intent(inout) :: buffer            !! Extended by the text
 
       call buffer%add("&"//rule%name//"  "//rule%doc)
       if (rule%many) call buffer%add("; may be repeated")
@@ -99,7 +99,7 @@ contains
    !> A key: kind, unit, range, default, words, conditions.
    subroutine explain_key(key, buffer)
       type(key_t), intent(in) :: key
-      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+      type(buffer_t), intent(inout) :: buffer            !! Extended by the text
       integer :: i
 
       call buffer%line(key%group//"."//key%name//"  "//key%doc)
@@ -127,7 +127,7 @@ contains
       end do
    end subroutine explain_key
 
-   !> What is to be known about the unit of a key.
+   !> Note on the unit of a key.
    pure function unit_note(key) result(note)
       type(key_t), intent(in) :: key
       character(len=:), allocatable :: note
@@ -158,7 +158,7 @@ contains
       if (.not. key%exact) text = "up to "//number(key%number_of_values)//" "//text//"s"
    end function kind_of
 
-   !> Default of a key as it is written in a deck.
+   !> Default of a key as written in a deck.
    function literal(key) result(text)
       type(key_t), intent(in) :: key                     !! The key, with a default
       character(len=:), allocatable :: text
@@ -172,9 +172,9 @@ contains
       text = "'"//text//"'"
    end function literal
 
-   !> A deck with all keys: defaults as they are, all else as comments.
+   !> A deck with all keys: defaults as values, other keys as comments.
    function template(schema) result(text)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       character(len=:), allocatable :: text
       type(buffer_t) :: buffer
       integer :: i, k
@@ -211,7 +211,7 @@ contains
 
    !> One key of the template.
    function template_line(schema, rule, key) result(line)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       type(group_rule_t), intent(in) :: rule             !! Its group
       type(key_t), intent(in) :: key
       character(len=:), allocatable :: line
@@ -234,7 +234,7 @@ contains
 
    !> True if the conditions of a key hold in a deck of defaults.
    logical function holds_by_default(schema, key) result(holds)
-      type(schema_t), intent(in) :: schema               !! What is allowed
+      type(schema_t), intent(in) :: schema               !! Allowed values
       type(key_t), intent(in) :: key
       character(len=:), allocatable :: default
       integer :: i, k, owner, rule

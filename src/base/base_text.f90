@@ -35,7 +35,7 @@ contains
    !> Append letters to a buffer.
    pure subroutine buffer_add(self, letters)
       class(buffer_t), intent(inout) :: self
-      character(len=*), intent(in) :: letters            !! What to append
+      character(len=*), intent(in) :: letters            !! Text to append
       character(len=:), allocatable :: longer
       integer :: needed
 
@@ -94,7 +94,7 @@ contains
 
    !> A text in lower case.
    pure function lower(text) result(small)
-      character(len=*), intent(in) :: text               !! Any text
+      character(len=*), intent(in) :: text               !! Text
       character(len=len(text)) :: small
       integer :: i
 
@@ -109,7 +109,7 @@ contains
 
    !> A text for a message, cut if it is long, but not within a multibyte character.
    pure function shortened(text, most) result(short)
-      character(len=*), intent(in) :: text               !! Any text
+      character(len=*), intent(in) :: text               !! Text
       integer, intent(in) :: most                        !! Greatest number of bytes kept
       character(len=:), allocatable :: short
       integer :: last
@@ -234,7 +234,7 @@ contains
 
    !> A text in lower case with blanks for signs, and between letters and digits.
    pure function word_parts(text) result(words)
-      character(len=*), intent(in) :: text               !! Any
+      character(len=*), intent(in) :: text               !! Value
       character(len=:), allocatable :: words
       character(len=*), parameter :: digits = "0123456789"
       character(len=1) :: letter
@@ -322,7 +322,7 @@ contains
 
    !> A number of bytes in kB, MB and so on.
    pure function size_text(bytes) result(text)
-      real(wp), intent(in) :: bytes                      !! Any
+      real(wp), intent(in) :: bytes                      !! Value
       character(len=:), allocatable :: text
       character(len=24) :: line
 

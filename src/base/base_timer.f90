@@ -25,7 +25,7 @@ module base_timer
       function clock_gettime(clock, time) bind(c, name="clock_gettime") result(status)
          import :: c_int, time_t
          implicit none
-         integer(c_int), value :: clock                  !! Its name
+         integer(c_int), value :: clock                  !! Name
          type(time_t), intent(out) :: time               !! Its time
          integer(c_int) :: status
       end function clock_gettime
@@ -87,7 +87,7 @@ contains
 
    !> Time of a POSIX clock, 0 if there is none [s].
    function clock_seconds(clock) result(seconds)
-      integer(c_int), intent(in) :: clock                !! Its name
+      integer(c_int), intent(in) :: clock                !! Name
       real(wp), parameter :: nano = 1.0e-9_wp
       type(time_t) :: now
       real(wp) :: seconds
@@ -97,7 +97,7 @@ contains
          seconds = real(now%seconds, wp) + nano*real(now%nanoseconds, wp)
    end function clock_seconds
 
-   !> Index of a phase. All names beyond the capacity share the last index.
+   !> Index of a phase. All names beyond the capacity have the last index.
    function timer_phase(self, name) result(index)
       class(timer_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! As in the table
@@ -127,7 +127,7 @@ contains
 
    !> Add the time since the last start of a phase.
    pure subroutine close_interval(phase, ticks)
-      type(phase_t), intent(inout) :: phase              !! Its name
+      type(phase_t), intent(inout) :: phase              !! Name
       integer(int64), intent(in) :: ticks                !! Clock now
 
       phase%ticks = phase%ticks + ticks - phase%started
@@ -137,7 +137,7 @@ contains
    subroutine timer_move(self, from, to, seconds)
       class(timer_t), intent(inout) :: self
       integer, intent(in) :: from                        !! Loses them
-      integer, intent(in) :: to                          !! Gets them
+      integer, intent(in) :: to                          !! Receives them
       real(wp), intent(in) :: seconds                    !! [s]
       integer(int64) :: rate, now, ticks
 

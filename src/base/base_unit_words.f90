@@ -129,7 +129,7 @@ contains
 
    !> A text with u for the micro sign of UTF-8.
    pure function with_ascii_micro(text) result(word)
-      character(len=*), intent(in) :: text               !! As written
+      character(len=*), intent(in) :: text               !! Text as written
       character(len=:), allocatable :: word
       character(len=2), parameter :: micro(2) = [char(194)//char(181), char(206)//char(188)]
       integer :: at, n
@@ -148,7 +148,7 @@ contains
    pure subroutine take_symbol(self, name, behind, below, letters)
       type(written_unit_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! The symbol with its prefix
-      character(len=*), intent(in) :: behind             !! What follows
+      character(len=*), intent(in) :: behind             !! Remaining text
       logical, intent(in) :: below                       !! Is it after the slash?
       integer, intent(out) :: letters                    !! Letters of the power
       real(wp) :: power
@@ -212,7 +212,7 @@ contains
 
    !> Suggestion for an unknown unit.
    pure function suggested_unit(name) result(question)
-      character(len=*), intent(in) :: name               !! As written
+      character(len=*), intent(in) :: name               !! Text as written
       character(len=:), allocatable :: question
       type(text_t), allocatable :: names(:)
       integer :: n

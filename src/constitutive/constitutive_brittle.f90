@@ -23,16 +23,16 @@ module constitutive_brittle
 
 contains
 
-   !> Declare the keys that several models share.
+   !> Declare the keys common to several models.
    subroutine declare_brittle(schema)
       type(schema_t), intent(inout) :: schema
 
       call declare_delay(schema)
-      call schema%real("material", "weibull_m", "Weibull modulus of strength, or exponent of "// &
-         "flaws over strain", range="> 0", owner="effects.damage & damage_model = "// &
-         "principal_stress principal_strain grady_kipp")
-      call schema%real("material", "weibull_volume", "volume whose strength is the one given; "// &
-         "without it strength does not depend on size", unit="m3", range="> 0", &
+      call schema%real("material", "weibull_m", "Weibull modulus of the strength, or exponent "// &
+         "of the number of flaws over strain (Grady-Kipp)", range="> 0", &
+         owner="effects.damage & damage_model = principal_stress principal_strain grady_kipp")
+      call schema%real("material", "weibull_volume", "volume to which the given strength "// &
+         "applies; without it strength does not depend on size", unit="m3", range="> 0", &
          owner="effects.size_scatter & damage_model = principal_stress principal_strain")
    end subroutine declare_brittle
 
@@ -59,7 +59,7 @@ contains
    !! doc/theory/failure.md.
    pure subroutine draw_weibull(weibull, density, seed, identity, first, last, mass, scatter)
       type(weibull_t), intent(in) :: weibull         !! Modulus and volume
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       integer(int64), intent(in) :: seed             !! Seed of the random numbers
       integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
       integer, intent(in) :: first                   !! First particle of the range

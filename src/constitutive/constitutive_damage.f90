@@ -104,7 +104,7 @@ contains
       needs = scatter .and. self%takes_scatter()
    end function damage_needs_weibull
 
-   !> True if the model reads the key jc_rate, which several models share.
+   !> True if the model reads the key jc_rate, common to several models.
    pure logical function damage_uses_jc_rate(self) result(uses)
       class(damage_t), intent(in) :: self
 

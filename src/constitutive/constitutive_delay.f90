@@ -38,11 +38,12 @@ contains
       character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress "// &
          "principal_strain"
 
-      call schema%real("material", "failure_delay", "time that a load above the strength takes "// &
-         "to failure", unit="s", default="0", range=">= 0", owner=owner)
-      call schema%real("material", "failure_delay_power", "the time to failure is "// &
-         "failure_delay over this power of load over strength less one; with 0 any load above "// &
-         "the strength takes the same time", default="0", range=">= 0 <= 30", owner=owner)
+      call schema%real("material", "failure_delay", &
+         "time to failure under a load above the strength", unit="s", default="0", range=">= 0", &
+         owner=owner)
+      call schema%real("material", "failure_delay_power", "exponent p of the time to failure, "// &
+         "failure_delay / (load/strength - 1)**p; with 0 it does not depend on the load", &
+         default="0", range=">= 0 <= 30", owner=owner)
    end subroutine declare_delay
 
    !> Error in the combination of the keys; empty if there is none.

@@ -31,22 +31,27 @@ contains
    subroutine effects_declare(schema)
       type(schema_t), intent(inout) :: schema
 
-      call schema%group("effects", "physics switches; a switched-off effect costs nothing and "// &
-         "its keys are refused")
-      call schema%logical("effects", "strength", "stress has a deviator", default=".true.")
-      call schema%logical("effects", "eos", "pressure from an equation of state; else of the "// &
-         "elastic moduli, the bulk modulus times the compression, without energy", default=".true.")
-      call schema%logical("effects", "damage", "particles fail for good", default=".false.")
-      call schema%logical("effects", "size_scatter", "the strength of particles scatters after "// &
-         "Weibull and falls with their size", default=".false.", owner="effects.damage")
-      call schema%logical("effects", "voids", "voids between grains and fragments open and close", &
+      call schema%group("effects", &
+         "physics switches; an effect that is off costs nothing, and its keys are errors")
+      call schema%logical("effects", "strength", &
+         "stress has a deviator; .false.: all material is a fluid", default=".true.")
+      call schema%logical("effects", "eos", "pressure from an equation of state; .false.: bulk "// &
+         "modulus times compression, without energy", default=".true.")
+      call schema%logical("effects", "damage", "material damage and failure, without healing", &
+         default=".false.")
+      call schema%logical("effects", "size_scatter", "Weibull scatter of the strength of "// &
+         "particles, with a mean that decreases with their volume", default=".false.", &
+         owner="effects.damage")
+      call schema%logical("effects", "voids", "voids open and close between grains and fragments", &
          default=".false.", owner="effects.eos")
-      call schema%logical("effects", "thermal", "work and compression heat", default=".false.")
-      call schema%logical("effects", "melting", "no strength and no tension above t_melt", &
-         default=".false.", owner="effects.thermal")
+      call schema%logical("effects", "thermal", "heating by plastic work and compression", &
+         default=".false.")
+      call schema%logical("effects", "melting", &
+         "above t_melt a material has no strength and supports no tension", default=".false.", &
+         owner="effects.thermal")
       call schema%logical("effects", "artificial_viscosity", "viscous pressure in shocks", &
          default=".true.")
-      call schema%logical("effects", "rate", "strength depends on the rate of strain", &
+      call schema%logical("effects", "rate", "strength depends on the strain rate", &
          default=".true.")
    end subroutine effects_declare
 

@@ -25,7 +25,7 @@ module constitutive_eos
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure :: has_pores => eos_has_pores        !! True if its material is porous
       procedure(request_i), deferred :: request      !! Requests the fields it needs
-      procedure :: keep_state => eos_keep_state      !! Keeps what the step did to its own state
+      procedure :: keep_state => eos_keep_state      !! Stores the changes of its state
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => eos_find_gruneisen !! Grueneisen number times density
       procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
@@ -33,7 +33,7 @@ module constitutive_eos
       procedure :: find_temperature => eos_find_temperature !! Temperature, if it gives it
       procedure :: starts_with_energy => eos_starts_with_energy !! True if material has some at rest
       procedure :: start_energy => eos_start_energy  !! Energy of the reference state
-      procedure :: report => eos_report              !! What the user should know of it
+      procedure :: report => eos_report              !! Note for the user
       procedure :: fault_of_state => eos_fault_of_state !! Why a state has no pressure
       procedure :: detonates => eos_detonates        !! True for the products of an explosive
       procedure :: detonation => eos_detonation      !! Speed, and volume behind the front
@@ -103,8 +103,8 @@ contains
       character(len=*), intent(in) :: text                     !! Content of the file
       character(len=*), intent(in) :: path                     !! For messages
       type(group_t), intent(in) :: group                       !! &material
-      character(len=:), allocatable, intent(out) :: fault      !! What is wrong; empty if nothing
-      character(len=:), allocatable, intent(out) :: doubt      !! What may be; empty if nothing
+      character(len=:), allocatable, intent(out) :: fault      !! Error message, or empty
+      character(len=:), allocatable, intent(out) :: doubt      !! Warning, or empty
 
       fault = ""
       doubt = ""
@@ -173,7 +173,7 @@ contains
       does = .false.
    end function eos_detonates
 
-   !> Speed of a detonation, and the relative volume behind it.
+   !> Speed of a detonation, and the relative volume behind the front.
    pure subroutine eos_detonation(self, speed, relative)
       class(eos_t), intent(in) :: self
       real(wp), intent(out) :: speed                           !! [m/s]
@@ -190,7 +190,7 @@ contains
       speed = 0.0_wp
    end function eos_chapman_jouguet_speed
 
-   !> What the user should know of the equation of state, in a line; empty if nothing.
+   !> Note on the equation of state for the user, in one line; empty if there is none.
    function eos_report(self) result(text)
       class(eos_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -208,7 +208,7 @@ contains
       text = ""
    end function eos_fault_of_state
 
-   !> Keep what the step did to the state that belongs to the equation of state, after `update`.
+   !> Store the changes of the step in the state of the equation of state, after `update`.
    pure subroutine eos_keep_state(self, state, deformation, first, last)
       class(eos_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state                  !! State of the store

@@ -45,18 +45,17 @@ module constitutive_friction
 
 contains
 
-   !> Declare the keys that several laws share.
+   !> Declare the keys common to several laws.
    subroutine declare_angles(schema)
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = "// &
          "drucker_prager mohr_coulomb"
 
-      call schema%real("material", "friction_angle", "angle of friction", unit="deg", &
+      call schema%real("material", "friction_angle", "angle of internal friction", unit="deg", &
          range=">= 0 < 90", owner=owner)
-      call schema%real("material", "cohesion", "strength without pressure", unit="Pa", &
-         default="0", range=">= 0", owner=owner//" mu_i")
-      call schema%real("material", "dilation_angle", &
-         "angle of dilation: shear increases the volume", &
+      call schema%real("material", "cohesion", "cohesion: shear strength at zero pressure", &
+         unit="Pa", default="0", range=">= 0", owner=owner//" mu_i")
+      call schema%real("material", "dilation_angle", "dilation angle: shear increases the volume", &
          unit="deg", default="0", range=">= 0 < 90", owner=owner)
       call schema%require("material", "friction_angle")
    end subroutine declare_angles
@@ -130,7 +129,7 @@ contains
    end function frictional_least_pressure
 
    !> Shear modulus in the square of the wave speed. Separated material supports no shear; its wave
-   !! speed does not grow with its volume, or a cloud of it would shorten the time step.
+   !! speed does not grow with its volume, otherwise a cloud of debris would shorten the time step.
    pure subroutine frictional_add_wave_speed(self, state, deformation, first, last)
       class(frictional_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
@@ -147,8 +146,8 @@ contains
       end if
    end subroutine frictional_add_wave_speed
 
-   !> Kernel of the above. In material at its least pressure the shear adds its share of the speed
-   !! that the volume change has, G/K of it.
+   !> Kernel of the above. At the least pressure the shear modulus contributes the fraction G/K of
+   !! the wave speed of volume changes.
    pure subroutine add_joined_shear_speed(first, last, shear, bulk, apex, mass, volume, pressure, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
@@ -173,10 +172,9 @@ contains
       end do
    end subroutine add_joined_shear_speed
 
-   !> Take the volume that shear gained out of the pressure: p + rho c**2 (exp(gained) - 1), exact
-   !! for p = K (rho/rho0 - 1). What the flow of the step gains, x times the volume gained before,
-   !! then raises the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of
-   !! doc/theory/strength.md.
+   !> Remove the dilatant volume from the pressure: p + rho c**2 (exp(gained) - 1), exact for p = K
+   !! (rho/rho0 - 1). The dilatancy of the step, x times the volume gained before, then increases
+   !! the pressure by exactly rho c**2 exp(gained) x. Equation (Y.27) of doc/theory/strength.md.
    pure subroutine add_dilation_pressure(first, last, gained, mass, volume, wave_speed, pressure, &
       tangent)
       integer, intent(in) :: first                   !! First particle of the range
@@ -198,7 +196,7 @@ contains
       end do
    end subroutine add_dilation_pressure
 
-   !> Add what the flow of a step gained, as a share of the volume gained before. Equation (Y.27).
+   !> Add the dilatancy of a step, as a fraction of the volume gained before. Equation (Y.27).
    pure subroutine add_dilation(first, last, share, gained)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

@@ -2,8 +2,8 @@
 !> Radial return to a yield stress that hardens with a power of the plastic strain, for groups of
 !! particles that are the lanes of vectors.
 !!
-!! Newton's method takes all lanes of a group until the last one has its plastic increment. A lane
-!! that has it is left alone, so that its bits do not depend on its neighbours.
+!! Newton's method takes all lanes of a group until the last one has its plastic increment. A
+!! converged lane is not changed, so that its bits do not depend on its neighbours.
 module constitutive_hardening
    use base_elementary, only: take_fast_powers, take_logarithms
    use base_kinds, only: wp
@@ -40,7 +40,7 @@ module constitutive_hardening
       real(wp) :: going(most_lanes) !! 1 if the increment is still to be found, else 0
    end type flow_lanes_t
 
-   !> Constants of hardening that all lanes share.
+   !> Constants of hardening, the same for all lanes.
    type, public :: hardening_power_t
       real(wp) :: exponent = 1.0_wp                  !! Exponent of the power [1]
       real(wp) :: growth = 1.0_wp                    !! Of its base with the increment [1]
@@ -226,8 +226,8 @@ contains
    ! gate: long kernel because a return changes four fields of a particle
    pure subroutine move_flow_results(offset, before, lanes, volume, stress, plastic_strain, &
       plastic_increment, plastic_work)
-      integer, intent(in) :: offset                  !! Particles of the range before the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
+      integer, intent(in) :: before                  !! Index offset in the store
       type(flow_lanes_t), intent(in) :: lanes
       real(wp), contiguous, intent(in) :: volume(:)                !! (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]

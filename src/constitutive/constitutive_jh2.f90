@@ -51,18 +51,19 @@ contains
       call schema%real("material", "jh2_b", "JH-2 B, fractured strength", range=">= 0", owner=owner)
       call schema%real("material", "jh2_m", "JH-2 M, exponent of fractured strength", &
          range=">= 0", owner=owner)
-      call schema%real("material", "jh2_fmax", "JH-2 greatest fractured strength over that at "// &
-         "the elastic limit", range="> 0", owner=owner)
+      call schema%real("material", "jh2_fmax", &
+         "JH-2 greatest fractured strength over the strength at the elastic limit", range="> 0", &
+         owner=owner)
       call schema%real("material", "jh2_c", "JH-2 C, rate dependence", default="0", range=">= 0", &
          owner=owner//" & effects.rate")
-      call schema%real("material", "jh2_rate", "rate of the static strength of JH-2", &
-         unit="1/s", default="1.0", range="> 0", owner=owner//" & effects.rate")
+      call schema%real("material", "jh2_rate", "JH-2 reference strain rate", unit="1/s", &
+         default="1.0", range="> 0", owner=owner//" & effects.rate")
       call schema%real("material", "jh2_t", "JH-2 T, greatest hydrostatic tension", unit="Pa", &
          range=">= 0", owner=owner)
-      call schema%real("material", "jh2_hel", "stress of the elastic limit in uniaxial strain", &
+      call schema%real("material", "jh2_hel", "JH-2 HEL, stress at the Hugoniot elastic limit", &
          unit="Pa", range="> 0", owner=owner)
-      call schema%real("material", "jh2_phel", "pressure at that limit", unit="Pa", range="> 0", &
-         owner=owner)
+      call schema%real("material", "jh2_phel", &
+         "JH-2 PHEL, pressure at the Hugoniot elastic limit", unit="Pa", range="> 0", owner=owner)
       call schema%require("material", "jh2_a jh2_n jh2_b jh2_m jh2_t jh2_hel jh2_phel")
    end subroutine jh2_declare
 

@@ -25,7 +25,7 @@ module constitutive_law
       real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
-      procedure :: read_mode => law_read_mode        !! Reads what decides on other models
+      procedure :: read_mode => law_read_mode        !! Reads keys that decide on other models
       procedure :: fault => law_fault                !! Error in the combination of its keys
       procedure :: read => law_read                  !! Reads its keys
       procedure :: gives_whole_stress => law_gives_whole_stress !! True if it gives the whole stress
@@ -42,7 +42,7 @@ module constitutive_law
       procedure(request_i), deferred :: request      !! Requests the fields it needs
       procedure :: predict_trial => law_predict_trial !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
-      procedure :: add_wave_speed => law_add_wave_speed !! Its share of the square of the wave speed
+      procedure :: add_wave_speed => law_add_wave_speed !! Contribution to the squared wave speed
       !> Wave speed that its viscosity adds
       procedure :: add_viscous_speed => law_add_viscous_speed
       procedure :: stored_energy => law_stored_energy !! Energy stored in a particle
@@ -106,7 +106,7 @@ contains
    end function law_fault
 
    !> True if the law gives the whole stress. Then the material has no equation of state and no
-   !! limit of tension, and there is no elastic trial but what the law makes of it.
+   !! limit of tension, and the law computes its own trial stress, if any.
    pure logical function law_gives_whole_stress(self) result(whole)
       class(law_t), intent(in) :: self
 
@@ -170,7 +170,7 @@ contains
       softens = .false.
    end function law_softens_by_damage
 
-   !> True if the law reads the key jc_rate, which several models share.
+   !> True if the law reads the key jc_rate, common to several models.
    pure logical function law_uses_jc_rate(self) result(uses)
       class(law_t), intent(in) :: self
 
@@ -197,8 +197,8 @@ contains
          deformation%pressure)
    end subroutine law_predict_trial
 
-   !> Add to the square of the wave speed what the law contributes. A law that gives the whole
-   !! stress finds 0 and leaves the square of its fastest wave.
+   !> Add the contribution of the law to the square of the wave speed. For a law that gives the
+   !! whole stress the input is 0 and the result is the square of its fastest wave speed.
    pure subroutine law_add_wave_speed(self, state, deformation, first, last)
       class(law_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store

@@ -36,7 +36,7 @@ module constitutive_softening
    type :: softening_t
       real(wp) :: energy = 0.0_wp                    !! Gf, of a crack per area [J/m2]
       real(wp) :: strength = 0.0_wp                  !! Principal stress that opens cracks [Pa]
-      real(wp) :: limit = 0.0_wp !! Or principal strain; 0 if it is the stress that counts [1]
+      real(wp) :: limit = 0.0_wp !! Principal strain; 0 with a stress criterion [1]
       !> Width of the band that opens across an edge of the grid, set by the scene: one cell where
       !! the gradient of a cell is that of its own nodes, more where gradients are smoother [cells]
       real(wp) :: width = 1.0_wp
@@ -61,12 +61,12 @@ contains
       character(len=*), parameter :: owner = "effects.damage & damage_model = principal_stress "// &
          "principal_strain"
 
-      call schema%real("material", "fracture_energy", "energy that a crack takes per area: "// &
-         "tensile strength falls as it opens, at a rate that goes with dx; without it "// &
+      call schema%real("material", "fracture_energy", "energy per area of a crack: tensile "// &
+         "strength decreases as the crack opens, at a rate that depends on dx; without it "// &
          "strength is lost at once", unit="J/m2", range="> 0", owner=owner)
-      call schema%text("material", "softening", "how strength falls with the opening of "// &
-         "a crack that has a fracture_energy", default="linear", words="linear exponential", &
-         owner=owner)
+      call schema%text("material", "softening", &
+         "decrease of strength with the opening of a crack that has a fracture_energy", &
+         default="linear", words="linear exponential", owner=owner)
    end subroutine declare_softening
 
    !> Read the keys.
@@ -117,7 +117,7 @@ contains
    pure function softening_band_fault(self, spacing, dimensions) result(text)
       class(softening_t), intent(in) :: self
       real(wp), intent(in) :: spacing                !! Cell size [m]
-      integer, intent(in) :: dimensions              !! Directions of the scene
+      integer, intent(in) :: dimensions              !! Active directions
       character(len=:), allocatable :: text
       real(wp) :: young, strength, greatest
 
@@ -167,9 +167,8 @@ contains
       if (exponential(-opening/band_strain) < least) damage = 1.0_wp
    end function crack_damage
 
-   !> Stress that material with open cracks would have without them. The viscous pressure is no
-   !! stress
-   !! of the material and stays as it is.
+   !> Stress that material with open cracks would have without them. The viscous pressure is not a
+   !! stress of the material and is not changed.
    pure subroutine softening_restore_stress(self, state, first, last)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
@@ -193,8 +192,9 @@ contains
       end do
    end subroutine softening_restore_stress
 
-   !> Let cracks open and weaken the tension of what has some. On entry deviator and pressure are
-   !! those without cracks, on return those that act. What cracks take is recorded as plastic work.
+   !> Open cracks and reduce the tension of cracked particles. On entry deviator and pressure are
+   !! those without cracks, on return the effective ones. The energy of cracks is recorded as
+   !! plastic work.
    pure subroutine softening_open_cracks(self, state, deformation, first, last, spacing)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store

@@ -73,7 +73,7 @@ module constitutive_state
 
    !> Scratch of the voids.
    type :: void_scratch_t
-      real(wp), allocatable :: alpha(:) !! Fraction of the dilatation that the material takes [1]
+      real(wp), allocatable :: alpha(:) !! Fraction of the dilatation in the material [1]
       real(wp), allocatable :: loose(:)              !! 1 if voids can open, else 0 [1]
       real(wp), allocatable :: old_pressure(:)       !! Before the step [Pa]
       real(wp), allocatable :: old_temperature(:)    !! Before the step [K]
@@ -82,8 +82,8 @@ module constitutive_state
       procedure :: reserve => void_scratch_reserve   !! Allocates it for a number of particles
    end type void_scratch_t
 
-   !> What one time step does to the particles of one tile; scratch space. The gradient is filled
-   !! by the transfer, all else by the material. Index 1 belongs to the first particle of the range,
+   !> Changes of the particles of one tile in one time step; scratch space. The transfer sets the
+   !! gradient, the material the other arrays. Index 1 belongs to the first particle of the range,
    !! not of the store.
    type :: deformation_t
       !> Plane motion: gradients and stresses with one index y are zero.

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Limits of tension, and what is left of the strength of failed and melted particles.
+!> Limits of tension, and the remaining strength of failed and melted particles.
 !!
 !! A failed particle is rubble: it keeps mass and volume, has no deviator and supports no tension.
 module constitutive_tension
@@ -206,7 +206,7 @@ contains
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
@@ -225,7 +225,7 @@ contains
       end do
    end subroutine drop_loose_pressure
 
-   !> Add the share of the shear modulus to the square of the wave speed. Equation (A.5).
+   !> Add the contribution of the shear modulus to the square of the wave speed. Equation (A.5).
    pure subroutine add_shear_speed(first, last, shear, mass, volume, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -241,8 +241,8 @@ contains
       end do
    end subroutine add_shear_speed
 
-   !> Add the share of the shear modulus to the square of the wave speed where it has not failed.
-   !! Without this a dispersing cloud of rubble would shorten the time step for no reason.
+   !> Add the contribution of the shear modulus to the square of the wave speed where it has not
+   !! failed. Without this a dispersing cloud of rubble would shorten the time step for no reason.
    pure subroutine add_intact_shear_speed(first, last, shear, failed, mass, volume, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

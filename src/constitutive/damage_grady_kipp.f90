@@ -5,9 +5,9 @@
 !!
 !!    d D**(1/3)/dt = n**(1/3) g/R,   R the radius of a sphere of the volume V
 !!
-!! The weakest flaw of a particle is its own: where the numbers of flaws are those of chance, k V
-!! e**m of it is distributed as exp(-x). Those after it are counted in the mean. Damage does not
-!! weaken a particle before it is complete. Equations (F.6) and (F.7) of doc/theory/failure.md.
+!! The weakest flaw of each particle is random: for randomly distributed flaws its k V e**m has the
+!! distribution exp(-x). Further flaws are counted by their mean number. Damage does not weaken a
+!! particle before it is complete. Equations (F.6) and (F.7) of doc/theory/failure.md.
 module damage_grady_kipp
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -32,8 +32,8 @@ module damage_grady_kipp
       logical :: scatters = .false.                  !! The weakest flaw is one's own
    contains
       procedure :: declare => grady_kipp_declare     !! Declares its keys
-      procedure :: needs_flow => grady_kipp_needs_flow !! It does not
-      procedure :: takes_scatter => grady_kipp_takes_scatter !! It does
+      procedure :: needs_flow => grady_kipp_needs_flow !! Returns false
+      procedure :: takes_scatter => grady_kipp_takes_scatter !! Returns true
       procedure :: needs_weibull => grady_kipp_needs_weibull !! Always, for the flaws
       procedure :: read => grady_kipp_read           !! Reads its keys
       procedure :: request => grady_kipp_request     !! Requests damage and scatter
@@ -49,10 +49,11 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = grady_kipp"
 
-      call schema%real("material", "weibull_k", "flaws in a volume at a strain of 1, k of "// &
-         "k e**m", unit="1/m3", range="> 0", owner=owner)
-      call schema%real("material", "crack_speed", "speed of cracks over that of longitudinal "// &
-         "waves", default="0.4", range="> 0 <= 1", owner=owner)
+      call schema%real("material", "weibull_k", &
+         "Grady-Kipp k: number of flaws per volume active at strain e is k e**m", unit="1/m3", &
+         range="> 0", owner=owner)
+      call schema%real("material", "crack_speed", "crack speed over the longitudinal wave speed", &
+         default="0.4", range="> 0 <= 1", owner=owner)
       call schema%require("material", "weibull_k")
    end subroutine grady_kipp_declare
 

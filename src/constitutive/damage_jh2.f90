@@ -5,7 +5,7 @@
 !! energy of its shear (bulking).
 !!
 !! With D1 = 0 material fractures at once when it flows. Failed material has the fractured strength
-!! unless failed_as says otherwise. Equations (F.14) and (F.16) of doc/theory/failure.md.
+!! unless failed_as selects another law. Equations (F.14) and (F.16) of doc/theory/failure.md.
 module damage_jh2
    use base_deck_group, only: group_t
    use base_elementary, only: power
@@ -32,7 +32,7 @@ module damage_jh2
    contains
       procedure :: declare => damage_jh2_declare     !! Declares its keys
       procedure :: fault => damage_jh2_fault         !! Without the law it is not known
-      procedure :: leaves_strength => damage_jh2_leaves_strength !! It does
+      procedure :: leaves_strength => damage_jh2_leaves_strength !! Returns true
       procedure :: read => damage_jh2_read           !! Reads its keys
       procedure :: request => damage_jh2_request     !! Requests damage and bulking
       procedure :: update => damage_jh2_update       !! Lets the damage grow
@@ -46,12 +46,15 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & damage_model = jh2"
 
-      call schema%real("material", "jh2_d1", "JH-2 D1, strain to fracture; 0: at once", &
-         range=">= 0", owner=owner)
-      call schema%real("material", "jh2_d2", "JH-2 D2, exponent of strain to fracture", &
-         default="1", range=">= 0", owner=owner)
-      call schema%real("material", "jh2_beta", "JH-2 beta, share of the elastic energy lost on "// &
-         "fracture that makes pressure", default="0", range=">= 0 <= 1", owner=owner)
+      call schema%real("material", "jh2_d1", &
+         "JH-2 D1, factor of the plastic strain to fracture; 0: fracture at once", range=">= 0", &
+         owner=owner)
+      call schema%real("material", "jh2_d2", &
+         "JH-2 D2, exponent of the plastic strain to fracture", default="1", range=">= 0", &
+         owner=owner)
+      call schema%real("material", "jh2_beta", &
+         "JH-2 beta, fraction of the elastic energy lost in fracture that becomes pressure", &
+         default="0", range=">= 0 <= 1", owner=owner)
       call schema%require("material", "jh2_d1")
    end subroutine damage_jh2_declare
 
@@ -119,7 +122,7 @@ contains
          state%brittle%bulking, deformation%pressure)
    end subroutine damage_jh2_update
 
-   !> Add the share of the step to the damage of the particles that flow.
+   !> Add the damage increment of the step of the particles that flow.
    pure subroutine grow(model, first, last, pressure, plastic_increment, damage)
       class(damage_jh2_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range

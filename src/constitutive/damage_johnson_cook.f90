@@ -33,7 +33,7 @@ module damage_johnson_cook
       type(melting_range_t), allocatable :: range    !! Only if temperature matters
    contains
       procedure :: declare => johnson_cook_declare   !! Declares its keys
-      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! It does
+      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! Returns true
       procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Requests damage and temperature
       procedure :: update => johnson_cook_update     !! Lets the damage grow
@@ -47,7 +47,7 @@ contains
       class(damage_johnson_cook_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("material", "jcd(5)", "Johnson-Cook D1 to D5, strain to failure", &
+      call schema%real("material", "jcd(5)", "Johnson-Cook D1 to D5, failure strain", &
          owner="effects.damage & damage_model = johnson_cook")
       call schema%require("material", "jcd")
    end subroutine johnson_cook_declare
@@ -147,7 +147,7 @@ contains
          deformation%plastic_increment, deformation%strength%homologous, state%damage)
    end subroutine johnson_cook_update
 
-   !> Add the share of the step to the damage of the particles that flow.
+   !> Add the damage increment of the step of the particles that flow.
    pure subroutine grow(model, first, last, dt, stress, pressure, plastic_increment, homologous, &
       damage)
       class(damage_johnson_cook_t), intent(in) :: model

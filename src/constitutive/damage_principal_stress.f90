@@ -30,8 +30,8 @@ module damage_principal_stress
    contains
       procedure :: declare => principal_declare      !! Declares its keys
       procedure :: fault => principal_fault          !! Error in the combination of its keys
-      procedure :: needs_flow => principal_needs_flow !! It does not
-      procedure :: takes_scatter => principal_takes_scatter !! It does
+      procedure :: needs_flow => principal_needs_flow !! Returns false
+      procedure :: takes_scatter => principal_takes_scatter !! Returns true
       procedure :: read => principal_read            !! Reads its keys
       procedure :: request => principal_request      !! Requests damage and scatter
       procedure :: draw_strength => principal_draw_strength !! Random strength

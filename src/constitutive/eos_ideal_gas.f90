@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Equation of state of an ideal gas with constant heat capacities: p = (gamma - 1) rho e.
 !!
-!! It has no reference state without pressure: bodies of it need an energy to begin with. Equation
-!! (E.14) of doc/theory/equations_of_state.md.
+!! It has no reference state without pressure: bodies of gas need an initial energy. Equation (E.14)
+!! of doc/theory/equations_of_state.md.
 module eos_ideal_gas
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -22,10 +22,10 @@ module eos_ideal_gas
       procedure :: declare => ideal_gas_declare      !! Declares its key
       procedure :: read => ideal_gas_read            !! Reads its key
       procedure :: sets_bulk => ideal_gas_sets_bulk  !! It does: 0 without energy
-      procedure :: request => ideal_gas_request      !! Requests energy
+      procedure :: request => ideal_gas_request      !! Requests the energy field
       procedure :: update => ideal_gas_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => ideal_gas_find_gruneisen !! Grueneisen number times density
-      procedure :: stored_energy => ideal_gas_stored_energy !! Nothing, energy is carried
+      procedure :: stored_energy => ideal_gas_stored_energy !! Zero, because energy is a field
    end type eos_ideal_gas_t
 
 contains
@@ -35,8 +35,8 @@ contains
       class(eos_ideal_gas_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("material", "ig_gamma", "ratio of the heat capacities of an ideal gas", &
-         range="> 1", owner="effects.eos & eos_model = ideal_gas")
+      call schema%real("material", "ig_gamma", "heat capacity ratio of an ideal gas", range="> 1", &
+         owner="effects.eos & eos_model = ideal_gas")
       call schema%require("material", "ig_gamma")
    end subroutine ideal_gas_declare
 

@@ -26,7 +26,7 @@ module eos_jh2
       procedure :: fault => jh2_fault                !! A pressure that falls
       procedure :: read => jh2_read                  !! Reads its keys
       procedure :: sets_bulk => jh2_sets_bulk        !! It does, K1
-      procedure :: request => jh2_request            !! Requests nothing
+      procedure :: request => jh2_request            !! Requests no fields
       procedure :: update => jh2_update              !! Pressure and square of the sound speed
       procedure :: stored_energy => jh2_stored_energy !! Energy stored in the change of volume
    end type eos_jh2_t
@@ -41,10 +41,10 @@ contains
 
       call schema%real("material", "jh2_k1", "JH-2 K1, bulk modulus", unit="Pa", range="> 0", &
          owner=owner)
-      call schema%real("material", "jh2_k2", "JH-2 K2, of the square of compression", unit="Pa", &
-         default="0", owner=owner)
-      call schema%real("material", "jh2_k3", "JH-2 K3, of the cube of compression", unit="Pa", &
-         default="0", range=">= 0", owner=owner)
+      call schema%real("material", "jh2_k2", "JH-2 K2, coefficient of the square of compression", &
+         unit="Pa", default="0", owner=owner)
+      call schema%real("material", "jh2_k3", "JH-2 K3, coefficient of the cube of compression", &
+         unit="Pa", default="0", range=">= 0", owner=owner)
       call schema%require("material", "jh2_k1")
    end subroutine jh2_declare
 

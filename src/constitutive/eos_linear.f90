@@ -15,7 +15,7 @@ module eos_linear
    !> Linear equation of state.
    type, extends(eos_t) :: eos_linear_t
    contains
-      procedure :: request => linear_request         !! Requests nothing
+      procedure :: request => linear_request         !! Requests no fields
       procedure :: update => linear_update           !! Pressure and square of the sound speed
       procedure :: stored_energy => linear_stored_energy !! Energy stored in the change of volume
    end type eos_linear_t
@@ -44,7 +44,7 @@ contains
    pure subroutine linear_pressure(first, last, density, bulk, mass, volume, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
@@ -73,7 +73,7 @@ contains
    !> Energy stored by p = K (rho/rho0 - 1). With x = V rho0/m it is K m/rho0 (x - 1 - ln x), and
    !! beyond the x at which the pressure would be less than its limit it grows linearly.
    pure real(wp) function linear_energy(density, bulk, mass, volume, limit) result(energy)
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), intent(in) :: mass                   !! [kg]
       real(wp), intent(in) :: volume                 !! [m3]

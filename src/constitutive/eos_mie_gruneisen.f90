@@ -18,7 +18,7 @@ module eos_mie_gruneisen
 
    public :: eos_mie_gruneisen_t, mie_gruneisen_state
 
-   !> Beyond this fraction of the greatest compression the reference curve goes on linearly in the
+   !> Beyond this fraction of the greatest compression the reference curve continues linearly in the
    !! density, because 1 - s eta, or the slope of the curve, would come too close to 0.
    real(wp), parameter :: share_of_limit = 0.9_wp
    !> Lower bound of the sound speed, relative to c0. The square of it is negative in cold material
@@ -36,11 +36,11 @@ module eos_mie_gruneisen
    contains
       procedure :: declare => mie_gruneisen_declare  !! Declares its keys
       procedure :: read => mie_gruneisen_read        !! Reads its keys
-      procedure :: sets_bulk => mie_gruneisen_sets_bulk !! It does
-      procedure :: request => mie_gruneisen_request  !! Requests energy
+      procedure :: sets_bulk => mie_gruneisen_sets_bulk !! Returns true
+      procedure :: request => mie_gruneisen_request  !! Requests the energy field
       procedure :: update => mie_gruneisen_update    !! Pressure and square of the sound speed
       procedure :: find_gruneisen => mie_gruneisen_find_gruneisen !! Grueneisen number times density
-      procedure :: stored_energy => mie_gruneisen_stored_energy !! Nothing, energy is carried
+      procedure :: stored_energy => mie_gruneisen_stored_energy !! Zero, because energy is a field
    end type eos_mie_gruneisen_t
 
    interface eos_mie_gruneisen_t
@@ -51,7 +51,7 @@ contains
 
    !> Equation of state with derived numbers.
    pure function mie_gruneisen_of(density, sound, slope, gamma) result(eos)
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       real(wp), intent(in) :: sound                  !! c0 [m/s]
       real(wp), intent(in) :: slope                  !! s [1]
       real(wp), intent(in) :: gamma                  !! Gamma0 [1]
@@ -74,7 +74,7 @@ contains
          range="> 0", owner=owner)
       call schema%real("material", "mg_s", "Mie-Grueneisen s of Us = c0 + s up", &
          range=">= 0", owner=owner)
-      call schema%real("material", "mg_gamma", "Grueneisen number at the reference density", &
+      call schema%real("material", "mg_gamma", "Grueneisen parameter at the reference density", &
          range=">= 0", owner=owner)
       call schema%require("material", "mg_c0 mg_s mg_gamma")
    end subroutine mie_gruneisen_declare
@@ -123,7 +123,7 @@ contains
       energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       real(wp), intent(in) :: sound                  !! c0 [m/s]
       real(wp), intent(in) :: slope                  !! s [1]
       real(wp), intent(in) :: gamma                  !! Gamma0 [1]
@@ -145,7 +145,7 @@ contains
    !! branches, so that loops over it vectorise. Equations (E.1) and (E.5) to (E.8).
    pure subroutine mie_gruneisen_state(density, sound, slope, gamma, ratio, energy, pressure, &
       square)
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       real(wp), intent(in) :: sound                  !! c0 [m/s]
       real(wp), intent(in) :: slope                  !! s [1]
       real(wp), intent(in) :: gamma                  !! Gamma0 [1]
@@ -197,7 +197,7 @@ contains
    pure subroutine gamma_density(first, last, density, gamma, mass, volume, old_volume, gruneisen)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       real(wp), intent(in) :: gamma                  !! Gamma0 [1]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]

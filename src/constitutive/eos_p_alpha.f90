@@ -4,9 +4,9 @@
 !!
 !! The distension alpha is the density of the solid over that of the material, and p = ps(alpha rho,
 !! e)/alpha with the pressure ps of the solid, here that of Mie and Grueneisen. Up to the elastic
-!! limit alpha stays as it is; beyond it the pressure follows the curve alpha = 1 + (alpha0 - 1)
-!! ((pc - p)/(pc - pe))**2 to the pressure pc that leaves no pores. Crushing is permanent. Equations
-!! (E.12) and (E.13) of doc/theory/equations_of_state.md.
+!! limit alpha is constant; beyond it the pressure follows the curve alpha = 1 + (alpha0 - 1) ((pc -
+!! p)/(pc - pe))**2 to the pressure pc that leaves no pores. Crushing is permanent. Equations (E.12)
+!! and (E.13) of doc/theory/equations_of_state.md.
 module eos_p_alpha
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -30,12 +30,12 @@ module eos_p_alpha
       procedure :: fault => p_alpha_fault            !! Keys that do not fit each other
       procedure :: read => p_alpha_read              !! Reads its keys
       procedure :: set => p_alpha_set                !! Sets its constants
-      procedure :: sets_bulk => p_alpha_sets_bulk    !! It does
-      procedure :: has_pores => p_alpha_has_pores    !! It does
+      procedure :: sets_bulk => p_alpha_sets_bulk    !! Returns true
+      procedure :: has_pores => p_alpha_has_pores    !! Returns true
       procedure :: request => p_alpha_request        !! Requests energy and distension
       procedure :: update => p_alpha_update          !! Pressure and square of the sound speed
       procedure :: keep_state => p_alpha_keep_state  !! Keeps the distension
-      procedure :: stored_energy => p_alpha_stored_energy !! Nothing, energy is carried
+      procedure :: stored_energy => p_alpha_stored_energy !! Zero, because energy is a field
    end type eos_p_alpha_t
 
 contains
@@ -46,11 +46,12 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = p_alpha"
 
-      call schema%real("material", "pa_solid", "density of porous material without its pores; "// &
-         "density is that with them", unit="kg/m3", range="> 0", owner=owner)
+      call schema%real("material", "pa_solid", &
+         "density of the solid without pores; density is that of the porous material", &
+         unit="kg/m3", range="> 0", owner=owner)
       call schema%real("material", "pa_pe", "pressure at which pores begin to crush", unit="Pa", &
          range=">= 0", owner=owner)
-      call schema%real("material", "pa_pc", "pressure that leaves no pores", unit="Pa", &
+      call schema%real("material", "pa_pc", "pressure at which all pores are closed", unit="Pa", &
          range="> 0", owner=owner)
       call schema%require("material", "pa_solid pa_pe pa_pc")
    end subroutine p_alpha_declare
@@ -121,7 +122,7 @@ contains
       has = .true.
    end function p_alpha_has_pores
 
-   !> The pressure depends on energy and on what has been crushed.
+   !> The pressure depends on energy and on the crushing so far.
    pure subroutine p_alpha_request(self, requests)
       class(eos_p_alpha_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests

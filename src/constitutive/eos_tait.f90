@@ -20,7 +20,7 @@ module eos_tait
    contains
       procedure :: declare => tait_declare           !! Declares its key
       procedure :: read => tait_read                 !! Reads its key
-      procedure :: request => tait_request           !! Requests nothing
+      procedure :: request => tait_request           !! Requests no fields
       procedure :: update => tait_update             !! Pressure and square of the sound speed
       procedure :: stored_energy => tait_stored_energy !! Energy stored in the change of volume
    end type eos_tait_t
@@ -68,7 +68,7 @@ contains
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
       real(wp), intent(in) :: exponent               !! n [1]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]

@@ -39,11 +39,11 @@ module eos_tillotson
       procedure :: declare => tillotson_declare      !! Declares its keys
       procedure :: fault => tillotson_fault          !! Energies in the wrong order
       procedure :: read => tillotson_read            !! Reads its keys
-      procedure :: sets_bulk => tillotson_sets_bulk  !! It does
-      procedure :: request => tillotson_request      !! Requests energy
+      procedure :: sets_bulk => tillotson_sets_bulk  !! Returns true
+      procedure :: request => tillotson_request      !! Requests the energy field
       procedure :: update => tillotson_update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => tillotson_find_gruneisen !! Grueneisen number times density
-      procedure :: stored_energy => tillotson_stored_energy !! Nothing, energy is carried
+      procedure :: stored_energy => tillotson_stored_energy !! Zero, because energy is a field
    end type eos_tillotson_t
 
 contains
@@ -63,10 +63,12 @@ contains
       call schema%real("material", "till_alpha", "Tillotson alpha", range=">= 0", owner=owner)
       call schema%real("material", "till_beta", "Tillotson beta", range=">= 0", owner=owner)
       call schema%real("material", "till_e0", "Tillotson e0", unit="J/kg", range="> 0", owner=owner)
-      call schema%real("material", "till_eiv", "energy at which expanded material begins to boil", &
-         unit="J/kg", range="> 0", owner=owner)
-      call schema%real("material", "till_ecv", "energy at which expanded material is vapour", &
-         unit="J/kg", range="> 0", owner=owner)
+      call schema%real("material", "till_eiv", &
+         "Tillotson eiv, energy at which expanded material begins to vaporise", unit="J/kg", &
+         range="> 0", owner=owner)
+      call schema%real("material", "till_ecv", &
+         "Tillotson ecv, energy at which expanded material is completely vaporised", unit="J/kg", &
+         range="> 0", owner=owner)
       call schema%require("material", "till_a till_b till_bulk till_square till_alpha "// &
          "till_beta till_e0 till_eiv till_ecv")
    end subroutine tillotson_declare

@@ -2,8 +2,8 @@
 !> Material with friction and cohesion after D. C. Drucker and W. Prager (Q. Appl. Math. 10 (1952)
 !! 157): the equivalent stress q is not above M p + k, which ends in an apex at the pressure -k/M.
 !!
-!! Flow loosens by b for each unit of equivalent plastic strain. M, k and b are those of the cone
-!! that touches the surface of Mohr and Coulomb where dp_cone says. Equation (Y.20) of
+!! Plastic flow dilates by b per equivalent plastic strain. M, k and b are those of the cone that
+!! touches the Mohr-Coulomb surface at the position selected by dp_cone. Equation (Y.20) of
 !! doc/theory/strength.md.
 module law_drucker_prager
    use base_deck_group, only: group_t
@@ -41,9 +41,9 @@ contains
       type(schema_t), intent(inout) :: schema
 
       call declare_angles(schema)
-      call schema%text("material", "dp_cone", "where the cone touches the surface of Mohr and "// &
-         "Coulomb; plane_strain lies inside it everywhere", default="compression", &
-         words="compression extension plane_strain", &
+      call schema%text("material", "dp_cone", "where the Drucker-Prager cone meets the "// &
+         "Mohr-Coulomb surface; the plane_strain cone lies inside of it everywhere", &
+         default="compression", words="compression extension plane_strain", &
          owner="effects.strength & strength_model = drucker_prager")
    end subroutine drucker_prager_declare
 
@@ -135,8 +135,8 @@ contains
    end subroutine drucker_prager_update
 
    !> Kernel of the above (E. A. de Souza Neto, D. Peric, D. R. J. Owen, "Computational methods for
-   !! plasticity", 2008, section 8.3). Flow loosens only on the cone: what has separated has no
-   !! grains that climb over each other. Equation (Y.22).
+   !! plasticity", 2008, section 8.3). Flow dilates only on the cone, because separated grains do
+   !! not climb over each other. Equation (Y.22).
    ! gate: long kernel because flow changes stress, pressure and volume
    pure subroutine return_to_cone(first, last, law, mass, volume, tangent, stress, pressure, &
       plastic_increment, plastic_work, dilation)

@@ -14,7 +14,7 @@ module law_elastic
    type, extends(law_t) :: law_elastic_t
    contains
       procedure :: is_plastic => elastic_is_plastic  !! It does not flow
-      procedure :: request => elastic_request        !! Requests nothing
+      procedure :: request => elastic_request        !! Requests no fields
       procedure :: update => elastic_update          !! Keeps the trial
    end type law_elastic_t
 

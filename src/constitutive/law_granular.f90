@@ -36,7 +36,7 @@ module law_granular
       procedure :: fault => granular_fault           !! Without any relaxation it is elastic
       procedure :: read => granular_read             !! Reads its keys
       procedure :: gives_whole_stress => granular_gives_whole_stress !! In mode total
-      procedure :: request => granular_request       !! Requests nothing
+      procedure :: request => granular_request       !! Requests no fields
       procedure :: predict_trial => granular_predict_trial !! Volume, and the deviator as it was
       procedure :: update => granular_update         !! Relaxes
       !> Waves are those of the intact contacts
@@ -52,12 +52,13 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = granular"
 
-      call schema%real("material", "gr_tau", "time in which the stress of granular material "// &
-         "relaxes at rest", unit="s", range="> 0", owner=owner)
-      call schema%real("material", "gr_gamma_c", "strain that a contact of granular material "// &
-         "survives", range="> 0", owner=owner)
-      call schema%text("material", "gr_mode", "what relaxes: total, the whole stress; "// &
-         "deviator, all but the pressure, which follows the equation of state", &
+      call schema%real("material", "gr_tau", &
+         "relaxation time of the stress of granular material at rest", unit="s", range="> 0", &
+         owner=owner)
+      call schema%real("material", "gr_gamma_c", &
+         "strain at which contacts of granular material are lost", range="> 0", owner=owner)
+      call schema%text("material", "gr_mode", "part of the stress that relaxes: total, the "// &
+         "whole stress; deviator, all but the pressure, which follows the equation of state", &
          default="deviator", words="total deviator", owner=owner)
    end subroutine granular_declare
 

@@ -26,10 +26,10 @@ module law_jh2
       procedure :: declare => law_jh2_declare        !! Declares its keys
       procedure :: fault => law_jh2_fault            !! Limits that do not fit
       procedure :: read => law_jh2_read              !! Reads its keys
-      procedure :: needs_eos => law_jh2_needs_eos    !! It does
-      procedure :: supports_voids => law_jh2_supports_voids !! It does not
-      procedure :: softens_by_damage => law_jh2_softens_by_damage !! It does
-      procedure :: request => law_jh2_request        !! Requests energy
+      procedure :: needs_eos => law_jh2_needs_eos    !! Returns true
+      procedure :: supports_voids => law_jh2_supports_voids !! Returns false
+      procedure :: softens_by_damage => law_jh2_softens_by_damage !! Returns true
+      procedure :: request => law_jh2_request        !! Requests the energy field
       procedure :: update => law_jh2_update          !! Radial return
       procedure :: add_wave_speed => law_jh2_add_wave_speed !! Fractured material is stiff too
       procedure :: least_pressure => law_jh2_least_pressure !! That of the tension

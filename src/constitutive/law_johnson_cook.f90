@@ -31,7 +31,7 @@ module law_johnson_cook
       type(melting_range_t), allocatable :: range    !! Only if temperature softens
    contains
       procedure :: declare => johnson_cook_declare   !! Declares its keys
-      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! It does
+      procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! Returns true
       procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Requests plastic strain and temperature
       procedure :: update => johnson_cook_update     !! Radial return
@@ -165,9 +165,9 @@ contains
    pure subroutine collect(law, offset, count, before, homologous, plastic_strain, &
       plastic_increment, plastic_work, lanes)
       class(law_johnson_cook_t), intent(in) :: law
-      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
       integer, intent(in) :: count                   !! Particles of the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: before                  !! Index offset in the store
       real(wp), contiguous, intent(in) :: homologous(:)            !! (range) [1]
       real(wp), contiguous, intent(in) :: plastic_strain(:)        !! (store) [1]
       !> Equivalent trial stress [Pa] in, 0 [1] out where nothing flows (range).

@@ -69,8 +69,8 @@ contains
       self%heat_share = 1.0_wp
    end subroutine mohr_coulomb_set
 
-   !> Return to the surface. What lies inside the inscribed cone of Drucker and Prager does not
-   !! flow; the others are treated one by one, as they need their principal stresses.
+   !> Return to the surface. States inside the inscribed Drucker-Prager cone do not flow; the others
+   !! are treated one at a time, because they need their principal stresses.
    pure subroutine mohr_coulomb_update(self, state, deformation, first, last, dt)
       class(law_mohr_coulomb_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store

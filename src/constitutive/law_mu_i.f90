@@ -44,16 +44,17 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = mu_i"
 
-      call schema%real("material", "mu_s", "coefficient of friction of slow flow", range="> 0", &
+      call schema%real("material", "mu_s", "friction coefficient of slow flow", range="> 0", &
          owner=owner)
-      call schema%real("material", "mu_2", "coefficient of friction of fast flow", range="> 0", &
+      call schema%real("material", "mu_2", "friction coefficient of fast flow", range="> 0", &
          owner=owner)
-      call schema%real("material", "mu_i0", "inertial number half way between them", range="> 0", &
+      call schema%real("material", "mu_i0", &
+         "inertial number at which friction is half way between mu_s and mu_2", range="> 0", &
          owner=owner)
-      call schema%real("material", "grain_diameter", "diameter of a grain", unit="m", range="> 0", &
+      call schema%real("material", "grain_diameter", "grain diameter", unit="m", range="> 0", &
          owner=owner)
-      call schema%real("material", "grain_density", "density of a grain", unit="kg/m3", &
-         range="> 0", owner=owner)
+      call schema%real("material", "grain_density", "grain density", unit="kg/m3", range="> 0", &
+         owner=owner)
       call schema%require("material", "mu_s mu_2 mu_i0 grain_diameter grain_density")
    end subroutine mu_i_declare
 
@@ -168,7 +169,7 @@ contains
          high = merge(cohesion + fast*load, low, pressure(i) > 0.0_wp)
          delay = law%shear*dt*law%scale*sqrt(load)
          half = 0.5_wp*(high + trial + delay)
-         ! The discriminant, as a sum of what is not negative where trial is above low.
+         ! The discriminant, as a sum of terms that are not negative where trial is above low.
          shear = sqrt(max(0.0_wp, 0.25_wp*(high - trial)**2 + 0.25_wp*delay**2 &
             + 0.5_wp*delay*(high + trial - 2.0_wp*low)))
          shear = (high*trial + low*delay)/max(half + shear, tiny(1.0_wp))

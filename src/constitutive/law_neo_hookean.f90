@@ -19,8 +19,8 @@ module law_neo_hookean
 
    public :: law_neo_hookean_t, neo_hookean_energy, neo_hookean_stress
 
-   !> What turns inside out has J <= 0; its logarithm is that of this, and the run ends for its time
-   !! step.
+   !> Lower bound of J in the logarithm: an inverted particle has J <= 0; the run then stops on its
+   !! time step.
    real(wp), parameter :: least_ratio = 1.0e-6_wp
 
    !> Law of Neo and Hooke; lambda = bulk - 2/3 shear and mu = shear.
@@ -38,7 +38,7 @@ module law_neo_hookean
 
 contains
 
-   !> There is no equation of state beside it.
+   !> The law excludes an equation of state.
    pure logical function neo_hookean_gives_whole_stress(self) result(whole)
       class(law_neo_hookean_t), intent(in) :: self
 

@@ -24,7 +24,7 @@ module law_newtonian
       procedure :: read => newtonian_read            !! Reads its key
       procedure :: has_shear => newtonian_has_shear  !! It has no shear modulus
       procedure :: follows_density => newtonian_follows_density !! Its pressure has no rate form
-      procedure :: request => newtonian_request      !! Requests nothing
+      procedure :: request => newtonian_request      !! Requests no fields
       procedure :: predict_trial => newtonian_predict_trial !! Volume, there is no trial
       procedure :: update => newtonian_update        !! Viscous stress
       procedure :: add_wave_speed => newtonian_add_wave_speed !! Nothing

@@ -59,8 +59,8 @@ module law_steinberg_guinan
       procedure :: modulus => steinberg_guinan_modulus !! G/G0 of a particle
    end type law_steinberg_guinan_t
 
-   !> Material softer than this share of G0 is given this modulus in the trial, which divides by it;
-   !! it has no yield stress when melted.
+   !> Least fraction of G0 in the trial stress, which divides by the modulus; molten material has no
+   !! yield stress.
    real(wp), parameter :: least_modulus = 1.0e-6_wp
 
 contains
@@ -75,24 +75,26 @@ contains
 
       call schema%real("material", "scg_y0", "Steinberg-Cochran-Guinan Y0, yield stress", &
          unit="Pa", range="> 0", owner=owner)
-      call schema%real("material", "scg_ymax", "greatest yield stress by hardening", unit="Pa", &
+      call schema%real("material", "scg_ymax", &
+         "Steinberg-Cochran-Guinan Ymax, greatest yield stress from hardening", unit="Pa", &
          range="> 0", owner=owner)
       call schema%real("material", "scg_beta", "Steinberg-Cochran-Guinan beta, hardening", &
          range=">= 0", owner=owner)
       call schema%real("material", "scg_n", "Steinberg-Cochran-Guinan n, exponent of hardening", &
          range=">= 0 <= 1", owner=owner)
-      call schema%real("material", "scg_strain", "plastic strain to begin with", default="0", &
+      call schema%real("material", "scg_strain", "initial plastic strain", default="0", &
          range=">= 0", owner=owner)
-      call schema%real("material", "scg_gp", "growth of the shear modulus with pressure, "// &
-         "G'P/G0; tables give it per Mbar, 6.52 per Mbar is 6.52e-11 per Pa", unit="1/Pa", &
+      call schema%real("material", "scg_gp", "increase of the shear modulus with pressure, "// &
+         "G'P/G0; where tables give it per Mbar, 6.52 per Mbar is 6.52e-11 per Pa", unit="1/Pa", &
          range=">= 0", owner=owner)
-      call schema%real("material", "scg_gt", "fall of the shear modulus with temperature, "// &
-         "-G'T/G0", unit="1/K", range=">= 0", owner=warm)
-      call schema%real("material", "scg_tm", "temperature of melting at the reference density", &
+      call schema%real("material", "scg_gt", &
+         "decrease of the shear modulus with temperature, -G'T/G0", unit="1/K", range=">= 0", &
+         owner=warm)
+      call schema%real("material", "scg_tm", "melting temperature at the reference density", &
          unit="K", range="> 300", owner=warm)
       call schema%real("material", "scg_a", "Steinberg-Cochran-Guinan a of the melting curve", &
          range=">= 0", owner=warm)
-      call schema%real("material", "scg_gamma", "Grueneisen number of the melting curve", &
+      call schema%real("material", "scg_gamma", "Grueneisen parameter of the melting curve", &
          range="> 0", owner=warm)
       call schema%require("material", "scg_y0 scg_ymax scg_beta scg_n scg_gp scg_gt scg_tm "// &
          "scg_a scg_gamma")
@@ -300,9 +302,9 @@ contains
    pure subroutine collect(law, offset, count, before, ratio, trial_ratio, plastic_strain, &
       plastic_increment, plastic_work, lanes)
       class(law_steinberg_guinan_t), intent(in) :: law
-      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
       integer, intent(in) :: count                   !! Particles of the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: before                  !! Index offset in the store
       real(wp), contiguous, intent(in) :: ratio(:)       !! G/G0 after the step (range) [1]
       real(wp), contiguous, intent(in) :: trial_ratio(:) !! G/G0 of the trial (range) [1]
       real(wp), contiguous, intent(in) :: plastic_strain(:)        !! (store) [1]

@@ -34,10 +34,12 @@ contains
       character(len=*), parameter :: owner = "effects.strength & strength_model = von_mises "// &
          "gurson"
 
-      call schema%real("material", "yield", "yield stress of von Mises, of the matrix of "// &
-         "gurson", unit="Pa", range="> 0", owner=owner)
-      call schema%real("material", "hardening", "slope of the yield stress to plastic strain", &
-         unit="Pa", default="0", range=">= 0", owner=owner)
+      call schema%real("material", "yield", &
+         "yield stress of von_mises; of the matrix with gurson", unit="Pa", range="> 0", &
+         owner=owner)
+      call schema%real("material", "hardening", &
+         "hardening modulus: increase of the yield stress per plastic strain", unit="Pa", &
+         default="0", range=">= 0", owner=owner)
       call schema%require("material", "yield")
    end subroutine von_mises_declare
 

@@ -34,7 +34,7 @@ module contact_sides
       integer :: before = 0                          !! Stores before those of the field
       type(lane_bits_t), allocatable :: store(:)     !! (store of the field)
       real(wp), allocatable :: patch(:, :, :)        !! Sums of the particles of a tile
-      real(wp), allocatable :: intact(:, :)          !! (node, own tile) Intact share of volume [1]
+      real(wp), allocatable :: intact(:, :)          !! (node, own tile) Intact volume fraction [1]
       real(wp), allocatable :: slope(:, :, :)        !! (3, node, own tile) Its gradient [1/m]
       real(wp), allocatable :: axis(:, :, :)         !! (3, node, own tile) Axis of the sides [1]
       logical, allocatable :: split(:, :)            !! (node, tile) Have its sides parted?
@@ -78,7 +78,7 @@ contains
       class(sides_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: tile
-      type(shape_data_t), intent(inout) :: shape     !! Of the tile, located
+      type(shape_data_t), intent(inout) :: shape     !! Particles of the tile, located
       integer :: cell, p
 
       if (.not. self%cut(tile)) return
@@ -150,9 +150,9 @@ contains
       if (store%state%failed(particle) /= 0) volume = store%state%volume(particle)
    end function measure_failed
 
-   !> What the cells of a tile add to the gradient of the intact share at their nodes: differences
-   !! along the edges that meet there and have material at both ends, and how many they are.
-   !! Equation (C.10).
+   !> Contribution of the cells of a tile to the gradient of the intact fraction at their nodes:
+   !! differences along the edges that meet there and have material at both ends, and the number of
+   !! these edges. Equation (C.10).
    pure subroutine add_cell_slopes(grid, intact, patch)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: intact(:)              !! (node) Negative without material [1]
@@ -175,8 +175,8 @@ contains
       end do
    end subroutine add_cell_slopes
 
-   !> What the particles of a tile add to the axis of their nodes: volume times the products of
-   !! their gradient, volume that has not failed, failed volume. Equation (C.11).
+   !> Contribution of the particles of a tile to the axis of their nodes: volume times the products
+   !! of their gradient, volume that has not failed, failed volume. Equation (C.11).
    pure subroutine set_products(store, tile, slope, values)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -230,7 +230,7 @@ contains
    !> Rotation of Jacobi that takes one pair of elements from a symmetric matrix.
    pure subroutine rotate(i, j, a, v)
       integer, intent(in) :: i, j                    !! Row and column
-      real(wp), intent(inout) :: a(3, 3)             !! It is changed
+      real(wp), intent(inout) :: a(3, 3)             !! Updated
       real(wp), intent(inout) :: v(3, 3)             !! Rotations so far, in columns
       real(wp) :: theta, t, c, s, column(3)
 
@@ -253,7 +253,7 @@ contains
    !> Sides of the particles of a tile at the nodes of their cells. Equation (C.12).
    pure subroutine choose_sides(grid, shape, first, slope, axis, other)
       type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(in) :: shape        !! Of the tile, located
+      type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       integer, intent(in) :: first                   !! First particle of the tile
       real(wp), intent(in) :: slope(:, :)            !! (particle of the tile, 3) [1/m]
       real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 where nothing parts [1]
@@ -273,11 +273,11 @@ contains
       end do
    end subroutine choose_sides
 
-   !> What decides whether the sides of nodes part: the volumes of both, and their positions along
-   !! the axis times volume.
+   !> Data that decide whether the sides of nodes separate: the volumes of both, and their positions
+   !! along the axis times volume.
    pure subroutine weigh_sides(grid, shape, store, tile, axis, other, patch)
       type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(in) :: shape        !! Of the tile, located
+      type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 where nothing parts [1]
@@ -304,8 +304,9 @@ contains
       end do
    end subroutine weigh_sides
 
-   !> Do the sides of a node part? Each has material, and the first lies ahead along the axis, as
-   !! its gradient does: sides whose gradients point to each other are one part. Equation (C.13).
+   !> True if the two sides of a node separate: each has material, and the first is ahead along the
+   !! axis, as is its gradient; sides whose gradients point towards each other are one body.
+   !! Equation (C.13).
    pure logical function is_split(sums) result(split)
       real(wp), intent(in) :: sums(part_rows)        !! Of the particles
 

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What particles of a body that has contact with itself exchange with nodes whose sides have
-!! parted, with the linear functions of the cell.
+!> Transfers between the particles of a body with self-contact and nodes with two separated sides,
+!! with the linear functions of the cell.
 !!
-!! Where no node has parted, the kernels of all other bodies serve. They also serve a tile as a
-!! whole; after that the sums of parted nodes are found anew, and particles get what the other side
-!! has more than the first one. Section "Failed material" of doc/theory/contact.md.
+!! Where no node is separated, the kernels of other bodies are used. They are also used for the
+!! whole tile; then the sums of the separated nodes are computed again, and particles of the other
+!! side get the difference to the first side. Section "Failed material" of doc/theory/contact.md.
 module contact_transfer
    use base_kinds, only: wp
    use contact_sides, only: is_cut, lane_place
@@ -37,7 +37,7 @@ contains
    !! Columns 1 mass, 2-4 momentum, 5-7 force, 8 volume if the patch has it. Equation (C.14).
    pure subroutine scatter_sides(grid, shape, store, tile, other, split, patches)
       type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(in) :: shape        !! Of the tile, located
+      type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
@@ -70,7 +70,7 @@ contains
       end do
    end subroutine scatter_sides
 
-   !> Velocity that a particle brings to a place beside it [m/s].
+   !> Velocity field of a particle at a position near it [m/s].
    pure function velocity_at(store, particle, away) result(velocity)
       type(store_t), intent(in) :: store
       integer, intent(in) :: particle                !! Of the store
@@ -108,7 +108,7 @@ contains
    pure subroutine add_other_values(grid, shape, first, other, split, factor, mine, theirs, &
       before, values)
       type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(in) :: shape        !! Of the tile, located
+      type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       integer, intent(in) :: first                   !! First particle of the tile
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
       logical, intent(in) :: split(:)                !! (node)
@@ -142,7 +142,7 @@ contains
    pure subroutine add_other_gradient(grid, shape, store, tile, other, split, scale, difference, &
       gradient)
       type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(in) :: shape        !! Of the tile, located
+      type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
@@ -176,7 +176,7 @@ contains
    !> Outward areas of one side on the parted nodes of a tile, (C.1) for its particles.
    pure subroutine add_side_areas(grid, shape, store, tile, other, split, side, area)
       type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(in) :: shape        !! Of the tile, located
+      type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
@@ -210,7 +210,7 @@ contains
    ! gate: long kernel because the widths of particles are found elsewhere
    pure subroutine find_side_reach(grid, shape, first, other, split, side, half, normal, reach)
       type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(in) :: shape        !! Of the tile, located
+      type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       integer, intent(in) :: first                   !! First particle of the tile
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
       logical, intent(in) :: split(:)                !! (node)

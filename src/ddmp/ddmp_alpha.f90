@@ -83,14 +83,13 @@ contains
       end select
    end function mean_alpha
 
-   !> Place along each direction by which the stress is handed to the nodes and their gradient taken
-   !! from them: 3 x**2 - 2 x**3 instead of x.
+   !> Local coordinate along each direction for mapping stress to the nodes and gradients from them:
+   !! 3 x**2 - 2 x**3 instead of x.
    !!
    !! With it the modified gradient has no kink either where a particle changes its cell: the
-   !! bubbles
-   !! of neighbouring cells cancel there, and what is left is the kink of a linear interpolation of
-   !! the node gradient. All sums over nodes remain, because the functions still add up to one and
-   !! force and strain use the same. Equation (M.11).
+   !! bubbles of neighbouring cells cancel there, and only a linear interpolation of the node
+   !! gradient would leave a kink. Conservation holds, because the functions still sum to one and
+   !! force and strain use the same functions. Equation (M.11).
    pure subroutine find_blend(grid, number, local, blend)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: number                  !! Particles of the tile

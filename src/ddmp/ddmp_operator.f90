@@ -62,7 +62,7 @@ contains
             at = self%parts*(node - 1)
             place = grid%node_position(node)
             do direction = 1, 3
-               ! nothing of the tile lies after the last node of a line, or before the first
+               ! no nodes of the tile follow the last node of a line, or precede the first
                if (place(direction) < 0 .or. place(direction) >= grid%width(direction)) cycle
                along = place(direction)
                if (direction == 1) along = along + (tile - 1)*grid%width(1)
@@ -194,7 +194,7 @@ contains
    !! because the fourth is written over by the next node.
    pure subroutine pack_column(first, last, before, nodes, tensor, field)
       integer, intent(in) :: first                   !! First node
-      integer, intent(in) :: last                    !! Last one
+      integer, intent(in) :: last                    !! Last index
       integer, intent(in) :: before                  !! Components before the three
       integer, intent(in) :: nodes                   !! Of the tile
       real(wp), intent(in) :: tensor(9*nodes)        !! (component and node)
@@ -214,9 +214,9 @@ contains
 
    !> Add to each number that of the next node along a direction.
    pure subroutine add_next(low, high, shift, numbers, field)
-      integer, intent(in) :: low                     !! First of those used
-      integer, intent(in) :: high                    !! Last one
-      integer, intent(in) :: shift                   !! Numbers to the next node
+      integer, intent(in) :: low                     !! First index in use
+      integer, intent(in) :: high                    !! Last index
+      integer, intent(in) :: shift                   !! Distance to the next node in the array
       integer, intent(in) :: numbers                 !! Of the tile
       real(wp), intent(inout) :: field(numbers)      !! On the nodes in, between them out
       integer :: n
@@ -227,13 +227,13 @@ contains
       end do
    end subroutine add_next
 
-   !> Add what a node gets from what lies after it, less what lies before it.
+   !> Add the value at the next node, minus that at the previous node.
    pure subroutine add_change(numbers, pad, low, high, shift, sums, patch)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: pad                     !! Numbers before them in memory
-      integer, intent(in) :: low                     !! First of those used
-      integer, intent(in) :: high                    !! Last one
-      integer, intent(in) :: shift                   !! Numbers to the next node
+      integer, intent(in) :: pad                     !! Offset in memory
+      integer, intent(in) :: low                     !! First index in use
+      integer, intent(in) :: high                    !! Last index
+      integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: sums(1 - pad:numbers)  !! Between a node and the next
       real(wp), intent(inout) :: patch(numbers)      !! On the nodes
       integer :: n
@@ -318,7 +318,7 @@ contains
       end associate
    end subroutine gradient_plane
 
-   !> The two directions besides one.
+   !> The two directions other than a given one.
    pure subroutine others(direction, one, other)
       integer, intent(in) :: direction               !! Of the derivative
       integer, intent(out) :: one                    !! The lower of the others
@@ -328,12 +328,12 @@ contains
       other = merge(2, 3, direction == 3)
    end subroutine others
 
-   !> Integrals along a direction of what stands on the nodes.
+   !> Integrals along a direction of the node values.
    pure subroutine mean_along(numbers, low, high, shift, line, field, means)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those used
-      integer, intent(in) :: high                    !! Last one
-      integer, intent(in) :: shift                   !! Numbers to the next node
+      integer, intent(in) :: low                     !! First index in use
+      integer, intent(in) :: high                    !! Last index
+      integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
       real(wp), intent(in) :: field(numbers)         !! On the nodes
       real(wp), intent(inout) :: means(numbers)      !! Between a node and the next [field m]
@@ -348,9 +348,9 @@ contains
    !> The transpose of that.
    pure subroutine add_line(numbers, low, high, shift, line, sums, field)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those used
-      integer, intent(in) :: high                    !! Last one
-      integer, intent(in) :: shift                   !! Numbers to the next node
+      integer, intent(in) :: low                     !! First index in use
+      integer, intent(in) :: high                    !! Last index
+      integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
       real(wp), intent(in) :: sums(numbers)          !! Between a node and the next
       real(wp), intent(inout) :: field(numbers)      !! On the nodes
@@ -366,9 +366,9 @@ contains
    !> Add products to the numbers of the next node.
    pure subroutine add_shifted(numbers, low, high, shift, line, sums, field)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those used
-      integer, intent(in) :: high                    !! Last one
-      integer, intent(in) :: shift                   !! Numbers to the next node
+      integer, intent(in) :: low                     !! First index in use
+      integer, intent(in) :: high                    !! Last index
+      integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: line(numbers)          !! Factors
       real(wp), intent(in) :: sums(numbers)          !! Multiplied by them
       real(wp), intent(inout) :: field(numbers)      !! Gets the products
@@ -383,9 +383,9 @@ contains
    !> Differences along a direction, times a factor.
    pure subroutine difference_along(numbers, low, high, shift, factor, field, differences)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those used
-      integer, intent(in) :: high                    !! Last one
-      integer, intent(in) :: shift                   !! Numbers to the next node
+      integer, intent(in) :: low                     !! First index in use
+      integer, intent(in) :: high                    !! Last index
+      integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: factor                 !! Factor
       real(wp), intent(in) :: field(numbers)         !! On the nodes
       real(wp), intent(inout) :: differences(numbers) !! Between a node and the next
@@ -397,12 +397,12 @@ contains
       end do
    end subroutine difference_along
 
-   !> Minus the transpose of that: what one node gains the other loses.
+   !> Minus its transpose: the gain of one node is the loss of the other.
    pure subroutine add_difference(numbers, low, high, shift, factor, sums, field)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: low                     !! First of those used
-      integer, intent(in) :: high                    !! Last one
-      integer, intent(in) :: shift                   !! Numbers to the next node
+      integer, intent(in) :: low                     !! First index in use
+      integer, intent(in) :: high                    !! Last index
+      integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: factor                 !! Factor
       real(wp), intent(in) :: sums(numbers)          !! Between a node and the next
       real(wp), intent(inout) :: field(numbers)      !! On the nodes
@@ -424,9 +424,9 @@ contains
    ! gate: long kernel because directions are given by their shifts
    pure subroutine apply_mass(numbers, pad, low, high, one, other, third, weight, field, sums)
       integer, intent(in) :: numbers                 !! Of the tile
-      integer, intent(in) :: pad                     !! Numbers before them in memory
+      integer, intent(in) :: pad                     !! Offset in memory
       integer, intent(in) :: low                     !! First number of a cell
-      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: one                     !! Numbers to the next node, first direction
       integer, intent(in) :: other                   !! The same, second direction
       integer, intent(in) :: third                   !! The same, third direction
@@ -467,7 +467,7 @@ contains
    pure subroutine apply_line_mass(numbers, low, high, shift, mass, weight, field, sums)
       integer, intent(in) :: numbers                 !! Of the tile
       integer, intent(in) :: low                     !! First number of a cell
-      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Numbers to the next node, 0 if missing
       real(wp), intent(in) :: mass(numbers, 3)       !! Integrals of products [m]
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How the modified gradient is taken at a particle: the part of it on the cell, and the part that
-!! goes by way of the nodes. The same rule serves force and strain, so that the power of the force
-!! is that of the stress. Equations (M.2) and (M.15) of doc/theory/method.md.
+!> Quadrature of the modified gradient at a particle: its part on the cell, and its part through the
+!! nodes. Force and strain use the same rule, so that the power of the force is that of the stress.
+!! Equations (M.2) and (M.15) of doc/theory/method.md.
 module ddmp_quadrature
    use base_kinds, only: wp
    use ddmp_alpha, only: alpha_split
@@ -41,8 +41,8 @@ module ddmp_quadrature
          type(shape_data_t), intent(inout) :: shape
       end subroutine locate_i
 
-      !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
-      !! column 8, and the stress handed to the nodes to columns 9 to 17 of a patch.
+      !> Add the part of the internal force on the cell to columns 5 to 7, the volume to column 8,
+      !! and the stress mapped to the nodes to columns 9 to 17 of a patch.
       pure subroutine scatter_i(self, grid, shape, first, volume, stress, patch)
          import :: grid_t, shape_data_t, quadrature_t, wp
          implicit none
@@ -71,7 +71,7 @@ module ddmp_quadrature
 
 contains
 
-   !> Layers of nodes beyond a tile that its particles reach; none, unless the rule says more.
+   !> Layers of nodes beyond a tile that its particles reach; default: none.
    pure integer function quadrature_margin(self) result(margin)
       class(quadrature_t), intent(in) :: self
 
@@ -86,8 +86,8 @@ contains
       controlled = .false.
    end function quadrature_controlled
 
-   !> True if each node has a force that is right for uniform stress, and the point rule acts on
-   !! what differs from the mean stress of that node.
+   !> True if the force at each node is exact for uniform stress, and the point rule acts on the
+   !! difference from the mean stress of that node.
    pure logical function quadrature_differing(self) result(differing)
       class(quadrature_t), intent(in) :: self
 

@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The modified gradient at the particle, applied to what its stress differs from a mean stress of
-!! the nodes; the mean stress is a linear function in each cell and is integrated exactly on the
-!! grid (a control variate). Where particles lie then matters only for the small difference, so
-!! errors of their quadrature fall with the size of cells, and a body of uniform stress feels no
-!! force inside however its particles lie. Momentum is kept exactly, as the sum over nodes of both
-!! parts vanishes; the power of the force is not exactly that of the stress.
+!> The modified gradient at the particle, applied to the difference of its stress from a mean stress
+!! of the nodes; the mean stress is a linear function in each cell and is integrated exactly on the
+!! grid (a control variate). Particle positions then affect only the small difference, so quadrature
+!! errors decrease with the cell size, and uniform stress gives no force inside a body for any
+!! particle positions. Momentum is conserved exactly, as the sum over nodes of both parts vanishes;
+!! the power of the force is not exactly that of the stress.
 !!
 !! The idea of a stress difference is that of A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys.
-!! (2023) 112681, whose form does not keep momentum. Equation (Q.3) of doc/theory/quadratures.md.
+!! (2023) 112681, whose form does not conserve momentum. Equation (Q.3) of
+!! doc/theory/quadratures.md.
 module quadrature_control
    use quadrature_point, only: quadrature_point_t
    implicit none

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The modified gradient at the particle, with the local stress difference: what the force of a
-!! uniform stress is wrong by, for particles that lie as they do, is taken out of the force of each
-!! node with the mean stress there (A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys. (2023)
-!! 112681). Momentum is not kept exactly, as each node has a mean stress of its own. Equation (Q.4)
-!! of doc/theory/quadratures.md.
+!> The modified gradient at the particle, with the local stress difference: the error of the force
+!! of a uniform stress for the given particle positions is subtracted from the force of each node,
+!! with the mean stress there (A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys. (2023) 112681).
+!! Momentum is not conserved exactly, as each node has a mean stress of its own. Equation (Q.4) of
+!! doc/theory/quadratures.md.
 module quadrature_lsd
    use quadrature_point, only: quadrature_point_t
    implicit none

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The mean of the modified gradient over sub-points that share the stress of a particle: T. R.
-!! Dhakal, D. Z. Zhang, J. Comput. Phys. 325 (2016) 301. The form is this program's own: sub-points
-!! lie on a lattice in the box of the particle, which stretches along the directions of the grid, so
-!! the means are products of means along the directions. Mass and velocity go to the nodes by means
-!! over the same box (basis cpgimp): else a node at a free surface would feel force without mass.
-!! Equation (Q.1) of doc/theory/quadratures.md.
+!> The mean of the modified gradient over sub-points with the stress of their particle: T. R.
+!! Dhakal, D. Z. Zhang, J. Comput. Phys. 325 (2016) 301. Unlike there, sub-points are on a lattice
+!! in the box of the particle, which stretches along the directions of the grid, so the means are
+!! products of means along the directions. Mass and velocity go to the nodes by means over the same
+!! box (basis cpgimp): otherwise a node at a free surface would get a force without mass. Equation
+!! (Q.1) of doc/theory/quadratures.md.
 module quadrature_sub_points
    use base_kinds, only: wp
    use ddmp_quadrature, only: quadrature_t
@@ -198,9 +198,8 @@ contains
       shape%spline%reach = reach
    end subroutine sub_gather_gradient
 
-   !> Put the functions of the dual gradient where the maps look for functions, and keep those of
-   !! the
-   !! basis.
+   !> Replace the shape functions used by the maps by those of the dual gradient, and save those of
+   !! the basis.
    pure subroutine put_on(grid, shape, count, basis, low, node, reach)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(inout) :: shape
@@ -231,7 +230,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(inout) :: shape !! Of the tile; gets them as values
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
-      integer, intent(in) :: skip                            !! Columns of the values before them
+      integer, intent(in) :: skip                            !! Column offset in the values
       real(wp), allocatable :: values(:, :)
 
       call move_alloc(shape%values, values)

@@ -2,9 +2,9 @@
 !> Return of stresses to the yield surface of porous metal, for groups of particles that are the
 !! lanes of vectors. Equations (D.1) to (D.7) of doc/theory/ductile.md.
 !!
-!! One unknown s, not negative, stands for the flow; pressure, deviator, porosity and strength
-!! follow from it in closed form. A lane that has its root is left alone, so that its bits do not
-!! depend on its neighbours.
+!! The flow is described by one unknown s >= 0; pressure, deviator, porosity and strength follow
+!! from it in closed form. A converged lane is not changed, so that its bits do not depend on its
+!! neighbours.
 module ductile_flow
    use base_elementary, only: take_exponentials, take_logarithms
    use base_kinds, only: wp
@@ -14,7 +14,7 @@ module ductile_flow
    public :: find_excess, pore_lanes_t, porous_t, solve_flow
 
    integer, parameter, public :: most_lanes = 64     !! Particles of a group
-   !> Porosity is below this, and what voids weaken below this share of all strength.
+   !> Upper limit of the porosity, and of the fraction of strength that voids remove.
    real(wp), parameter :: most_porosity = 0.999_wp, most_weakening = 0.99_wp
    real(wp), parameter :: steepest = 300.0_wp        !! Argument of the hyperbolic functions [1]
    real(wp), parameter :: unbounded = 1.0e200_wp     !! No upper bound of s is known [1]
@@ -257,8 +257,8 @@ contains
       end do
    end subroutine evaluate
 
-   !> Lanes in which pressure closes the pores: they lose what volume they have, and the matrix
-   !! flows by itself. The others begin at s = 1, or in the middle of a smaller bracket.
+   !> Lanes in which pressure closes the pores: they lose their volume, and the matrix flows alone.
+   !! The others start at s = 1, or in the middle of a smaller bracket.
    pure subroutine close_pores(porous, lanes, search)
       type(porous_t), intent(in) :: porous
       type(pore_lanes_t), intent(inout) :: lanes
@@ -292,8 +292,8 @@ contains
       end do
    end subroutine close_pores
 
-   !> Next s of each lane: a step of secants if it stays in the bracket and the miss was halved,
-   !! else the middle of the bracket, or twice as far where it has no end yet.
+   !> Next s of each lane: a secant step if it remains in the bracket and the residual was halved,
+   !! otherwise the middle of the bracket, or twice the value while the bracket has no upper end.
    pure subroutine improve(count, search)
       integer, intent(in) :: count                   !! Lanes
       type(search_t), intent(inout) :: search

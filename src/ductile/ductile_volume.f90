@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Volume of the matrix of a ductile metal: that of the motion without what its pores gained. The
-!! equation of state is that of the matrix, and its pressure acts on the share of a surface that it
-!! has. Equation (D.8) of doc/theory/ductile.md.
+!> Volume of the matrix of a porous metal: the volume from the motion minus the growth of its pores.
+!! The equation of state is that of the matrix, whose pressure acts on its fraction of a surface.
+!! Equation (D.8) of doc/theory/ductile.md.
 module ductile_volume
    use base_elementary, only: take_exponentials
    use base_kinds, only: wp
@@ -13,7 +13,7 @@ module ductile_volume
 
 contains
 
-   !> Volume becomes that of the matrix; that of the motion is kept beside it.
+   !> Replace the volume by that of the matrix, and save that of the motion.
    pure subroutine to_matrix_volume(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -47,8 +47,8 @@ contains
       end do
    end subroutine shrink
 
-   !> The same for the volumes before and after the step, of whose flow the law left the share of
-   !! volume that it gained.
+   !> The same for the volumes before and after the step, where the law has stored the fraction of
+   !! volume gained by flow.
    pure subroutine to_matrix_volumes(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range
@@ -75,8 +75,9 @@ contains
       state%volume(first:last) = deformation%voids%total_volume(:last - first + 1)
    end subroutine to_whole_volume
 
-   !> Pressure of the matrix becomes that on a whole surface, and the volume that of the motion. The
-   !! square of the sound speed stays: p = share p_m(rho/share) has the derivative of p_m.
+   !> Convert the pressure of the matrix to that on the whole surface, and the volume to that of the
+   !! motion. The square of the sound speed does not change: p = share p_m(rho/share) has the
+   !! derivative of p_m.
    pure subroutine take_matrix_pressure(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(inout) :: deformation    !! Step of the range

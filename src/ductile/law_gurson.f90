@@ -42,10 +42,10 @@ module law_gurson
       procedure :: declare => gurson_declare         !! Declares its keys
       procedure :: fault => gurson_fault             !! Keys that do not go together
       procedure :: read => gurson_read               !! Reads its keys
-      procedure :: follows_density => gurson_follows_density !! It does
-      procedure :: supports_voids => gurson_supports_voids !! It does not
+      procedure :: follows_density => gurson_follows_density !! Returns true
+      procedure :: supports_voids => gurson_supports_voids !! Returns false
       procedure :: initial_porosity => gurson_initial_porosity !! That of the deck
-      procedure :: grows_pores => gurson_grows_pores !! It does
+      procedure :: grows_pores => gurson_grows_pores !! Returns true
       procedure :: request => gurson_request         !! Requests porosity, volume gained and strain
       procedure :: update => gurson_update           !! Return to the yield surface
    end type law_gurson_t
@@ -58,24 +58,25 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.strength & strength_model = gurson"
 
-      call schema%real("material", "gtn_f0", "porosity at the start", default="0", &
-         range=">= 0 < 0.5", owner=owner)
-      call schema%real("material", "gtn_q1", "Tvergaard's q1, factor of the porosity", &
+      call schema%real("material", "gtn_f0", "initial porosity", default="0", range=">= 0 < 0.5", &
+         owner=owner)
+      call schema%real("material", "gtn_q1", "Tvergaard's q1, factor on the porosity", &
          default="1.5", range="> 0 <= 3", owner=owner)
-      call schema%real("material", "gtn_q2", "Tvergaard's q2, factor of the pressure", &
+      call schema%real("material", "gtn_q2", "Tvergaard's q2, factor on the pressure", &
          default="1.0", range="> 0 <= 3", owner=owner)
-      call schema%real("material", "gtn_fc", "porosity from which on voids join, with gtn_ff", &
-         range="> 0 < 1", owner=owner)
+      call schema%real("material", "gtn_fc", &
+         "porosity at which voids begin to coalesce, with gtn_ff", range="> 0 < 1", owner=owner)
       call schema%real("material", "gtn_ff", "porosity at which no strength is left; with "// &
-         "damage_model = 'porosity' material fails there", range="> 0 < 1", owner=owner)
-      call schema%real("material", "gtn_fn", "porosity that plastic strain makes in tension", &
+         "damage_model = 'porosity' the material fails", range="> 0 < 1", owner=owner)
+      call schema%real("material", "gtn_fn", "porosity nucleated by plastic strain in tension", &
          default="0", range=">= 0 < 0.5", owner=owner)
-      call schema%real("material", "gtn_en", "plastic strain at which it does, in the mean", &
-         default="0.3", range=">= 0", owner=owner)
-      call schema%real("material", "gtn_sn", "scatter of that strain", default="0.1", &
-         range="> 0", owner=owner)
-      call schema%real("material", "gtn_least", "pores do not close below this porosity, if it "// &
-         "is not less at the start", default="1.0e-6", range=">= 1e-12 < 0.5", owner=owner)
+      call schema%real("material", "gtn_en", "mean plastic strain of nucleation", default="0.3", &
+         range=">= 0", owner=owner)
+      call schema%real("material", "gtn_sn", "standard deviation of the strain of nucleation", &
+         default="0.1", range="> 0", owner=owner)
+      call schema%real("material", "gtn_least", &
+         "least porosity: pores do not close below it, or below gtn_f0 if that is smaller", &
+         default="1.0e-6", range=">= 1e-12 < 0.5", owner=owner)
    end subroutine gurson_declare
 
    !> Error in the combination of the keys; empty if there is none.
@@ -208,9 +209,9 @@ contains
    !> Trial stresses, porosity and strength of a group.
    pure subroutine read_group(law, offset, count, before, state, deformation, group)
       type(law_gurson_t), intent(in) :: law
-      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
       integer, intent(in) :: count                   !! Particles of the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: before                  !! Index offset in the store
       type(material_state_t), intent(in) :: state    !! State of the store
       type(deformation_t), intent(in) :: deformation !! Step of the range
       type(pore_lanes_t), intent(inout) :: group
@@ -236,7 +237,7 @@ contains
 
    !> Collect the particles of a group that flow. The others have no increments.
    pure subroutine collect(offset, count, group, excess, deformation, lanes)
-      integer, intent(in) :: offset                  !! Particles of the range before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
       integer, intent(in) :: count                   !! Particles of the group
       type(pore_lanes_t), intent(in) :: group
       real(wp), intent(in) :: excess(most_lanes)     !! Over the yield surface [1]
@@ -268,8 +269,8 @@ contains
    !! the mean of the stresses before and after the step. Equations (D.9) and (D.11).
    pure subroutine move_results(law, offset, before, lanes, state, deformation)
       type(law_gurson_t), intent(in) :: law
-      integer, intent(in) :: offset                  !! Particles of the range before the group
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: offset                  !! Index offset in the range
+      integer, intent(in) :: before                  !! Index offset in the store
       type(pore_lanes_t), intent(inout) :: lanes
       type(material_state_t), intent(inout) :: state !! State of the store
       type(deformation_t), intent(inout) :: deformation !! Step of the range
@@ -307,7 +308,7 @@ contains
    !! Needleman, J. Eng. Mater. Technol. 102 (1980) 249). Equation (D.10).
    pure subroutine find_new_pores(law, before, state, lanes)
       type(law_gurson_t), intent(in) :: law
-      integer, intent(in) :: before                  !! Particles of the store before the group
+      integer, intent(in) :: before                  !! Index offset in the store
       type(material_state_t), intent(in) :: state    !! State of the store
       type(pore_lanes_t), intent(inout) :: lanes
       real(wp) :: distance

@@ -21,7 +21,7 @@ module exact_axis_aligned
       real(wp) :: edge = 1.0_wp                      !! Edge L of the cube [m]
    contains
       procedure :: declare => axis_aligned_declare   !! Amplitude and edge
-      procedure :: read => axis_aligned_read         !! Reads them
+      procedure :: read => axis_aligned_read         !! Reads the keys
       procedure :: law => axis_aligned_law           !! Neo-Hooke
       procedure :: place => axis_aligned_place       !! Position and velocity
       procedure :: gradient => axis_aligned_gradient !! Deformation gradient, diagonal
@@ -38,9 +38,9 @@ contains
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = axis_aligned"
 
-      call schema%real("exact", "amplitude", "greatest displacement along an axis", unit="m", &
+      call schema%real("exact", "amplitude", "displacement amplitude along an axis", unit="m", &
          range="> 0", owner=owner)
-      call schema%real("exact", "edge", "edge of the cube, whose lower corner is the origin", &
+      call schema%real("exact", "edge", "edge of the cube, whose lower corner is at the origin", &
          unit="m", default="1.0", range="> 0", owner=owner)
       call schema%require("exact", "amplitude")
    end subroutine axis_aligned_declare

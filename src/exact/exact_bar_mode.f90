@@ -25,7 +25,7 @@ module exact_bar_mode
       real(wp) :: flight = 0.0_wp                    !! V [m/s]
    contains
       procedure :: declare => bar_mode_declare       !! Length, mode, ends, speeds
-      procedure :: read => bar_mode_read             !! Reads them
+      procedure :: read => bar_mode_read             !! Reads the keys
       procedure :: fault => bar_mode_fault           !! A fixed bar has no uniform velocity
       procedure :: place => bar_mode_place           !! Position and velocity
       procedure :: gradient => bar_mode_gradient     !! Deformation gradient
@@ -41,17 +41,16 @@ contains
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = bar_mode"
 
-      call schema%real("exact", "bar_length", "length of the bar, which begins at the origin", &
+      call schema%real("exact", "bar_length", "length of the bar, which starts at the origin", &
          unit="m", range="> 0", owner=owner)
-      call schema%text("exact", "ends", "conditions at the origin and at the other end", &
+      call schema%text("exact", "ends", "end conditions at the origin and at the other end", &
          default="fixed_free", words="fixed_free free_free", owner=owner)
-      call schema%integer("exact", "mode", "number of the mode", default="1", range="> 0", &
-         owner=owner)
+      call schema%integer("exact", "mode", "mode number", default="1", range="> 0", owner=owner)
       call schema%real("exact", "mode_speed", "velocity amplitude of the vibration", unit="m/s", &
          range="> 0", owner=owner)
       call schema%real("exact", "flight_speed", &
-         "uniform velocity along x of a bar with free ends", &
-         unit="m/s", default="0.0", owner=owner)
+         "uniform velocity along x, for a bar with free ends", unit="m/s", default="0.0", &
+         owner=owner)
       call schema%require("exact", "bar_length mode_speed")
    end subroutine bar_mode_declare
 

@@ -23,7 +23,7 @@ module exact_solution
       logical :: hyperelastic = .false. !! Is the material neo-Hookean, else hypoelastic?
    contains
       procedure :: declare => exact_declare          !! Declares its keys of &exact
-      procedure :: read => exact_read                !! Reads them
+      procedure :: read => exact_read                !! Reads the keys
       procedure :: law => exact_law                  !! Strength model of the solution
       procedure :: fault => exact_fault              !! Why the scene cannot have it
       procedure(place_i), deferred :: place          !! Position and velocity of a point
@@ -43,7 +43,7 @@ module exact_solution
    type :: exact_case_t
       type(exact_holder_t), allocatable :: material(:) !! (material)
       logical :: forced = .false.                    !! Has some material a body force?
-      real(wp) :: force_time = 0.0_wp                !! Time at which it is evaluated [s]
+      real(wp) :: force_time = 0.0_wp                !! Time of evaluation [s]
       real(wp) :: error(3) = 0.0_wp !! Last errors of displacement [m], velocity [m/s], stress [Pa]
       real(wp) :: greatest_error = 0.0_wp            !! Greatest displacement error so far [m]
       real(wp) :: greatest_motion = 0.0_wp           !! Greatest displacement so far [m]
@@ -95,7 +95,7 @@ contains
       law = ""
    end function exact_law
 
-   !> Why the scene cannot have the solution and what to write instead; empty if it can.
+   !> Reason why the solution does not suit the scene, and the remedy; empty if it does.
    pure function exact_fault(self) result(text)
       class(exact_t), intent(in) :: self
       character(len=:), allocatable :: text

@@ -21,7 +21,7 @@ module exact_spinning_disc
       real(wp) :: radius = 1.0_wp                    !! R [m]
    contains
       procedure :: declare => disc_declare           !! Spin and radius
-      procedure :: read => disc_read                 !! Reads them
+      procedure :: read => disc_read                 !! Reads the keys
       procedure :: fault => disc_fault               !! Plane strain only
       procedure :: place => disc_place               !! Position and velocity
       procedure :: gradient => disc_gradient         !! Deformation gradient
@@ -36,9 +36,11 @@ contains
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = spinning_disc"
 
-      call schema%real("exact", "angular_speed", "of the rotation about the axis y through the "// &
-         "origin, in radians", unit="1/s", owner=owner)
-      call schema%real("exact", "disc_radius", "radius at rest", unit="m", range="> 0", owner=owner)
+      call schema%real("exact", "angular_speed", &
+         "angular velocity about the y axis through the origin, in radians per time", unit="1/s", &
+         owner=owner)
+      call schema%real("exact", "disc_radius", "radius of the undeformed disc", unit="m", &
+         range="> 0", owner=owner)
       call schema%require("exact", "angular_speed disc_radius")
    end subroutine disc_declare
 

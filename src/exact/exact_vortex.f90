@@ -24,7 +24,7 @@ module exact_vortex
       real(wp) :: outer = 1.25_wp                    !! Radius of the outer rim [m]
    contains
       procedure :: declare => vortex_declare         !! Twist, frequency, radii
-      procedure :: read => vortex_read               !! Reads them
+      procedure :: read => vortex_read               !! Reads the keys
       procedure :: law => vortex_law                 !! Neo-Hooke
       procedure :: fault => vortex_fault             !! Plane strain only
       procedure :: place => vortex_place             !! Position and velocity
@@ -42,13 +42,14 @@ contains
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
       character(len=*), parameter :: owner = "solution = vortex"
 
-      call schema%real("exact", "twist", "greatest angle of the middle of the ring in radians", &
-         default="1.0", range="> 0", owner=owner)
-      call schema%real("exact", "frequency", "oscillations in a unit of time", unit="1/s", &
-         range="> 0", owner=owner)
-      call schema%real("exact", "inner_radius", "inner rim of the ring, which does not move", &
+      call schema%real("exact", "twist", &
+         "greatest rotation of the middle of the ring, in radians", default="1.0", range="> 0", &
+         owner=owner)
+      call schema%real("exact", "frequency", "oscillations per time", unit="1/s", range="> 0", &
+         owner=owner)
+      call schema%real("exact", "inner_radius", "inner radius of the ring, which does not move", &
          unit="m", default="0.75", range="> 0", owner=owner)
-      call schema%real("exact", "outer_radius", "outer rim of the ring, which does not move", &
+      call schema%real("exact", "outer_radius", "outer radius of the ring, which does not move", &
          unit="m", default="1.25", range="> 0", owner=owner)
       call schema%require("exact", "frequency")
    end subroutine vortex_declare

@@ -34,14 +34,14 @@ module eos_jwl
       procedure :: declare => jwl_declare            !! Declares its keys
       procedure :: fault => jwl_fault                !! Constants in the wrong order
       procedure :: read => jwl_read                  !! Reads its keys
-      procedure :: sets_bulk => jwl_sets_bulk        !! It does
-      procedure :: request => jwl_request            !! Requests energy
+      procedure :: sets_bulk => jwl_sets_bulk        !! Returns true
+      procedure :: request => jwl_request            !! Requests the energy field
       procedure :: update => jwl_update              !! Pressure and square of the sound speed
       procedure :: find_gruneisen => jwl_find_gruneisen !! Grueneisen number times density
-      procedure :: stored_energy => jwl_stored_energy !! Nothing, energy is carried
-      procedure :: starts_with_energy => jwl_starts_with_energy !! It does
+      procedure :: stored_energy => jwl_stored_energy !! Zero, because energy is a field
+      procedure :: starts_with_energy => jwl_starts_with_energy !! Returns true
       procedure :: start_energy => jwl_start_energy  !! Chemical energy
-      procedure :: detonates => jwl_detonates        !! It does
+      procedure :: detonates => jwl_detonates        !! Returns true
       procedure :: detonation => jwl_detonation      !! Speed, and volume behind the front
       procedure :: chapman_jouguet_speed => jwl_chapman_jouguet_speed !! D of the constants
       procedure :: find_detonation => jwl_find_detonation !! Chapman-Jouguet state
@@ -59,18 +59,18 @@ contains
       call schema%real("material", "jwl_b", "JWL B", unit="Pa", range=">= 0", owner=owner)
       call schema%real("material", "jwl_r1", "JWL R1", range="> 0", owner=owner)
       call schema%real("material", "jwl_r2", "JWL R2", range="> 0", owner=owner)
-      call schema%real("material", "jwl_omega", "JWL omega, Grueneisen number of the products", &
+      call schema%real("material", "jwl_omega", "JWL omega, Grueneisen parameter of the products", &
          range="> 0 < 1", owner=owner)
-      call schema%real("material", "jwl_e0", "JWL E0, chemical energy per volume of the "// &
-         "explosive before the burn", unit="Pa", range="> 0", owner=owner)
-      call schema%real("material", "detonation_speed", "speed of a detonation; without it that "// &
-         "of the Chapman-Jouguet state of the other constants", unit="m/s", range="> 0", &
+      call schema%real("material", "jwl_e0", &
+         "JWL E0, chemical energy per initial volume of the explosive", unit="Pa", range="> 0", &
          owner=owner)
-      call schema%real("material", "burn_cells", "cells that a detonation passes while a point "// &
-         "burns", default="2.5", range=">= 0.5 <= 20", owner=owner)
-      call schema%text("material", "burn_rule", "time: a point burns from the time at which a "// &
-         "&detonation reaches it; both: also as far as it is compressed, as in an overdriven "// &
-         "detonation", default="time", words="time both", owner=owner)
+      call schema%real("material", "detonation_speed", "detonation speed; default: that of the "// &
+         "Chapman-Jouguet state given by the other constants", unit="m/s", range="> 0", owner=owner)
+      call schema%real("material", "burn_cells", "width of the burn front in cells", &
+         default="2.5", range=">= 0.5 <= 20", owner=owner)
+      call schema%text("material", "burn_rule", "what burns the explosive: time, the arrival "// &
+         "of a &detonation; both, the arrival or the compression, as in an overdriven detonation", &
+         default="time", words="time both", owner=owner)
       call schema%require("material", "jwl_a jwl_b jwl_r1 jwl_r2 jwl_omega jwl_e0")
    end subroutine jwl_declare
 
@@ -134,8 +134,8 @@ contains
          deformation%pressure, deformation%wave_speed)
    end subroutine jwl_update
 
-   !> Kernel of the above, equations (X.1) and (X.2). Work along a path of finite steps can take
-   !! more energy than thin products have; their term of it is then 0.
+   !> Kernel of the above, equations (X.1) and (X.2). Finite steps can remove more energy than thin
+   !! products have; the energy term is then 0.
    pure subroutine product_pressure(first, last, eos, mass, volume, energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -271,14 +271,14 @@ contains
       energy = self%chemical/self%density
    end function jwl_start_energy
 
-   !> It describes what a detonation leaves.
+   !> The equation of state describes detonation products.
    pure logical function jwl_detonates(self) result(does)
       class(eos_jwl_t), intent(in) :: self
 
       does = .true.
    end function jwl_detonates
 
-   !> Speed of a detonation, and the relative volume behind it.
+   !> Speed of a detonation, and the relative volume behind the front.
    pure subroutine jwl_detonation(self, speed, relative)
       class(eos_jwl_t), intent(in) :: self
       real(wp), intent(out) :: speed                 !! [m/s]

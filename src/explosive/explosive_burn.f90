@@ -12,7 +12,7 @@ module explosive_burn
    public :: burn_t, detonator_t
 
    real(wp), parameter, public :: burnt_before = -1.0e30_wp !! Burn time of products [s]
-   real(wp), parameter, public :: never_burns = 1.0e30_wp !! Burn time of what is not reached [s]
+   real(wp), parameter, public :: never_burns = 1.0e30_wp !! Burn time of unreached material [s]
 
    integer, parameter, public :: detonator_point = 1, detonator_line = 2, detonator_plane = 3
 
@@ -79,8 +79,8 @@ contains
       call eos%detonation(self%speed, self%detonated)
    end subroutine burn_read
 
-   !> Multiply the pressure of the products with the burn fraction. The square of the sound speed
-   !! is left: it bounds what the next step can bring.
+   !> Multiply the pressure of the products with the burn fraction. The square of the sound speed is
+   !! not reduced, because it bounds that of the next step.
    pure subroutine burn_apply(self, first, last, burn_time, mass, volume, pressure)
       class(burn_t), intent(in) :: self
       integer, intent(in) :: first                   !! First particle of the range

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Times at which detonations arrive: straight to what they see, and around what is no explosive on
-!! shortest paths with bends at the corners of cells. Equations (X.10), (X.11) and
-!! (X.12) of doc/theory/explosives.md.
+!> Arrival times of detonations: along straight lines of sight, and around obstacles on shortest
+!! paths with bends at the corners of cells. Equations (X.10), (X.11) and (X.12) of
+!! doc/theory/explosives.md.
 !!
-!! Each corner of a cell knows the last bend of its path. A neighbour that sees this bend continues
-!! from it, else from the corner itself, so straight parts are straight and not along the grid (A.
-!! Nash, K. Daniel, S. Koenig, A. Felner, "Theta*: any-angle path planning on grids", AAAI 2007).
-!! Every rank computes the same paths.
+!! Each corner of a cell stores the last bend of its path. A neighbour with a line of sight to this
+!! bend continues from it, otherwise from the corner itself, so straight parts are straight and not
+!! along the grid (A. Nash, K. Daniel, S. Koenig, A. Felner, "Theta*: any-angle path planning on
+!! grids", AAAI 2007). Every rank computes the same paths.
 module explosive_paths
    use base_kinds, only: wp
    use explosive_burn, only: detonator_t, never_burns
@@ -30,22 +30,23 @@ module explosive_paths
    contains
       procedure :: find => detonation_paths_find     !! Shortest paths to all corners
       procedure :: arrival => detonation_paths_arrival !! At a point in an open cell
-      procedure, nopass :: straight => straight_arrival !! At a point that sees the detonators
+      procedure, nopass :: straight => straight_arrival !! At a point in sight of detonators
    end type detonation_paths_t
 
-   !> A path that is shorter by less than this share is the same: rounding must not bend it.
+   !> Paths whose lengths differ by less than this fraction are equal, so that rounding does not add
+   !! bends.
    real(wp), parameter :: gain = 1.0e-12_wp
 
 contains
 
-   !> Earliest arrival at a point from the detonators that it sees, and the bend that it comes from.
-   !! It is hidden if one that it does not see might come first.
+   !> Earliest arrival at a point from the detonators in its line of sight, and the bend of the
+   !! path. The point is hidden if a detonator out of sight might arrive first.
    pure subroutine straight_arrival(map, detonators, point, time, hidden, bend)
       type(sight_map_t), intent(in) :: map
       type(detonator_t), intent(in) :: detonators(:)
       real(wp), intent(in) :: point(3)               !! [m]
-      real(wp), intent(out) :: time                  !! [s]; never_burns if it sees none
-      logical, intent(out) :: hidden                 !! Might one it does not see be first?
+      real(wp), intent(out) :: time                  !! [s]; never_burns without line of sight
+      logical, intent(out) :: hidden                 !! True if one out of sight may arrive first
       type(bend_t), intent(out), optional :: bend    !! The detonator's nearest point
       type(bend_t) :: foot
       real(wp) :: least, arrival
@@ -87,7 +88,7 @@ contains
    !> Position of a corner [m]; 0 in inactive directions.
    pure function corner_position(map, place) result(position)
       type(sight_map_t), intent(in) :: map
-      integer, intent(in) :: place(3)                !! From 0
+      integer, intent(in) :: place(3)                !! Counted from 0
       real(wp) :: position(3)
 
       position = merge(map%lower + real(place, wp)*map%spacing, 0.0_wp, map%active)
@@ -126,7 +127,7 @@ contains
    !> Place of a corner from its number.
    pure function place_of(counts, number) result(place)
       integer, intent(in) :: counts(3)               !! Corners along each direction
-      integer, intent(in) :: number                  !! From 0
+      integer, intent(in) :: number                  !! Counted from 0
       integer :: place(3)
 
       place = [modulo(number, counts(1)), modulo(number/counts(1), counts(2)), &
@@ -136,7 +137,7 @@ contains
    !> Is one of the cells around a corner open?
    pure logical function touches_open(map, place) result(does)
       type(sight_map_t), intent(in) :: map
-      integer, intent(in) :: place(3)                !! From 0
+      integer, intent(in) :: place(3)                !! Counted from 0
       integer :: i, j, k, low(3), high(3)
 
       low = merge(max(place - 1, 0), 0, map%active)

@@ -7,18 +7,18 @@ module explosive_sight
 
    public :: sight_map_t
 
-   !> What a cell holds. Where ranks differ the least holds.
+   !> Content of a cell. Where ranks differ the least value applies.
    integer(int64), parameter, public :: cell_explosive = 1, cell_other = 2, cell_empty = 3
 
    !> A box of cells around the explosives.
    type :: sight_map_t
-      logical :: active(3) = .true.                  !! Directions of the scene
+      logical :: active(3) = .true.                  !! Active directions
       real(wp) :: lower(3) = 0.0_wp                  !! Lower corner [m]
       real(wp) :: spacing = 1.0_wp                   !! Edge of a cell [m]
       integer :: cells(3) = 1                        !! Along each direction, 1 if inactive
       logical, allocatable :: open(:)                !! (cell from 0) Can a detonation pass?
    contains
-      procedure :: start => sight_map_start          !! From what the cells hold
+      procedure :: start => sight_map_start          !! From the content of the cells
       procedure :: cell_of => sight_map_cell_of      !! Place of the cell of a point
       procedure :: is_open => sight_map_is_open      !! Is a cell open? True outside of the box
       procedure :: sees => sight_map_sees            !! Is a straight line open?
@@ -29,11 +29,11 @@ module explosive_sight
 
 contains
 
-   !> Open the cells with explosive, and the empty ones beside these, which the edge of an explosive
-   !! cuts without a particle in them.
+   !> Open the cells with explosive, and empty neighbours of these that the boundary of the
+   !! explosive may cut.
    pure subroutine sight_map_start(self, content)
       class(sight_map_t), intent(inout) :: self      !! Corner, spacing and counts are set
-      integer(int64), intent(in) :: content(0:)      !! (cell) What it holds
+      integer(int64), intent(in) :: content(0:)      !! (cell) Content
       integer :: i, j, k, n
 
       allocate (self%open(0:size(content) - 1))
@@ -49,11 +49,11 @@ contains
       end do
    end subroutine sight_map_start
 
-   !> Does a cell beside a face of this one hold explosive?
+   !> True if a neighbour of the cell across a face contains explosive.
    pure logical function has_neighbour(map, content, place) result(has)
       type(sight_map_t), intent(in) :: map
-      integer(int64), intent(in) :: content(0:)      !! (cell) What it holds
-      integer, intent(in) :: place(3)                !! From 0
+      integer(int64), intent(in) :: content(0:)      !! (cell) Content
+      integer, intent(in) :: place(3)                !! Counted from 0
       integer :: beside(3), direction, side
 
       has = .false.
@@ -88,18 +88,18 @@ contains
       end do
    end function sight_map_cell_of
 
-   !> Is a cell open? What lies outside of the box is.
+   !> True if a cell is open; cells outside of the box are.
    pure logical function sight_map_is_open(self, place) result(is_open)
       class(sight_map_t), intent(in) :: self
-      integer, intent(in) :: place(3)                !! From 0
+      integer, intent(in) :: place(3)                !! Counted from 0
 
       is_open = .true.
       if (any(place < 0 .or. place >= self%cells)) return
       is_open = self%open(number_of(self, place))
    end function sight_map_is_open
 
-   !> Is the straight line between two points open? Every piece of it between two faces of cells
-   !! must be in an open cell; a piece in the face itself may have that on either side.
+   !> Is the straight line between two points open? Each segment of it between two faces of cells
+   !! must be in an open cell; for a segment in a face the cell on either side is enough.
    pure logical function sight_map_sees(self, from, to) result(open)
       class(sight_map_t), intent(in) :: self
       real(wp), intent(in) :: from(3)                !! [m]
@@ -137,7 +137,7 @@ contains
       end do
    end function sight_map_sees
 
-   !> First plane between cells that a line meets behind its begin.
+   !> First plane between cells that a line meets after its start.
    pure real(wp) function first_plane(first, along) result(plane)
       real(wp), intent(in) :: first                  !! Begin in cells
       real(wp), intent(in) :: along                  !! Its extent in cells
@@ -149,8 +149,8 @@ contains
       end if
    end function first_plane
 
-   !> Is a point in an open cell, or on a face of one? On the face of the box what lies outside does
-   !! not count, else paths would run along it past all that touches it.
+   !> Is a point in an open cell, or on a face of one? On faces of the box cells outside do not
+   !! count; otherwise paths would run along the face past all obstacles that touch it.
    pure logical function piece_is_open(map, point) result(open)
       type(sight_map_t), intent(in) :: map
       real(wp), intent(in) :: point(3)               !! In cells, 0.5 in inactive directions

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The state of a periodic cell of grains, with what is known of its stress and its energy.
+!> The state of a periodic cell of grains, with its stress and energy.
 !!
 !! Equations of doc/theory/grains.md.
 module grains_cell

@@ -20,20 +20,21 @@ contains
    subroutine declare_grains(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%group("grains", "grains of a periodic cell, for scree --grains; a run of the "// &
-         "scene ignores it")
-      call schema%text("grains", "shape", "discs of 1 m thickness in x and y, or spheres", &
+      call schema%group("grains", &
+         "grains of a periodic cell, for scree --grains; simulations of a scene ignore it")
+      call schema%text("grains", "shape", "grains: discs of 1 m thickness in x and y, or spheres", &
          default="discs", words="discs spheres")
       call schema%integer("grains", "number", "number of grains", range="> 1 <= 100000000", &
          owner="cell.packing = random")
       call schema%real("grains", "diameter", "mean diameter", unit="m", range="> 0")
-      call schema%real("grains", "spread", "half the range of diameters over the mean", &
+      call schema%real("grains", "spread", "half the range of diameters, over the mean", &
          default="0.2", range=">= 0 < 0.9", owner="cell.packing = random")
-      call schema%text("grains", "sizes", "diameters evenly over the range, or its two ends", &
+      call schema%text("grains", "sizes", &
+         "distribution of diameters: uniform over the range, or two sizes at its ends", &
          default="uniform", words="uniform two")
-      call schema%real("grains", "density", "of the solid", unit="kg/m3", range="> 0")
-      call schema%text("grains", "law", "contact: springs of constant stiffness, or elastic "// &
-         "spheres after Hertz and Mindlin", default="linear", words="linear hertz")
+      call schema%real("grains", "density", "density of the solid", unit="kg/m3", range="> 0")
+      call schema%text("grains", "law", "contact law: linear, springs of constant stiffness; "// &
+         "hertz, elastic spheres after Hertz and Mindlin", default="linear", words="linear hertz")
       call schema%real("grains", "stiffness", "normal stiffness of a contact", unit="N/m", &
          range="> 0", owner="law = linear")
       call schema%real("grains", "tangential_ratio", "tangential over normal stiffness", &
@@ -42,11 +43,12 @@ contains
          owner="law = hertz")
       call schema%real("grains", "poisson", "Poisson's ratio of the solid", default="0.25", &
          range=">= 0 <= 0.5", owner="law = hertz")
-      call schema%real("grains", "restitution", "speed after over speed before a collision", &
-         default="0.5", range="> 0 <= 1")
-      call schema%real("grains", "friction", "coefficient of friction between grains", &
-         default="0.4", range=">= 0")
-      call schema%integer("grains", "steps_per_contact", "steps in the shortest collision", &
+      call schema%real("grains", "restitution", &
+         "coefficient of restitution: speed after over speed before a collision", default="0.5", &
+         range="> 0 <= 1")
+      call schema%real("grains", "friction", "friction coefficient between grains", default="0.4", &
+         range=">= 0")
+      call schema%integer("grains", "steps_per_contact", "time steps in the shortest collision", &
          default="50", range=">= 10 <= 100000")
       call declare_cell(schema)
       call declare_stages(schema)
@@ -56,32 +58,32 @@ contains
    subroutine declare_cell(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%group("cell", "periodic cell that follows the &stage groups: of grains for "// &
-         "scree --grains, without &grains of the particles of the scene")
-      call schema%text("cell", "packing", "grains: at random without overlap, or a "// &
-         "perfect lattice", &
+      call schema%group("cell", "periodic cell deformed by the &stage groups: of grains for "// &
+         "scree --grains, of the particles of the scene without &grains")
+      call schema%text("cell", "packing", "grains: random without overlap, or a perfect lattice", &
          default="random", words="random triangular fcc")
-      call schema%integer("cell", "cells(3)", "grains: rectangular cells of the lattice: two "// &
-         "discs or four spheres each", owner="packing = triangular fcc")
-      call schema%real("cell", "overlap", "grains: of neighbours in the lattice over the "// &
-         "diameter", &
-         default="0", range=">= 0 < 0.1", owner="packing = triangular fcc")
+      call schema%integer("cell", "cells(3)", "grains: number of rectangular unit cells of the "// &
+         "lattice, with two discs or four spheres each", owner="packing = triangular fcc")
+      call schema%real("cell", "overlap", &
+         "grains: overlap of neighbours in the lattice over the diameter", default="0", &
+         range=">= 0 < 0.1", owner="packing = triangular fcc")
       call schema%real("cell", "volume_fraction", &
-         "grains: solid volume over cell volume; default: what "// &
-         "fits without overlap", &
+         "grains: solid volume over cell volume; default: the greatest without overlap", &
          range="> 0 < 1", owner="packing = random")
-      call schema%real("cell", "aspect(3)", "grains: edges relative to each other", &
-         default="1 1 1", range="> 0", owner="packing = random")
-      call schema%real("cell", "speed", "grains: random velocities: root of the mean square "// &
-         "of a component", unit="m/s", default="0", range=">= 0")
-      call schema%integer("cell", "seed", "grains: of the random numbers", default="1", &
+      call schema%real("cell", "aspect(3)", &
+         "grains: edge lengths of the cell relative to each other", default="1 1 1", range="> 0", &
+         owner="packing = random")
+      call schema%real("cell", "speed", &
+         "grains: root mean square of a component of the random initial velocities", unit="m/s", &
+         default="0", range=">= 0")
+      call schema%integer("cell", "seed", "grains: seed of the random numbers", default="1", &
          range=">= 0")
-      call schema%real("cell", "tilt", "tilt of the y edge along x, over the x edge; of "// &
-         "the z edge in a scene in a plane", default="0")
-      call schema%real("cell", "pressure", "stress that servos hold", unit="Pa", range="> 0")
-      call schema%real("cell", "skin", "grains: gap up to which neighbours are listed, over "// &
-         "the diameter", &
-         default="0.25", range="> 0 <= 2")
+      call schema%real("cell", "tilt", "tilt of the y edge along x over the length of the x "// &
+         "edge; in a plane scene, of the z edge", default="0")
+      call schema%real("cell", "pressure", "pressure held by the servos", unit="Pa", range="> 0")
+      call schema%real("cell", "skin", &
+         "grains: gap up to which neighbours are listed, over the mean diameter", default="0.25", &
+         range="> 0 <= 2")
    end subroutine declare_cell
 
    !> Keys that a deck for --grains must give.
@@ -92,7 +94,7 @@ contains
       call schema%require("cell", "cells")
    end subroutine require_grains
 
-   !> What no single key can say.
+   !> Checks that involve several keys.
    subroutine check_grains(deck)
       type(deck_t), intent(inout) :: deck
       type(group_t) :: grains, cell
@@ -239,8 +241,8 @@ contains
       cell%grains%place(1, :) = cell%grains%place(1, :) - part*cell%grains%place(2, :)
    end subroutine tilt_cell
 
-   !> The time step: a share of the shortest collision of two of the smallest grains. That of Hertz
-   !! depends on the speed; it is taken for an overlap of 2 % of the radius.
+   !> The time step: a fraction of the shortest collision of two of the smallest grains. The Hertz
+   !! collision time depends on the speed; it is taken for an overlap of 2 % of the radius.
    subroutine choose_step(grains, cell)
       type(group_t), intent(in) :: grains            !! &grains
       type(cell_t), intent(inout) :: cell

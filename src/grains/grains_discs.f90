@@ -47,7 +47,7 @@ contains
    end subroutine push_discs
 
    !> Force of one pair that touches or has touched a step ago.
-   ! gate: long kernel because the steps from overlap to force share all intermediate numbers
+   ! gate: long kernel because all steps from overlap to force use the same intermediate values
    pure subroutine push_pair(grains, box, law, time, dt, i, j, dx, dy, history, push)
       type(grains_t), intent(in) :: grains
       type(box_t), intent(in) :: box
@@ -104,7 +104,7 @@ contains
       former_spring = law%normal*history(factor)*max(former, 0.0_wp)
       history(dashpot_loss) = history(dashpot_loss) &
          + 0.5_wp*(history(dashpot) + damper)*(depth - former)
-      ! tangential force, of which unloading keeps the share of the stiffness
+      ! tangential force; unloading scales it with the stiffness
       stiff = law%tangential*q
       former_stiff = law%tangential*history(factor)
       across = history(tangent)
@@ -121,8 +121,8 @@ contains
          - 0.5_wp*trial**2/stiff
       if (former_stiff > 0.0_wp) history(slip_loss) = history(slip_loss) &
          + 0.5_wp*history(tangent)**2/former_stiff
-      ! the rest of the work of both forces along the way of the step, (G.6); what the tangential
-      ! force of the end does is its slide, which is booked
+      ! the remaining work of both forces over the displacement of the step, (G.6); the work of the
+      ! final tangential force is its sliding, which is recorded
       across = former_spring + history(dashpot)
       stiff = 1.0_wp/(distance + depth - former)
       from_x = (distance*nx - way_x)*stiff

@@ -25,8 +25,8 @@ module grains_exchange
 
 contains
 
-   !> First row of a rank: whole blocks, as even as they go. That of rank `ranks` is behind the last
-   !! row.
+   !> First row of a rank: whole blocks, as even as possible. For rank `ranks` it is one after the
+   !! last row.
    pure integer function first_row_of(count, rank, ranks) result(row)
       integer, intent(in) :: count                   !! Rows
       integer, intent(in) :: rank, ranks             !! Which of how many

@@ -47,7 +47,7 @@ contains
    pure logical function is_own_pair(grains, pairs, pair) result(is_own)
       type(grains_t), intent(in) :: grains
       type(pairs_t), intent(in) :: pairs
-      integer, intent(in) :: pair                    !! Its number
+      integer, intent(in) :: pair                    !! Number
 
       is_own = pairs%first(pair) >= grains%first .and. pairs%first(pair) <= grains%last
    end function is_own_pair

@@ -173,7 +173,7 @@ contains
    !> A row of the history; stresses are means over the time since the last row. Collective.
    subroutine history_values(cell, stage, energy_at_start, values)
       type(cell_t), intent(in) :: cell
-      integer, intent(in) :: stage                   !! Its number
+      integer, intent(in) :: stage                   !! Number
       real(wp), intent(in) :: energy_at_start        !! Total at the start [J]
       real(wp), allocatable, intent(out) :: values(:) !! (column)
       type(energy_t) :: energy

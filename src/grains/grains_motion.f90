@@ -39,7 +39,7 @@ contains
       !$omp end parallel do
    end subroutine start_velocities
 
-   !> Move the own grains, and find how far one has gone since pairs were found.
+   !> Move the own grains, and find the greatest displacement since the last neighbour search.
    subroutine move_grains(grains, h, from, m, dt, travel)
       type(grains_t), intent(inout) :: grains
       real(wp), intent(in) :: h(3, 3)                !! Edges at the end of the step [m]

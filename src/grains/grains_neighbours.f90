@@ -60,7 +60,7 @@ contains
       call make_pairs(grains, near, pairs)
    end subroutine find_pairs
 
-   !> Turn counts, which stand one place behind, into first places.
+   !> Convert counts, stored with an offset of one, to first indices.
    pure subroutine accumulate(start)
       integer, intent(inout) :: start(:)             !! Counts from 2 on
       integer :: n

@@ -38,7 +38,7 @@ module grains_output
 
 contains
 
-   !> Begin the files, or go on with those of an earlier run. Collective.
+   !> Begin the files, or continue those of a previous run. Collective.
    subroutine output_open(self, cell, path, restarts, note, error)
       class(grains_output_t), intent(inout) :: self
       type(cell_t), intent(in) :: cell
@@ -77,7 +77,7 @@ contains
    subroutine output_row(self, cell, stage, error)
       class(grains_output_t), intent(inout) :: self
       type(cell_t), intent(inout) :: cell
-      integer, intent(in) :: stage                   !! Its number
+      integer, intent(in) :: stage                   !! Number
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: values(:)
 
@@ -110,7 +110,7 @@ contains
    subroutine output_probe(self, cell, stage, error)
       class(grains_output_t), intent(inout) :: self
       type(cell_t), intent(in) :: cell
-      integer, intent(in) :: stage                   !! Its number
+      integer, intent(in) :: stage                   !! Number
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: rows(:, :)
       integer :: row

@@ -25,7 +25,7 @@ module grains_pairs
    integer, parameter, public :: slips = 12          !! 1 if it slipped in the last step
    integer, parameter, public :: history_words = 12
 
-   !> Words of what a pair does to its grains. Forces act on the second grain.
+   !> Data of the interaction of a pair. Forces act on the second grain.
    integer, parameter, public :: push_force = 1      !! to 3 [N]
    integer, parameter, public :: push_moment = 4     !! to 6: normal times tangential force [N]
    integer, parameter, public :: push_arm = 7        !! and 8: centres to the contact [m]
@@ -65,7 +65,7 @@ contains
    !> True if the grains of a pair touch.
    pure logical function pairs_touches(self, pair) result(touches)
       class(pairs_t), intent(in) :: self
-      integer, intent(in) :: pair                    !! Its number
+      integer, intent(in) :: pair                    !! Number
 
       touches = self%history(overlap, pair) > 0.0_wp
    end function pairs_touches

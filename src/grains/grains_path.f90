@@ -43,36 +43,37 @@ contains
    subroutine declare_stages(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%group("stage", "one part of the path of a cell: of grains for "// &
-         "scree --grains, or of the scene with &cell", many=.true.)
-      call schema%text("stage", "name", "for the log")
-      call schema%real("stage", "rate(6)", "du_x/dx du_y/dy du_z/dz du_x/dy du_x/dz du_y/dz", &
-         unit="1/s", default="0 0 0 0 0 0")
+      call schema%group("stage", "one stage of the deformation of a cell: of grains for scree "// &
+         "--grains, or of the scene with &cell", many=.true.)
+      call schema%text("stage", "name", "name of the stage, for the log")
+      call schema%real("stage", "rate(6)", &
+         "velocity gradient du_x/dx du_y/dy du_z/dz du_x/dy du_x/dz du_y/dz", unit="1/s", &
+         default="0 0 0 0 0 0")
       call schema%real("stage", "inertial_number", "grains: shear of x along y at this "// &
-         "inertial number of `pressure`, rate = I sqrt(pressure/density)/diameter; negative: "// &
+         "inertial number I of `pressure`, rate = I sqrt(pressure/density)/diameter; negative: "// &
          "reversed")
-      call schema%text("stage", "servo", "axes whose stress is held at `pressure`: each by "// &
-         "itself, or the mean with isotropic", default="none", &
+      call schema%text("stage", "servo", "axes along which the stress is held at `pressure`: "// &
+         "each axis by itself; isotropic: the mean stress", default="none", &
          words="none isotropic x y z xy xz yz xyz")
-      call schema%real("stage", "pressure", "stress that is held; default: that of &cell", &
+      call schema%real("stage", "pressure", "stress held by the servo; default: that of &cell", &
          unit="Pa", range="> 0")
-      call schema%real("stage", "friction", "grains: friction between grains in this stage; "// &
-         "default: that of &grains", range=">= 0")
-      call schema%real("stage", "strain", "end: the greatest rate times the time", range="> 0")
-      call schema%real("stage", "duration", "end: the time", unit="s", range="> 0")
-      call schema%real("stage", "volume_fraction", "grains: end, if sooner, when it is passed", &
-         range="> 0 < 1")
-      call schema%real("stage", "quiet", &
-         "grains: end, if sooner, kinetic energy over that of the springs", &
+      call schema%real("stage", "friction", &
+         "grains: friction coefficient between grains in this stage; default: that of &grains", &
+         range=">= 0")
+      call schema%real("stage", "strain", "end of the stage: greatest rate times duration", &
          range="> 0")
+      call schema%real("stage", "duration", "end of the stage: duration", unit="s", range="> 0")
+      call schema%real("stage", "volume_fraction", &
+         "grains: the stage ends early when this volume fraction is passed", range="> 0 < 1")
+      call schema%real("stage", "quiet", "grains: the stage ends early when the kinetic energy "// &
+         "over the energy of the springs falls below this", range="> 0")
       call schema%integer("stage", "rows", "grains: rows of the history, means over equal times", &
          default="100", range=">= 1 <= 100000000")
-      call schema%integer("stage", "snapshots", "grains: snapshots of grains and contacts, "// &
-         "evenly", &
-         default="1", range=">= 0 <= 1000000")
-      call schema%logical("stage", "probe", "grains: measure elastic moduli at the end by "// &
-         "small strains", &
-         default=".false.")
+      call schema%integer("stage", "snapshots", &
+         "grains: number of snapshots of grains and contacts, evenly spaced", default="1", &
+         range=">= 0 <= 1000000")
+      call schema%logical("stage", "probe", &
+         "grains: measure the elastic moduli at the end by small strains", default=".false.")
    end subroutine declare_stages
 
    !> Each stage has an end, and what it holds is known.
@@ -125,7 +126,7 @@ contains
    !> Read one stage.
    subroutine read_stage(deck, n, cell, friction, stage)
       type(deck_t), intent(in) :: deck
-      integer, intent(in) :: n                       !! Its number
+      integer, intent(in) :: n                       !! Number
       type(cell_t), intent(in) :: cell
       real(wp), intent(in) :: friction               !! Of &grains
       type(stage_t), intent(out) :: stage
@@ -150,7 +151,7 @@ contains
       call group%get("probe", stage%probe)
    end subroutine read_stage
 
-   !> Steps of a stage, if nothing ends it sooner.
+   !> Steps of a stage, unless it ends early.
    pure integer(int64) function path_steps(self, dt) result(steps)
       class(path_t), intent(in) :: self
       real(wp), intent(in) :: dt                     !! [s]

@@ -102,9 +102,9 @@ contains
       call take_stress(copy, stress)
    end subroutine strain_affine
 
-   !> Let the grains of a cell come to rest. Their velocities decay besides what dashpots take. It
-   !! goes on, up to `most_rests` times as long, until what is left of the motion is no force beside
-   !! that of a probe: a grain that has not found its place would move between two probes.
+   !> Relax the grains of a cell to rest, with damping in addition to the dashpots. The relaxation
+   !! is repeated up to `most_rests` times, until the remaining motion causes forces that are
+   !! negligible for a probe: a grain that is not in equilibrium would move between two probes.
    !! Collective.
    subroutine settle(cell, collisions)
       type(cell_t), intent(inout) :: cell

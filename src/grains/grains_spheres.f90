@@ -50,7 +50,7 @@ contains
    end subroutine push_spheres
 
    !> Force of one pair that touches or has touched a step ago.
-   ! gate: long kernel because the steps from overlap to force share all intermediate numbers
+   ! gate: long kernel because all steps from overlap to force use the same intermediate values
    pure subroutine push_pair(grains, box, law, time, dt, i, j, branch, history, push)
       type(grains_t), intent(in) :: grains
       type(box_t), intent(in) :: box
@@ -122,7 +122,7 @@ contains
          + 0.5_wp*kept/former_stiff
       rubbed = 0.5_wp*dot_product(across, slide)
       history(step_loss) = history(step_loss) + rubbed
-      ! unloading keeps the share of the stiffness
+      ! unloading scales the force with the stiffness
       if (q < history(factor)) across = across*(q/history(factor))
       across = across - stiff*slide
       trial = sqrt(across(1)**2 + across(2)**2 + across(3)**2)
@@ -136,8 +136,8 @@ contains
       history(slip_loss) = history(slip_loss) - rubbed
       if (stiff > 0.0_wp .and. touches) history(slip_loss) = history(slip_loss) &
          - 0.5_wp*(across(1)**2 + across(2)**2 + across(3)**2)/stiff
-      ! the rest of the work of both forces along the way of the step, (G.6); what the tangential
-      ! force of the end does is its slide, which is booked
+      ! the remaining work of both forces over the displacement of the step, (G.6); the work of the
+      ! final tangential force is its sliding, which is recorded
       from = (distance*n - way)*(1.0_wp/(distance + depth - former))
       force = (former_spring + history(dashpot))*from + history(tangent:tangent + 2)
       lever = dt*(lever - 0.5_wp*(former - depth)*turn)

@@ -82,8 +82,8 @@ contains
       power = -sum(reshape(cell%contact + cell%kinetic, [3, 3])*cell%box%gradient)
    end function working
 
-   !> How far a grain may travel before pairs are found anew: half the skin that the deformation of
-   !! the cell has left [m].
+   !> Displacement of a grain that requires a new neighbour search: half of the skin, less the
+   !! deformation of the cell [m].
    pure real(wp) function reach_left(cell) result(left)
       type(cell_t), intent(in) :: cell
       real(wp) :: change(3, 3), dual(3, 3), reach
@@ -115,7 +115,7 @@ contains
       end do
    end subroutine shift_places
 
-   !> Find the pairs anew and keep the histories of their contacts. Collective.
+   !> Repeat the neighbour search and keep the histories of contacts. Collective.
    subroutine renew_pairs(cell)
       type(cell_t), intent(inout) :: cell
       real(wp), allocatable :: records(:, :)
@@ -144,7 +144,7 @@ contains
       cell%searches = cell%searches + 1
    end subroutine renew_pairs
 
-   !> Bring the rows into the order of a space-filling curve, and share them out. Collective.
+   !> Sort the rows along a space-filling curve, and distribute them over the ranks. Collective.
    subroutine sort_rows(cell)
       type(cell_t), intent(inout) :: cell            !! Coordinates of all rows are known
       integer(int64), allocatable :: key(:)

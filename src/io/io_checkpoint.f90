@@ -27,7 +27,7 @@ module io_checkpoint
 
    public :: checkpoint_newest, checkpoint_place_t, checkpoint_write, head_check, remove_old_files
 
-   !> Path of a checkpoint and its contents besides the state. The same on all ranks.
+   !> Path of a checkpoint and its contents other than the state. The same on all ranks.
    type :: checkpoint_place_t
       character(len=:), allocatable :: folder             !! Folder of the results
       character(len=:), allocatable :: case               !! Prefix of all files
@@ -220,7 +220,7 @@ contains
 
    !> Number rows from 1.
    pure subroutine number_rows(count, numbers)
-      integer, intent(in) :: count                        !! How many
+      integer, intent(in) :: count                        !! Number
       integer(int64), allocatable, intent(out) :: numbers(:) !! 1, 2, ...
       integer :: index
 

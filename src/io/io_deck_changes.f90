@@ -38,7 +38,7 @@ module io_deck_changes
       type(echo_group_t), allocatable :: group(:)             !! The groups; longer than `count`
    end type echo_groups_t
 
-   !> What differs, with a line for each key, by the class of the change.
+   !> The differences, one line per key, by class of the change.
    type :: changes_t
       character(len=:), allocatable :: refused           !! Keys that may not change
       character(len=:), allocatable :: physics           !! Keys that change the rest of the run
@@ -170,7 +170,7 @@ contains
       type(changes_t), intent(inout) :: changes          !! Gets the line
       character(len=*), intent(in) :: kind               !! Kind of the group
       character(len=*), intent(in) :: key
-      character(len=*), intent(in) :: line               !! What differs
+      character(len=*), intent(in) :: line               !! Differences
       character(len=:), allocatable :: text
 
       text = new_line("a")//"  &"//line
@@ -212,7 +212,7 @@ contains
    !! indented by three blanks, continuation lines of long lists by more.
    pure subroutine read_echo(text, groups)
       character(len=*), intent(in) :: text
-      type(echo_groups_t), intent(out) :: groups              !! What it holds
+      type(echo_groups_t), intent(out) :: groups              !! Content
       integer :: first, last
 
       allocate (groups%group(8))
@@ -252,7 +252,7 @@ contains
    pure subroutine read_key(line, continued, group)
       character(len=*), intent(in) :: line               !! Without its indent
       logical, intent(in) :: continued                    !! Further values of the last key
-      type(echo_group_t), intent(inout) :: group              !! Gets them
+      type(echo_group_t), intent(inout) :: group              !! Receives them
       type(echo_entry_t), allocatable :: longer(:)
       character(len=:), allocatable :: value
       integer :: equals, mark

@@ -43,7 +43,7 @@ contains
    recursive subroutine append_file(path, chain, buffer, error)
       character(len=*), intent(in) :: path
       type(text_t), intent(in) :: chain(:)               !! The file and those that include it
-      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+      type(buffer_t), intent(inout) :: buffer            !! Extended by the text
       type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
       type(namelist_t) :: namelist
       type(problems_t) :: ignored
@@ -69,7 +69,7 @@ contains
 
    !> Number of line ends in a text.
    pure integer function lines_in(text) result(lines)
-      character(len=*), intent(in) :: text               !! Any text
+      character(len=*), intent(in) :: text               !! Text
       integer :: i
 
       lines = 0
@@ -83,7 +83,7 @@ contains
       type(block_t), intent(in) :: block
       character(len=*), intent(in) :: path               !! File of the group
       type(text_t), intent(in) :: chain(:)               !! That file and those that include it
-      type(buffer_t), intent(inout) :: buffer            !! Gets the text
+      type(buffer_t), intent(inout) :: buffer            !! Extended by the text
       type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
       type(text_t), allocatable :: longer(:)
       character(len=:), allocatable :: name, place

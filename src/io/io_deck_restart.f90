@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Table of the deck keys that may change on a restart from a checkpoint, and what a change means.
+!> Table of the deck keys that may change on a restart from a checkpoint, and the consequences of a
+!! change.
 module io_deck_restart
    use base_text, only: append, split, text_t
    implicit none

@@ -158,7 +158,7 @@ contains
    subroutine digest_block(source, store, field, before, owners, sum, error)
       type(hdf5_source_t), intent(in) :: source          !! Open checkpoint
       character(len=*), intent(in) :: store              !! Name of the material
-      type(data_info_t), intent(in) :: field             !! What the field is
+      type(data_info_t), intent(in) :: field             !! Name of the field
       integer(int64), intent(in) :: before               !! Rows before the first
       integer(int64), contiguous, intent(in) :: owners(:) !! Identities of the rows
       integer(int64), intent(inout) :: sum               !! Sum of hashes

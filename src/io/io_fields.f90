@@ -13,7 +13,7 @@ module io_fields
    public :: choose_columns, column_t, fill_reals, fill_integers, picks_t
 
    integer, parameter, public :: field_name_length = 32  !! Longest name of a field
-   !> All names that `fields` of an output may have, besides "default" and "state".
+   !> All names allowed in `fields` of an output, in addition to "default" and "state".
    character(len=field_name_length), parameter, public :: field_names(35) = &
       [character(len=field_name_length) :: "identity", "material", "body", "mass", "volume", &
       "density", "velocity", "speed", "reference", "stress", "pressure", "mises", &

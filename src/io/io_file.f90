@@ -34,7 +34,7 @@ module io_file
       procedure :: create => output_create               !! Create an empty file
       procedure :: append => output_append               !! Open to append
       procedure :: write => output_write                 !! Write a text
-      procedure :: sync => output_sync                   !! Wait until it is on the disk
+      procedure :: sync => output_sync                   !! Synchronise with the disk
       procedure :: close => output_close                 !! Close
    end type output_file_t
 
@@ -242,8 +242,8 @@ contains
    !> Names in a folder with a given beginning and end, in alphabetical order.
    subroutine list_folder(folder, prefix, suffix, names, error)
       character(len=*), intent(in) :: folder             !! Folder
-      character(len=*), intent(in) :: prefix             !! What names begin with
-      character(len=*), intent(in) :: suffix             !! What they end with
+      character(len=*), intent(in) :: prefix             !! Prefix of names
+      character(len=*), intent(in) :: suffix             !! Suffix of names
       character(len=longest_name), allocatable, intent(out) :: names(:) !! Filled with blanks
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       logical :: readable
@@ -255,7 +255,7 @@ contains
    !> Write a file atomically: at any time either the old or the new one exists.
    subroutine write_file(path, text, error)
       character(len=*), intent(in) :: path               !! File
-      character(len=*), intent(in) :: text               !! All of it
+      character(len=*), intent(in) :: text               !! Whole content
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written, old one intact
       type(output_file_t) :: part
 
@@ -271,7 +271,7 @@ contains
    !> Read a whole file.
    subroutine read_file(path, text, error)
       character(len=*), intent(in) :: path               !! File
-      character(len=:), allocatable, intent(out), target :: text !! All of it
+      character(len=:), allocatable, intent(out), target :: text !! Whole content
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       integer(c_int) :: descriptor, status
       integer(c_size_t) :: bytes, done, got

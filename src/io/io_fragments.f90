@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Fragments are sets of particles whose cells touch each other.
 !!
-!! Cells with particles that share a node are connected, because their particles interact there; a
-!! limit on the difference of their velocities can separate them. All ranks learn all such cells (8
-!! bytes each, 32 with that limit) and find the same fragments; what a fragment holds is added
-!! up by one rank, in the order of its cells, so that no bit depends on the number of ranks.
+!! Cells with particles and a common node are connected, because their particles interact there; a
+!! limit on the difference of their velocities can separate them. All ranks receive all such cells
+!! (8 bytes each, 32 with that limit) and find the same fragments; one rank sums the content of a
+!! fragment in the order of its cells, so that no bit depends on the number of ranks.
 module io_fragments
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -66,7 +66,7 @@ contains
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(in) :: stores(:)
-      type(fragments_t), intent(in) :: wanted            !! What is looked for
+      type(fragments_t), intent(in) :: wanted            !! Definition of fragments
       real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
@@ -81,7 +81,7 @@ contains
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(in) :: stores(:)
-      type(fragments_t), intent(in) :: wanted            !! What is looked for
+      type(fragments_t), intent(in) :: wanted            !! Definition of fragments
       type(labels_t), allocatable, intent(out) :: labels(:) !! (store)
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
@@ -105,15 +105,15 @@ contains
       end do
    end subroutine fragment_labels
 
-   !> Find the fragments and what they hold. Collective.
+   !> Find the fragments and their contents. Collective.
    subroutine find_fragments(communicator, grid, tiles, stores, wanted, picks, cells, map, rows)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(in) :: stores(:)
-      type(fragments_t), intent(in) :: wanted            !! What is looked for
+      type(fragments_t), intent(in) :: wanted            !! Definition of fragments
       type(picks_t), allocatable, intent(out) :: picks(:) !! (store) Particles that count
-      type(cells_t), intent(out) :: cells                !! Their cells on this rank
+      type(cells_t), intent(out) :: cells                !! Cells of the fragments on this rank
       type(map_t), intent(out) :: map                    !! All cells with their fragments
       real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
       real(wp), allocatable :: sums(:, :), here(:, :)
@@ -137,7 +137,7 @@ contains
    subroutine learn_cells(communicator, grid, cells, sums, velocity_cut, map)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       real(wp), intent(in) :: sums(:, :)                 !! (sum, cell)
       real(wp), intent(in) :: velocity_cut               !! Finite: velocities go along [m/s]
       type(map_t), intent(out) :: map                    !! All cells
@@ -168,8 +168,8 @@ contains
       end do
    end subroutine learn_cells
 
-   !> Give each cell the number of its fragment, and the image of the box in which it lies beside
-   !! the first cell of the fragment.
+   !> Give each cell the number of its fragment, and the image of the box in which it is connected
+   !! to the first cell of the fragment.
    subroutine connect(grid, velocity_cut, map)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: velocity_cut               !! Cells that differ by more part [m/s]
@@ -243,7 +243,7 @@ contains
    !> Place of a cell in the box, from 0.
    pure function place_of(grid, key) result(place)
       type(grid_t), intent(in) :: grid
-      integer(int64), intent(in) :: key                  !! Its number
+      integer(int64), intent(in) :: key                  !! Number
       integer :: place(3)
 
       place(1) = int(mod(key, int(grid%cells(1), int64)))
@@ -255,7 +255,7 @@ contains
    subroutine hand_over(communicator, grid, cells, sums, map, key, here)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       real(wp), intent(in) :: sums(:, :)                 !! (sum, cell)
       type(map_t), intent(in) :: map                     !! All cells
       integer(int64), allocatable, intent(out) :: key(:) !! Cells of the fragments of this rank

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What an instrument at one place of an experiment shows, a gauge. The fields of a particle, of the
-!! material around a fixed point, of a surface as a laser interferometer sees it, or the means over
-!! bodies or a region.
+!> A gauge: the signal of an instrument at one position of an experiment. The fields of a particle,
+!! of the material around a fixed point, of a surface as a laser interferometer sees it, or the
+!! means over bodies or a region.
 !!
 !! At a point and on a surface the value is that of a linear function that is fitted to the
 !! particles around, equation (O.1) of doc/theory/instruments.md. All sums are exact, so they do not
@@ -27,15 +27,15 @@ module io_gauge
    integer, parameter, public :: on_surface = 3          !! Fit below a surface
    integer, parameter, public :: over_selection = 4      !! Means
    integer, parameter, public :: gauge_before = 4        !! Columns before the fields: x y z, count
-   !> Directions in which particles spread less than this share of the radius have no slope.
+   !> Directions in which particles spread less than this fraction of the radius get no slope.
    real(wp), parameter :: least_spread = 1.0e-3_wp
    integer, parameter :: basis_size = 4                  !! 1 and three coordinates
    integer, parameter :: products = 10                   !! Of pairs of these
 
-   !> What a gauge shows.
+   !> Definition of a gauge.
    type :: gauge_t
       integer :: kind = at_point                         !! One of the constants above
-      real(wp) :: point(3) = 0.0_wp                      !! Where it is, or starts [m]
+      real(wp) :: point(3) = 0.0_wp                      !! Position, or initial position [m]
       real(wp) :: radius = 0.0_wp                        !! Of the material that is seen [m]
       real(wp) :: depth = 0.0_wp                         !! The same below a surface [m]
       integer :: axis = 1                                !! Normal of the surface, about
@@ -47,13 +47,13 @@ module io_gauge
 
 contains
 
-   !> Values of all columns but time and step. A gauge that sees nothing has zeros. Collective.
+   !> Values of all columns but time and step. All are zero if there is no material. Collective.
    subroutine gauge_row(communicator, grid, coordinate, stores, gauge, row)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       integer, intent(in) :: coordinate(:, :)            !! (3, tile) Coordinates of the tiles
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(gauge_t), intent(in) :: gauge                 !! What it shows
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(gauge_t), intent(in) :: gauge                 !! Definition of the gauge
       real(wp), allocatable, intent(out) :: row(:)       !! (column)
       type(picks_t) :: picks(size(stores))
       real(wp), allocatable :: weight(:), offset(:, :)
@@ -219,8 +219,8 @@ contains
    subroutine fit(communicator, active, stores, picks, weight, offset, means, row)
       type(communicator_t), intent(in) :: communicator
       logical, intent(in) :: active(3)                   !! Directions that there are
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       real(wp), intent(in) :: weight(:)                  !! (row)
       real(wp), intent(in) :: offset(:, :)               !! (3, row)
       type(mean_t), intent(in) :: means(:)
@@ -311,8 +311,8 @@ contains
    !> Mean position, number and means of the particles, weighted as in profiles. Collective.
    subroutine find_means(communicator, stores, picks, single, means, row)
       type(communicator_t), intent(in) :: communicator
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       logical, intent(in) :: single                      !! One particle, whose values stay exact
       type(mean_t), intent(in) :: means(:)
       real(wp), intent(inout) :: row(:)                  !! Gets all
@@ -367,7 +367,7 @@ contains
    !> Mass, volume and position of the particles, store after store.
    pure subroutine copy_weights(stores, picks, mass, volume, position)
       type(store_t), intent(in) :: stores(:)
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       real(wp), allocatable, intent(out) :: mass(:)      !! (row) [kg]
       real(wp), allocatable, intent(out) :: volume(:)    !! (row) [m3]
       real(wp), allocatable, intent(out) :: position(:, :) !! (3, row) [m]

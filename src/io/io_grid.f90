@@ -31,7 +31,7 @@ module io_grid
 
    character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
 
-   !> A block of cells, and the planes of it that a rank writes.
+   !> A block of cells, and its planes written by one rank.
    type :: box_t
       integer :: first(3) = 0                            !! First cell, from 0
       logical :: layer(3) = .false.                      !! Is there one layer of cells?
@@ -47,10 +47,10 @@ contains
       character(len=*), intent(in) :: path
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(mean_t), intent(in) :: means(:)               !! What is written
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(mean_t), intent(in) :: means(:)               !! Means to write
       type(snapshot_format_t), intent(in) :: format      !! How, and of which particles
-      type(snapshot_header_t), intent(in) :: header      !! What else is written
+      type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
       type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
@@ -82,7 +82,7 @@ contains
    !> The smallest block around the cells of all ranks, and the rank that writes each plane.
    subroutine find_box(communicator, cells, compress, box)
       type(communicator_t), intent(in) :: communicator
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       integer, intent(in) :: compress                    !! gzip level
       type(box_t), intent(out) :: box
       integer(int64) :: edges(6), chunks
@@ -167,8 +167,8 @@ contains
    !> Means of one field over the particles of each cell.
    subroutine cell_means(grid, stores, picks, cells, mean, values)
       type(grid_t), intent(in) :: grid
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(cells_t), intent(in) :: cells                 !! Their cells
       type(mean_t), intent(in) :: mean
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, cell)
@@ -180,7 +180,7 @@ contains
       other = mean
       select case (mean%column%name)
       case ("density", volume_fraction)
-         ! what a cell holds, over the volume of the cell
+         ! content of a cell over its volume
          other%column%derived = .false.
          other%column%name = merge("mass  ", "volume", mean%column%name == "density")
          call fill_mean(stores, picks, other%column, rows)
@@ -203,10 +203,10 @@ contains
       end select
    end subroutine cell_means
 
-   !> What each particle counts in a mean.
+   !> Weight of each particle in a mean.
    subroutine particle_weights(stores, picks, kind, weight)
       type(store_t), intent(in) :: stores(:)
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       integer, intent(in) :: kind                        !! added, by_mass, by_volume
       real(wp), allocatable, intent(out) :: weight(:)    !! (row)
       integer :: filled, row, store
@@ -246,7 +246,7 @@ contains
    subroutine write_field(file, box, cells, mean, values, single, units)
       type(hdf5_file_t), intent(inout) :: file
       type(box_t), intent(in) :: box                     !! All cells of the file
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       type(mean_t), intent(in) :: mean
       real(wp), intent(in) :: values(:, :)               !! (component, cell)
       logical, intent(in) :: single                      !! In single precision
@@ -276,7 +276,7 @@ contains
    subroutine share_out(communicator, box, cells, values, dense)
       type(communicator_t), intent(in) :: communicator
       type(box_t), intent(in) :: box                     !! All cells of the file
-      type(cells_t), intent(in) :: cells                 !! Those of this rank
+      type(cells_t), intent(in) :: cells                 !! Part of this rank
       real(wp), intent(in) :: values(:, :)               !! (component, cell)
       real(wp), allocatable, intent(out) :: dense(:, :)  !! (component and cell of a plane, plane)
       type(communicator_t) :: ranks
@@ -339,11 +339,11 @@ contains
       if (box%layer(3) .and. size(dense, 2) == 2) dense(:, 2) = dense(:, 1)
    end subroutine copy_layers
 
-   !> The rank, from 1, that writes a plane: the last whose first plane is not behind it and that
-   !! has any.
+   !> The rank, from 1, that writes a plane: the last one with planes whose first plane is not after
+   !! it.
    pure integer function owner_of(border, plane) result(rank)
       integer(int64), intent(in) :: border(:)            !! (rank) Planes before its first
-      integer, intent(in) :: plane                       !! From 0
+      integer, intent(in) :: plane                       !! Counted from 0
 
       do rank = size(border), 2, -1
          if (border(rank) <= plane) return

@@ -272,7 +272,7 @@ contains
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
-      character(len=*), intent(in) :: text                !! Its value
+      character(len=*), intent(in) :: text                !! Value
       character(len=:), allocatable, target :: letters
       integer(hid_t) :: kind
       integer :: status
@@ -290,7 +290,7 @@ contains
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
-      real(wp), intent(in) :: value                       !! Its value
+      real(wp), intent(in) :: value                       !! Value
       real(wp), target :: copy
 
       copy = value
@@ -302,7 +302,7 @@ contains
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
-      real(wp), intent(in) :: values(:)                   !! Its values
+      real(wp), intent(in) :: values(:)                   !! Values
       real(wp), allocatable, target :: copy(:)
 
       allocate (copy, source=values)
@@ -314,7 +314,7 @@ contains
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
-      integer(int32), intent(in) :: values(:)             !! Its values
+      integer(int32), intent(in) :: values(:)             !! Values
       integer(int32), allocatable, target :: copy(:)
 
       allocate (copy(size(values)))
@@ -327,7 +327,7 @@ contains
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: object              !! Group or data set, from the root
       character(len=*), intent(in) :: name                !! Name of the attribute
-      integer(int64), intent(in) :: value                 !! Its value
+      integer(int64), intent(in) :: value                 !! Value
       integer(int64), target :: copy
 
       copy = value

@@ -158,7 +158,7 @@ contains
    !> Sort the bytes of numbers; the width is a constant where this is inlined.
    pure subroutine shuffle_numbers(width, numbers, plain, shuffled)
       integer, intent(in) :: width                       !! Bytes of a number
-      integer(int64), intent(in) :: numbers              !! How many
+      integer(int64), intent(in) :: numbers              !! Number of numbers
       integer(int8), intent(in) :: plain(width, numbers) !! (byte, number)
       integer(int8), intent(inout) :: shuffled(numbers, width) !! (number, byte)
       integer(int64) :: n

@@ -112,7 +112,7 @@ contains
    subroutine source_info(self, name, info, error)
       class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      type(data_info_t), intent(out) :: info             !! What it is
+      type(data_info_t), intent(out) :: info             !! Description for messages
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       integer(hid_t) :: data_set, kind, space
       integer(hsize_t) :: extent(2), most(2)
@@ -206,7 +206,7 @@ contains
       class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
-      real(wp), intent(out) :: value                     !! Its value
+      real(wp), intent(out) :: value                     !! Value
       type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
       real(wp), target :: copy
 
@@ -220,7 +220,7 @@ contains
       class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
-      integer(int64), intent(out) :: value               !! Its value
+      integer(int64), intent(out) :: value               !! Value
       type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
       integer(int64), target :: copy
 
@@ -387,7 +387,7 @@ contains
       class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: object             !! Group or data set, from the root
       character(len=*), intent(in) :: name               !! Name of the attribute
-      real(wp), allocatable, intent(out) :: values(:)    !! Its values
+      real(wp), allocatable, intent(out) :: values(:)    !! Values
       type(error_t), allocatable, intent(out) :: error   !! It exists and cannot be read
       real(wp), allocatable, target :: copy(:)
       integer(hid_t) :: attribute, space

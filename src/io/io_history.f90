@@ -34,7 +34,7 @@ module io_history
 
 contains
 
-   !> Begin a file, or go on with one of an earlier run. Collective.
+   !> Start a file, or continue that of a previous run. Collective.
    subroutine history_open(self, communicator, path, columns, resume_step, error)
       class(history_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
@@ -80,7 +80,7 @@ contains
    !> Take away the rows after a step, and an unfinished last line.
    subroutine cut_back(path, heading, key_place, resume_step, error)
       character(len=*), intent(in) :: path
-      character(len=*), intent(in) :: heading            !! What its first line must be
+      character(len=*), intent(in) :: heading            !! Expected first line
       integer, intent(in) :: key_place                   !! Place of the column "step"
       integer(int64), intent(in) :: resume_step          !! Last step that stays
       type(error_t), allocatable, intent(out) :: error   !! Another heading, or not writable
@@ -107,7 +107,7 @@ contains
       call write_file(path, text(:kept), error)
    end subroutine cut_back
 
-   !> The step of a row; a row that cannot be read belongs to no step that stays.
+   !> The step of a row; a row that cannot be read is dropped.
    pure function step_of(line, key_place) result(step)
       character(len=*), intent(in) :: line               !! A row
       integer, intent(in) :: key_place                   !! Place of the column "step"
@@ -130,7 +130,7 @@ contains
       class(history_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
       real(wp), intent(in) :: values(:)                  !! (column)
-      type(error_t), allocatable, intent(out) :: error   !! Not written, say on a full disk
+      type(error_t), allocatable, intent(out) :: error   !! Not written, for example on a full disk
 
       if (communicator%rank == 0) &
          call self%file%write(line_of(self, values, 0)//new_line("a"), error)
@@ -143,7 +143,7 @@ contains
       type(communicator_t), intent(in) :: communicator
       real(wp), intent(in) :: begin(:)                   !! (column) First columns of all
       real(wp), intent(in) :: values(:, :)               !! (column behind them, row)
-      type(error_t), allocatable, intent(out) :: error   !! Not written, say on a full disk
+      type(error_t), allocatable, intent(out) :: error   !! Not written, for example on a full disk
       type(buffer_t) :: buffer
       character(len=:), allocatable :: front
       integer :: row

@@ -60,7 +60,7 @@ contains
    pure integer function owner_of(communicator, total, row) result(rank)
       type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows on all ranks
-      integer(int64), intent(in) :: row                  !! From 0
+      integer(int64), intent(in) :: row                  !! Counted from 0
       integer :: above, middle
 
       rank = 0

@@ -19,7 +19,7 @@ module io_libc
       function c_access(path, mode) bind(c, name="access") result(status)
          import :: c_char, c_int
          implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          integer(c_int), value :: mode                    !! 0: test for existence
          integer(c_int) :: status
       end function c_access
@@ -27,7 +27,7 @@ module io_libc
       function c_creat(path, mode) bind(c, name="creat") result(descriptor)
          import :: c_char, c_int, c_int32_t
          implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          integer(c_int32_t), value :: mode                !! Permissions
          integer(c_int) :: descriptor
       end function c_creat
@@ -35,7 +35,7 @@ module io_libc
       function c_open(path, flags, mode) bind(c, name="open") result(descriptor)
          import :: c_char, c_int, c_int32_t
          implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          integer(c_int), value :: flags                   !! Access mode
          integer(c_int32_t), value :: mode                !! Permissions
          integer(c_int) :: descriptor
@@ -60,7 +60,7 @@ module io_libc
       function c_readlink(path, buffer, capacity) bind(c, name="readlink") result(length)
          import :: c_char, c_ptr, c_size_t
          implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          type(c_ptr), value :: buffer                     !! Destination, not null terminated
          integer(c_size_t), value :: capacity                 !! Characters
          integer(c_size_t) :: length
@@ -69,7 +69,7 @@ module io_libc
       function c_realpath(path, buffer) bind(c, name="realpath") result(found)
          import :: c_char, c_ptr
          implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          type(c_ptr), value :: buffer                     !! Destination, null terminated
          type(c_ptr) :: found                             !! Null: there is no such file
       end function c_realpath
@@ -113,7 +113,7 @@ module io_libc
       function c_truncate(path, bytes) bind(c, name="truncate") result(status)
          import :: c_char, c_int, c_int64_t
          implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          integer(c_int64_t), value :: bytes                   !! New length
          integer(c_int) :: status
       end function c_truncate
@@ -121,22 +121,22 @@ module io_libc
       function c_rename(old, new) bind(c, name="rename") result(status)
          import :: c_char, c_int
          implicit none
-         character(kind=c_char), intent(in) :: old(*)     !! Null terminated
-         character(kind=c_char), intent(in) :: new(*)     !! Null terminated
+         character(kind=c_char), intent(in) :: old(*)     !! Null-terminated
+         character(kind=c_char), intent(in) :: new(*)     !! Null-terminated
          integer(c_int) :: status
       end function c_rename
 
       function c_unlink(path) bind(c, name="unlink") result(status)
          import :: c_char, c_int
          implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          integer(c_int) :: status
       end function c_unlink
 
       function c_mkdir(path, mode) bind(c, name="mkdir") result(status)
          import :: c_char, c_int, c_int32_t
          implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          integer(c_int32_t), value :: mode                !! Permissions
          integer(c_int) :: status
       end function c_mkdir
@@ -144,7 +144,7 @@ module io_libc
       function c_opendir(path) bind(c, name="opendir") result(stream)
          import :: c_char, c_ptr
          implicit none
-         character(kind=c_char), intent(in) :: path(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
          type(c_ptr) :: stream
       end function c_opendir
 
@@ -206,7 +206,7 @@ contains
 
    !> Text of characters up to the null.
    pure function text_until_null(letters) result(text)
-      character(kind=c_char), intent(in) :: letters(:)    !! Null terminated
+      character(kind=c_char), intent(in) :: letters(:)    !! Null-terminated
       character(len=:), allocatable :: text
       integer :: length
 
@@ -220,8 +220,8 @@ contains
    !> Names in a folder with a given beginning and end, in alphabetical order.
    subroutine folder_entries(folder, prefix, suffix, names, readable)
       character(len=*), intent(in) :: folder              !! Folder
-      character(len=*), intent(in) :: prefix              !! What names begin with
-      character(len=*), intent(in) :: suffix              !! What they end with
+      character(len=*), intent(in) :: prefix              !! Prefix of names
+      character(len=*), intent(in) :: suffix              !! Suffix of names
       character(len=longest_name), allocatable, intent(out) :: names(:) !! Padded with blanks
       logical, intent(out) :: readable                    !! The folder could be read
       character(len=longest_name), allocatable :: found(:), larger(:)

@@ -81,7 +81,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(len=*), intent(in) :: path
       type(meaning_t), intent(in) :: meaning             !! Contents of the table
-      character(len=*), intent(in) :: what               !! What is wrong
+      character(len=*), intent(in) :: what               !! Error message
 
       call fail(error, exit_file, trim(meaning%fault)//" '"//path//"': "//what)
    end subroutine fail_reading

@@ -39,7 +39,7 @@ contains
    subroutine fail_reading(error, path, what)
       type(error_t), allocatable, intent(out) :: error
       character(len=*), intent(in) :: path
-      character(len=*), intent(in) :: what               !! What is wrong
+      character(len=*), intent(in) :: what               !! Error message
 
       call fail(error, exit_file, "cannot read the points of '"//path//"': "//what)
    end subroutine fail_reading
@@ -89,7 +89,7 @@ contains
 
    !> A line without tabs and carriage returns.
    pure function plain(line) result(clean)
-      character(len=*), intent(in) :: line               !! Any
+      character(len=*), intent(in) :: line               !! Value
       character(len=len(line)) :: clean
       integer :: n
 
@@ -117,7 +117,7 @@ contains
    subroutine read_heading(words, column, fault)
       type(text_t), intent(in) :: words(:)               !! Names
       integer, allocatable, intent(out) :: column(:)     !! (name) Number of its column, 0: none
-      character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
+      character(len=:), allocatable, intent(out) :: fault !! Error message, or empty
       type(text_t) :: known(size(columns))
       character(len=:), allocatable :: near
       integer :: n, k
@@ -173,7 +173,7 @@ contains
       integer, intent(in) :: column(:)                   !! (name) Number of its column, 0: none
       integer, intent(in) :: row
       type(point_list_t), intent(inout) :: list
-      character(len=:), allocatable, intent(out) :: fault !! What is wrong, or empty
+      character(len=:), allocatable, intent(out) :: fault !! Error message, or empty
       real(wp) :: values(7)
       integer :: k
       logical :: sound

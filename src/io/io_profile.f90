@@ -26,10 +26,10 @@ module io_profile
    character(len=2), parameter :: parts_9(9) = ["xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", &
       "zz"]
 
-   !> What a profile shows.
+   !> Definition of a profile.
    type :: profile_t
       integer :: axis = 1                                !! Direction of the bins
-      integer :: bins = 100                              !! How many
+      integer :: bins = 100                              !! Number of bins
       real(wp) :: lower = 0.0_wp                         !! Begin of the first [m]
       real(wp) :: upper = 1.0_wp                         !! End of the last [m]
       type(mean_t), allocatable :: means(:)              !! Fields
@@ -40,7 +40,7 @@ contains
 
    !> Headings of the columns.
    function profile_columns(profile) result(columns)
-      type(profile_t), intent(in) :: profile             !! What it shows
+      type(profile_t), intent(in) :: profile             !! Definition of the profile
       character(len=column_length), allocatable :: columns(:)
 
       columns = [character(len=column_length) :: "time [s]", "step", "bin", "position [m]", &
@@ -70,7 +70,7 @@ contains
    !> Ending of the name of a component, empty for a number.
    pure function part_name(components, part) result(name)
       integer, intent(in) :: components                  !! How many there are
-      integer, intent(in) :: part                        !! Its index
+      integer, intent(in) :: part                        !! Index
       character(len=:), allocatable :: name
 
       select case (components)
@@ -89,7 +89,7 @@ contains
    subroutine profile_rows(communicator, grid, stores, profile, rows)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
       type(profile_t), intent(in) :: profile             !! Bins, fields and selection
       real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
       type(picks_t), allocatable :: picks(:)
@@ -162,8 +162,8 @@ contains
 
    !> Values of all particles, of which the rows are means or sums.
    subroutine fill_values(stores, picks, mean, axis, values)
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(mean_t), intent(in) :: mean
       integer, intent(in) :: axis                        !! Direction of the bins
       real(wp), allocatable, intent(out) :: values(:, :) !! (component, row)
@@ -192,7 +192,7 @@ contains
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: stores(:)
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       integer, intent(in) :: bin(:)                      !! (row)
       real(wp), intent(out) :: heights(:)                !! (bin) [m]
       real(wp) :: greatest(size(heights))
@@ -217,7 +217,7 @@ contains
    pure real(wp) function half_size(grid, store, p, axis) result(half)
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: store
-      integer, intent(in) :: p                           !! Its index
+      integer, intent(in) :: p                           !! Index
       integer, intent(in) :: axis                        !! 1 to 3
       real(wp) :: width
 
@@ -236,7 +236,7 @@ contains
    !> Bin, mass and volume of each particle, store after store.
    pure subroutine sort_into_bins(stores, picks, profile, bin, mass, volume)
       type(store_t), intent(in) :: stores(:)
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(profile_t), intent(in) :: profile
       integer, allocatable, intent(out) :: bin(:)        !! (row) From 1
       real(wp), allocatable, intent(out) :: mass(:)      !! (row) [kg]

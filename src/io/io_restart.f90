@@ -90,8 +90,8 @@ contains
 
    !> Read a checkpoint. Collective.
    !!
-   !! The fields that the run needs must be allocated, with any size. Every rank
-   !! gets an even part of each store as one range, whatever tiles the particles belong to.
+   !! The required fields must be allocated, with any size. Each rank gets an equal part of each
+   !! store as one range, regardless of the tiles of the particles.
    subroutine checkpoint_read(communicator, path, stores, state, error, echo, changes)
       type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path

@@ -137,7 +137,7 @@ contains
       integer, intent(in) :: unit                        !! The open file
       integer(int64), intent(in) :: first                !! Bytes before the first
       integer(int64), intent(in) :: last                 !! Bytes up to the last
-      integer(int64), contiguous, intent(out) :: words(:) !! What is read
+      integer(int64), contiguous, intent(out) :: words(:) !! Bytes read
       integer, intent(out) :: status                     !! 0 if all was read
       character(len=word_bytes) :: rest
       integer :: full, left

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The files that make one series of many snapshots: the list .hdf.series and the index .vtkhdf.
 !!
-!! They are written anew from the content of the snapshots, so a restart finds the series on the
-!! disk.
+!! They are rewritten from the content of the snapshots, so a restart finds the series on the disk.
 module io_series
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -32,15 +31,15 @@ module io_series
 
 contains
 
-   !> Begin a series, with the snapshots of an earlier run before a number. One that cannot be read
-   !! is left out: a run that goes on does not need it. Collective.
+   !> Start a series, with the snapshots of a previous run before a number. Unreadable ones are
+   !! omitted, because the run does not need them to continue. Collective.
    subroutine series_open(self, communicator, folder, prefix, next_number, note, error)
       class(series_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: folder             !! Where the files are
       character(len=*), intent(in) :: prefix             !! As "CASE_p"
       integer, intent(in) :: next_number                 !! Number of the next snapshot
-      character(len=:), allocatable, intent(out) :: note !! Rank 0: what was left out, or empty
+      character(len=:), allocatable, intent(out) :: note !! Rank 0: omitted files, or empty
       type(error_t), allocatable, intent(out) :: error   !! The folder cannot be read
       character(len=longest_name), allocatable :: names(:)
       integer :: length
@@ -68,7 +67,7 @@ contains
       character(len=*), intent(in) :: names(:)           !! Names in the folder, sorted
       integer, intent(in) :: length                      !! Of the names that are collected
       integer, intent(in) :: next_number                 !! Number of the next snapshot
-      character(len=:), allocatable, intent(inout) :: note !! What was left out
+      character(len=:), allocatable, intent(inout) :: note !! Omitted files
       type(snapshot_info_t) :: info
       type(error_t), allocatable :: error
       integer :: index
@@ -101,7 +100,7 @@ contains
    !> Path of a snapshot.
    function series_path(self, number) result(path)
       class(series_t), intent(in) :: self
-      integer, intent(in) :: number                      !! From 0
+      integer, intent(in) :: number                      !! Counted from 0
       character(len=:), allocatable :: path
       character(len=16) :: digits
 

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Snapshots of the particles as VTKHDF files, which ParaView opens.
 !!
-!! One part, one vertex cell a particle, whatever the number of ranks. Where a material lacks a
-!! field, its particles have 0.
+!! One part with one vertex cell per particle, for any number of ranks. Particles of a material that
+!! lacks a field have 0.
 module io_snapshot
    use base_communicator, only: communicator_t
    use base_error, only: error_t
@@ -34,7 +34,7 @@ module io_snapshot
       integer :: compress = 1                            !! gzip level, 0: off
    end type snapshot_format_t
 
-   !> Content of a snapshot beside the particles. The same on all ranks. Texts that are not
+   !> Content of a snapshot other than the particles. The same on all ranks. Texts that are not
    !! allocated and counts that are 0 are left out; without host, date, ranks, threads and wall time
    !! equal runs give equal bytes.
    ! gate: header record because each component is an attribute of the file
@@ -42,7 +42,7 @@ module io_snapshot
       character(len=:), allocatable :: code              !! Name of the program
       character(len=:), allocatable :: version           !! Its version
       character(len=:), allocatable :: git               !! Its revision
-      character(len=:), allocatable :: compiler          !! What built it
+      character(len=:), allocatable :: compiler          !! Compiler and options of the program
       character(len=:), allocatable :: flags             !! How it was built
       character(len=:), allocatable :: host              !! Where it ran
       character(len=:), allocatable :: date              !! When the file was written
@@ -57,7 +57,7 @@ module io_snapshot
       real(wp) :: wall_seconds = 0.0_wp                  !! Wall time so far [s]
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       real(wp) :: dt = 0.0_wp                            !! Time step [s]
-      real(wp) :: dt_next = 0.0_wp                       !! Stable time step that comes [s]
+      real(wp) :: dt_next = 0.0_wp                       !! Next stable time step [s]
       real(wp) :: velocity_lag = 0.0_wp                  !! Of velocities behind positions [s]
       integer(int64) :: step = 0                         !! Steps done
       !> (3, 4) In a cell that deforms: its deformation, and the corner that stays [m]
@@ -75,10 +75,10 @@ contains
    subroutine snapshot_write(communicator, path, stores, fields, format, header, error, labels)
       type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
       character(len=*), intent(in) :: fields(:)          !! What is written, ["default"]
-      type(snapshot_format_t), intent(in) :: format      !! How it is written
-      type(snapshot_header_t), intent(in) :: header      !! What else is written
+      type(snapshot_format_t), intent(in) :: format      !! Format of the file
+      type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
       type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
       type(labels_t), intent(in), optional :: labels(:)  !! (store) Fragments, 0 without them
       type(column_t), allocatable :: columns(:)
@@ -171,7 +171,7 @@ contains
    subroutine write_points(file, stores, picks, rows, header)
       type(hdf5_file_t), intent(inout) :: file
       type(store_t), intent(in) :: stores(:)
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(rows_t), intent(in) :: rows                   !! Their rows
       type(snapshot_header_t), intent(in) :: header      !! Axes and units
       type(rows_t) :: even
@@ -230,8 +230,8 @@ contains
    !> Write one field.
    subroutine write_column(file, stores, picks, rows, column, single, units)
       type(hdf5_file_t), intent(inout) :: file
-      type(store_t), intent(inout) :: stores(:)          !! The particles, not changed
-      type(picks_t), intent(in) :: picks(:)              !! (store) Which of them
+      type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
+      type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       type(rows_t), intent(in) :: rows                   !! Their rows
       type(column_t), intent(in) :: column
       logical, intent(in) :: single                      !! In single precision
@@ -307,9 +307,9 @@ contains
       end if
    end subroutine write_single
 
-   !> The nearest number of single precision; what is out of range goes to its end.
+   !> The nearest number in single precision; values out of range become its limits.
    pure elemental function rounded(number) result(single)
-      real(wp), intent(in) :: number                     !! Any number
+      real(wp), intent(in) :: number                     !! Number
       real(real32) :: single
       real(wp), parameter :: most = real(huge(1.0_real32), wp)
 
@@ -375,7 +375,7 @@ contains
       end select
    end function powers
 
-   !> Write where the file came from.
+   !> Write the provenance of the file.
    subroutine write_provenance(file, header)
       type(hdf5_file_t), intent(inout) :: file
       type(snapshot_header_t), intent(in) :: header      !! What is known
@@ -409,7 +409,7 @@ contains
    subroutine write_fact(file, name, text)
       type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! Name of the attribute
-      character(len=:), allocatable, intent(in) :: text  !! Its value
+      character(len=:), allocatable, intent(in) :: text  !! Value
 
       if (allocated(text)) call file%attribute(about, name, text)
    end subroutine write_fact

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> State of a run besides its particles, for checkpoints: step, time, and named values.
+!> State of a run other than its particles, for checkpoints: step, time, and named values.
 module io_state
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
@@ -15,7 +15,7 @@ module io_state
       integer(int64), allocatable :: integers(:)            !! Allocated if integer
    end type entry_t
 
-   !> State of a run besides its particles. The same on all ranks.
+   !> State of a run other than its particles. The same on all ranks.
    type :: state_t
       integer(int64) :: step = 0                          !! Steps done
       real(wp) :: time = 0.0_wp                           !! Simulated time [s]
@@ -58,7 +58,7 @@ contains
    subroutine find_or_add(self, name, place)
       class(state_t), intent(inout) :: self
       character(len=*), intent(in) :: name                !! Name of the entry
-      integer, intent(out) :: place                       !! Its index
+      integer, intent(out) :: place                       !! Index
       type(entry_t), allocatable :: larger(:)
       integer :: index
 

@@ -49,7 +49,7 @@ contains
    subroutine fail_reading(error, path, what)
       type(error_t), allocatable, intent(out) :: error
       character(len=*), intent(in) :: path
-      character(len=*), intent(in) :: what               !! What is wrong
+      character(len=*), intent(in) :: what               !! Error message
 
       call fail(error, exit_file, "cannot read the facets of '"//path//"': "//what)
    end subroutine fail_reading
@@ -153,7 +153,7 @@ contains
 
    !> A line without tabs and carriage returns.
    pure function plain(line) result(clean)
-      character(len=*), intent(in) :: line               !! Any
+      character(len=*), intent(in) :: line               !! Value
       character(len=len(line)) :: clean
       integer :: n
 

@@ -32,7 +32,7 @@ contains
 
    !> A text in quotes.
    pure function quoted(text) result(line)
-      character(len=*), intent(in) :: text               !! Any text
+      character(len=*), intent(in) :: text               !! Text
       character(len=:), allocatable :: line
       character(len=*), parameter :: digits = "0123456789abcdef"
       integer :: code, letter
@@ -59,7 +59,7 @@ contains
 
    !> A number, or null if it is not finite.
    function number_text(number) result(text)
-      real(wp), intent(in) :: number                     !! Any number
+      real(wp), intent(in) :: number                     !! Number
       character(len=:), allocatable :: text
 
       text = "null"
@@ -70,7 +70,7 @@ contains
    subroutine add_raw(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
-      character(len=*), intent(in) :: value              !! Its value
+      character(len=*), intent(in) :: value              !! Value
 
       if (.not. allocated(self%body)) self%body = ""
       if (.not. self%first) self%body = self%body//","
@@ -88,7 +88,7 @@ contains
       self%first = .true.
    end subroutine json_begin
 
-   !> End the object that was begun last.
+   !> Close the innermost open object.
    subroutine json_end(self)
       class(json_t), intent(inout) :: self
 
@@ -126,7 +126,7 @@ contains
    subroutine add_text(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
-      character(len=*), intent(in) :: value              !! Its value
+      character(len=*), intent(in) :: value              !! Value
 
       call self%add_raw(name, quoted(value))
    end subroutine add_text
@@ -135,7 +135,7 @@ contains
    subroutine add_real(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
-      real(wp), intent(in) :: value                      !! Its value
+      real(wp), intent(in) :: value                      !! Value
 
       call self%add_raw(name, number_text(value))
    end subroutine add_real
@@ -144,7 +144,7 @@ contains
    subroutine add_integer(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
-      integer(int64), intent(in) :: value                !! Its value
+      integer(int64), intent(in) :: value                !! Value
 
       call self%add_raw(name, integer_text(value))
    end subroutine add_integer
@@ -153,7 +153,7 @@ contains
    subroutine add_short(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
-      integer(int32), intent(in) :: value                !! Its value
+      integer(int32), intent(in) :: value                !! Value
 
       call self%add_raw(name, integer_text(int(value, int64)))
    end subroutine add_short
@@ -162,7 +162,7 @@ contains
    subroutine add_logical(self, name, value)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
-      logical, intent(in) :: value                       !! Its value
+      logical, intent(in) :: value                       !! Value
 
       if (value) then
          call self%add_raw(name, "true")
@@ -175,7 +175,7 @@ contains
    subroutine add_reals(self, name, values)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
-      real(wp), intent(in) :: values(:)                  !! Its value
+      real(wp), intent(in) :: values(:)                  !! Value
       character(len=:), allocatable :: line
       integer :: index
 
@@ -191,7 +191,7 @@ contains
    subroutine add_texts(self, name, values)
       class(json_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Name of the member
-      character(len=*), intent(in) :: values(:)          !! Its value
+      character(len=*), intent(in) :: values(:)          !! Value
       character(len=:), allocatable :: line
       integer :: index
 

@@ -12,7 +12,7 @@ contains
 
    !> A real with the fewest digits that give the same bits when read back.
    function real_text(number) result(text)
-      real(wp), intent(in) :: number                     !! Any number
+      real(wp), intent(in) :: number                     !! Number
       character(len=:), allocatable :: text
       character(len=32) :: line
       character(len=16) :: form
@@ -50,7 +50,7 @@ contains
 
    !> An integer.
    pure function integer_text(number) result(text)
-      integer(int64), intent(in) :: number               !! Any number
+      integer(int64), intent(in) :: number               !! Number
       character(len=:), allocatable :: text
       character(len=24) :: line
 

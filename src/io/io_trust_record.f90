@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a run knows about how far its results can be trusted: the worst values so far, their limits,
-!! and the text of the report. doc/theory/ledger.md has the limits and their reasons.
+!> Indicators of how far results can be trusted: the worst values so far, their limits, and the text
+!! of the report. doc/theory/ledger.md has the limits and their reasons.
 module io_trust_record
    use base_error, only: error_t
    use base_kinds, only: int64, wp
@@ -15,11 +15,11 @@ module io_trust_record
    integer, parameter, public :: trust_energy = 1    !! Error of the energy balance at the end
    integer, parameter, public :: trust_volume = 2    !! Volume claimed beyond that there is
    integer, parameter, public :: trust_stretch = 3   !! Mass of particles far from their neighbours
-   integer, parameter, public :: trust_noise = 4     !! Pressure that nodes do not see
-   integer, parameter, public :: trust_speed = 5     !! Greatest speed over what can be explained
+   integer, parameter, public :: trust_noise = 4     !! Pressure that nodes do not resolve
+   integer, parameter, public :: trust_speed = 5     !! Greatest speed over the explained speed
    integer, parameter, public :: trust_heat = 6      !! Energy of a particle, in the same way
    integer, parameter, public :: trust_retired = 7   !! Mass taken out for leaving its bounds
-   integer, parameter, public :: trust_damped = 8    !! Kinetic energy that the share of PIC took
+   integer, parameter, public :: trust_damped = 8 !! Kinetic energy dissipated by the PIC fraction
    integer, parameter, public :: trust_momentum = 9  !! Error of the momentum balance at the end
    integer, parameter, public :: trust_entries = 9   !! Number of these
    character(len=8), parameter, public :: trust_names(trust_entries) = [character(len=8) :: &
@@ -42,7 +42,7 @@ module io_trust_record
       real(wp) :: worst(trust_entries) = 0.0_wp      !! Worst values so far, heat with its sign
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
       real(wp) :: pressure = 0.0_wp                  !! Greatest, or density of kinetic energy [Pa]
-      real(wp) :: difference = 0.0_wp                !! Greatest pressure that nodes do not see [Pa]
+      real(wp) :: difference = 0.0_wp !! Greatest pressure that nodes do not resolve [Pa]
       real(wp) :: start_speed = 0.0_wp               !! Greatest speed at the start [m/s]
       real(wp) :: start_energy = 0.0_wp              !! Greatest energy per mass then [J/kg]
       real(wp) :: least_energy = 0.0_wp              !! Least of material that carries it [J/kg]
@@ -128,7 +128,7 @@ contains
          merge(1_int64, 0_int64, trust%begun)])
    end subroutine save_trust
 
-   !> Read it from a checkpoint. If the checkpoint lacks it, the record starts anew.
+   !> Read it from a checkpoint. If the checkpoint lacks it, the record starts empty.
    subroutine load_trust(trust, state)
       type(trust_t), intent(inout) :: trust          !! What is known
       type(state_t), intent(in) :: state             !! Of the checkpoint

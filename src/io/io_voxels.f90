@@ -63,8 +63,8 @@ contains
       character(len=*), intent(in) :: path               !! The file; .mhd and .mha are MetaImage
       character(len=*), intent(in) :: dataset            !! Name of the data set in HDF5
       integer, intent(in) :: value                       !! Selected value
-      type(voxel_file_t), intent(out) :: voxels          !! What the file holds
-      type(error_t), allocatable, intent(out) :: error   !! It is broken, or lacks the value
+      type(voxel_file_t), intent(out) :: voxels          !! Description of the data in the file
+      type(error_t), allocatable, intent(out) :: error   !! Damaged, or without the value
       type(marker_t) :: marker
       character(len=:), allocatable :: ending
 
@@ -90,7 +90,7 @@ contains
    subroutine fail_reading(error, path, what)
       type(error_t), allocatable, intent(out) :: error
       character(len=*), intent(in) :: path
-      character(len=*), intent(in) :: what               !! What is wrong
+      character(len=*), intent(in) :: what               !! Error message
 
       call fail(error, exit_file, "cannot read the voxels of '"//path//"': "//what)
    end subroutine fail_reading
@@ -399,7 +399,7 @@ contains
 
    !> A line without tabs and carriage returns.
    pure function plain(line) result(clean)
-      character(len=*), intent(in) :: line               !! Any
+      character(len=*), intent(in) :: line               !! Value
       character(len=len(line)) :: clean
       integer :: n
 

@@ -28,8 +28,8 @@ module io_walls
       character(len=wall_name_length), allocatable :: name(:) !! (wall) Region, or face
       character(len=wall_name_length), allocatable :: kind(:) !! (wall) Type of boundary
       integer, allocatable :: face(:)                    !! (wall) 1 to 6, 0 = rigid region
-      real(wp), allocatable :: begin(:)                  !! (wall) It is there from then on [s]
-      real(wp), allocatable :: end(:)                    !! (wall) It is gone from then on [s]
+      real(wp), allocatable :: begin(:)                  !! (wall) Start of the time interval [s]
+      real(wp), allocatable :: end(:)                    !! (wall) End of the time interval [s]
       real(wp), allocatable :: time(:)                   !! (entry) If any moves: when [s]
       real(wp), allocatable :: shift(:, :, :)            !! (3, wall, entry) Way since the start [m]
    contains
@@ -46,9 +46,9 @@ contains
       character(len=*), intent(in) :: name               !! Region or face
       character(len=*), intent(in) :: kind               !! Type of boundary
       integer, intent(in) :: face                        !! 1 to 6, 0 = rigid region
-      real(wp), intent(in) :: begin                      !! It is there from then on [s]
-      real(wp), intent(in) :: end                        !! It is gone from then on [s]
-      integer, intent(out) :: wall                       !! Its number
+      real(wp), intent(in) :: begin                      !! Start of the time interval [s]
+      real(wp), intent(in) :: end                        !! End of the time interval [s]
+      integer, intent(out) :: wall                       !! Number
       character(len=wall_name_length) :: padded
 
       if (.not. allocated(self%name)) allocate (self%name(0), self%kind(0), self%face(0), &
@@ -70,7 +70,7 @@ contains
    !> Add cells of one kind to a wall.
    pure subroutine walls_add(self, wall, piece)
       class(walls_t), intent(inout) :: self
-      integer, intent(in) :: wall                        !! Its index
+      integer, intent(in) :: wall                        !! Index
       real(wp), intent(in) :: piece(:, :, :)             !! (3, corner, cell) [m]
       real(wp), allocatable :: longer(:, :)
       integer :: before, corner, n
@@ -92,7 +92,7 @@ contains
    subroutine walls_write(communicator, path, walls, header, error)
       type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path
-      type(walls_t), intent(in) :: walls                 !! What is written
+      type(walls_t), intent(in) :: walls                 !! Walls to write
       type(snapshot_header_t), intent(in) :: header      !! Units and origin
       type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
       type(hdf5_file_t) :: file
@@ -107,7 +107,7 @@ contains
 
    !> Greatest length that the file can get [byte].
    pure function greatest_length(walls, header) result(bytes)
-      type(walls_t), intent(in) :: walls                 !! What is written
+      type(walls_t), intent(in) :: walls                 !! Walls to write
       type(snapshot_header_t), intent(in) :: header      !! Texts
       integer(int64) :: bytes
       integer(int64), parameter :: heading = 196608, point = 32, cell = 32, entry = 32
@@ -122,7 +122,7 @@ contains
    !> Write points and cells, with the wall and its face as data of the cells.
    subroutine write_cells(file, walls, header)
       type(hdf5_file_t), intent(inout) :: file
-      type(walls_t), intent(in) :: walls                 !! What is written
+      type(walls_t), intent(in) :: walls                 !! Walls to write
       type(snapshot_header_t), intent(in) :: header      !! Units
       type(rows_t) :: cells, points
       integer(int64), allocatable :: numbers(:)
@@ -167,10 +167,10 @@ contains
       call write_data(file, root//"/CellData/face", cells, shorts)
    end subroutine write_cells
 
-   !> Write what the walls are, when they are there and where they move.
+   !> Write kinds, time intervals and motions of the walls.
    subroutine write_table(file, walls, header)
       type(hdf5_file_t), intent(inout) :: file
-      type(walls_t), intent(in) :: walls                 !! What is written
+      type(walls_t), intent(in) :: walls                 !! Walls to write
       type(snapshot_header_t), intent(in) :: header      !! Units
       type(rows_t) :: rows
       integer(int32), allocatable :: shorts(:)

@@ -19,7 +19,7 @@ contains
    !> Report all errors of a material whose models are chosen.
    subroutine check_material(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! With its models, not read yet
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
 
@@ -35,10 +35,10 @@ contains
       end if
    end subroutine check_material
 
-   !> Exactly one way to give the moduli, and nothing that is not used.
+   !> Check that the moduli are given by exactly one pair of keys, without unused ones.
    subroutine check_moduli(material, group, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       type(deck_t), intent(inout) :: deck
       logical :: young, poisson, bulk, shear, derived, strong
 
@@ -73,7 +73,7 @@ contains
    !> Models that fit each other and the effects.
    subroutine check_models(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: fault
@@ -105,7 +105,7 @@ contains
    !! of a deck holds it for every material.
    subroutine check_rate(material, group, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       type(deck_t), intent(inout) :: deck
       real(wp) :: rate
       logical :: used
@@ -122,7 +122,7 @@ contains
    !> A temperature of melting where something melts.
    subroutine check_melting(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
       real(wp) :: reference, melting
@@ -144,7 +144,7 @@ contains
    !> Only grains that nothing holds together can be as dense as the nodes find them.
    subroutine check_packing(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
       real(wp) :: cohesion
@@ -192,7 +192,7 @@ contains
       if (len(fault) > 0) call deck%complain(group, fault, "failed_as")
    end subroutine check_failure
 
-   !> A law that gives the whole stress has no other models beside it.
+   !> A law that gives the whole stress excludes other models.
    subroutine check_whole_stress(material, group, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
       type(group_t), intent(in) :: group             !! &material
@@ -219,7 +219,7 @@ contains
    !> True if strength or damage follows the temperature up to melting.
    logical function needs_melting(material, group) result(needed)
       class(models_t), intent(in) :: material        !! With its models chosen
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       real(wp) :: coefficient(5)
 
       needed = group%given("jc_m")

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Time of each effect of the material update, as a part of the phase from nodes to particles. In
-!! every 32nd step the stages are timed one by one, tile by tile; the phase is divided by these
-!! samples at the end. Timing all steps would cost as much as what it measures where a tile holds a
-!! particle or two.
+!! every 32nd step each stage is timed for each tile; these samples divide the time of the phase at
+!! the end. In tiles with one or two particles, timing every step would cost as much as the stages.
 module material_effect_timers
    use base_kinds, only: int64, wp
    use base_timer, only: timer_t, wall_seconds

@@ -58,18 +58,20 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.damage & failed_as = "
 
-      call schema%text("material", "failed_as", "failed material: rubble has neither "// &
-         "deviator nor tension, nothing has no stress at all, the others follow that law; "// &
-         "default: rubble, with damage_model = 'jh2' its fractured strength", &
+      call schema%text("material", "failed_as", "law of failed material: rubble has neither "// &
+         "deviator nor tension, nothing has zero stress, the others follow that strength law; "// &
+         "default: rubble, with damage_model = 'jh2' the fractured strength", &
          words="rubble nothing granular drucker_prager", owner="effects.damage")
       call schema%real("material", "failed_friction_angle", &
-         "angle of friction of failed material", &
-         unit="deg", range="> 0 < 90", owner=owner//"drucker_prager")
+         "angle of internal friction of failed material", unit="deg", range="> 0 < 90", &
+         owner=owner//"drucker_prager")
       call schema%require("material", "failed_friction_angle")
-      call schema%real("material", "failed_tau", "time in which the stress of failed material "// &
-         "relaxes at rest", unit="s", range="> 0", owner=owner//"granular")
-      call schema%real("material", "failed_gamma_c", "strain that a contact of failed material "// &
-         "survives", range="> 0", owner=owner//"granular")
+      call schema%real("material", "failed_tau", &
+         "relaxation time of the stress of failed material at rest", unit="s", range="> 0", &
+         owner=owner//"granular")
+      call schema%real("material", "failed_gamma_c", &
+         "strain at which contacts of failed material are lost", range="> 0", owner=owner// &
+         "granular")
    end subroutine declare_failed_law
 
    !> Error in the combination of the keys; empty if there is none.
@@ -107,7 +109,7 @@ contains
       type(group_t), intent(in) :: group             !! &material
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]
       real(wp), intent(in) :: bulk                   !! Bulk modulus [Pa]
-      real(wp), intent(in) :: density                !! Of the reference state [kg/m3]
+      real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       type(failed_law_t), allocatable, intent(out) :: failed_law !! Not allocated: no such law
       type(law_granular_t) :: granular
       type(law_drucker_prager_t) :: frictional
@@ -188,8 +190,8 @@ contains
       call self%law%predict_trial(subset%state, subset%deformation, 1, n)
    end subroutine failed_law_gather
 
-   !> Energy that a deviator of stress releases which ends in the step: what it stores, and the work
-   !! that the mean of it and of 0 does. The elastic trial of the step does none.
+   !> Energy released by a deviator of stress that drops to zero in the step: the stored energy, and
+   !! the work of the mean of the old stress and zero. The elastic trial of the step does none.
    pure subroutine find_release(count, shear, volume, stress, gradient, released)
       integer, intent(in) :: count                   !! Particles
       real(wp), intent(in) :: shear                  !! Shear modulus [Pa]

@@ -32,10 +32,11 @@ contains
          default="0.06", range=">= 0", owner="effects.artificial_viscosity")
       call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")
-      call schema%group("material", "one material; flat keys, prefix = model", many=.true.)
-      call schema%text("material", "name", "name that bodies refer to")
-      call schema%text("material", "preset", "material of the library; it gives the keys that "// &
-         "the deck does not (scree --list materials, scree --explain NAME)", default="none", &
+      call schema%group("material", "one material; the prefix of a key names its model", &
+         many=.true.)
+      call schema%text("material", "name", "name of the material, for bodies")
+      call schema%text("material", "preset", "predefined material; it sets the keys that the "// &
+         "deck leaves out (see scree --list materials, scree --explain NAME)", default="none", &
          words="none")
       call schema%preset("material", aluminium)
       call schema%preset("material", metals)
@@ -52,9 +53,9 @@ contains
    subroutine declare_elasticity(schema)
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("material", "density", "density of the reference state", unit="kg/m3", &
+      call schema%real("material", "density", "density in the reference state", unit="kg/m3", &
          range="> 0")
-      call schema%text("material", "elastic", "none: no deviator of stress, a fluid", &
+      call schema%text("material", "elastic", "elastic deviator of stress; none: a fluid", &
          default="isotropic", words="isotropic none", owner="effects.strength")
       call schema%real("material", "young", "Young's modulus, with poisson", unit="Pa", range="> 0")
       call schema%real("material", "poisson", "Poisson's ratio, with young", range="> -1 < 0.5")
@@ -62,43 +63,43 @@ contains
          "nearly incompressible material has about 0.49")
       call schema%real("material", "bulk", "bulk modulus, with shear, instead of young and "// &
          "poisson", unit="Pa", range="> 0")
-      call schema%real("material", "shear", "shear modulus, with bulk or where the equation of "// &
-         "state gives the bulk modulus", unit="Pa", range="> 0", &
-         owner="effects.strength & elastic = isotropic")
+      call schema%real("material", "shear", &
+         "shear modulus, with bulk, or alone where the equation of state gives the bulk modulus", &
+         unit="Pa", range="> 0", owner="effects.strength & elastic = isotropic")
       call schema%text("material", "eos_model", "equation of state", default="linear", &
          owner="effects.eos")
       call schema%words("material", "eos_model", eos_names)
-      call schema%text("material", "strength_model", "law of strength", default="elastic", &
+      call schema%text("material", "strength_model", "strength law", default="elastic", &
          owner="effects.strength & elastic = isotropic")
       call schema%words("material", "strength_model", law_names)
-      call schema%text("material", "damage_model", "how damage grows", default="none", &
-         words="none", owner="effects.damage")
+      call schema%text("material", "damage_model", "damage model", default="none", words="none", &
+         owner="effects.damage")
       call schema%words("material", "damage_model", damage_names)
-      call schema%real("material", "spall", "greatest tension; with &effects damage a particle "// &
-         "that reaches it fails", unit="Pa", range="> 0")
-      call schema%text("material", "volume_from", &
-         "volume of loose material: motion, that of its "// &
-         "motion; grid, corrected where nodes see gaps or too many particles", &
-         default="motion", words="motion grid", owner="effects.eos & "// &
-         "effects.strength & strength_model = drucker_prager mohr_coulomb mu_i")
+      call schema%real("material", "spall", "spall strength: greatest tension; with &effects "// &
+         "damage a particle that reaches it fails", unit="Pa", range="> 0")
+      call schema%text("material", "volume_from", "volume of loose material: motion, "// &
+         "integrated from the velocity gradient; grid, corrected where the nodes have gaps or "// &
+         "too many particles", default="motion", words="motion grid", &
+         owner="effects.eos & effects.strength & strength_model = drucker_prager mohr_coulomb mu_i")
    end subroutine declare_elasticity
 
-   !> Declare temperatures and the rate that several models share.
+   !> Declare temperatures and the rate common to several models.
    subroutine declare_heat(schema)
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("material", "specific_heat", "at constant volume", unit="J/(kg K)", &
-         range="> 0", owner="effects.thermal")
+      call schema%real("material", "specific_heat", "specific heat at constant volume", &
+         unit="J/(kg K)", range="> 0", owner="effects.thermal")
       call schema%require("material", "specific_heat")
-      call schema%real("material", "conductivity", "of heat, which then flows between points; "// &
-         "none without it", unit="W/(m K)", range="> 0", owner="effects.thermal")
-      call schema%real("material", "t_ref", "temperature of full strength", unit="K", &
-         default="293.0", range=">= 0", owner="effects.thermal")
-      call schema%real("material", "t_melt", "temperature of melting", unit="K", range="> 0", &
+      call schema%real("material", "conductivity", &
+         "thermal conductivity; without it no heat is conducted", unit="W/(m K)", range="> 0", &
          owner="effects.thermal")
-      call schema%real("material", "jc_rate", "rate of the static yield stress and strain to "// &
-         "failure of Johnson and Cook", unit="1/s", default="1.0", range="> 0", &
-         owner="effects.rate")
+      call schema%real("material", "t_ref", "reference temperature, of full strength", unit="K", &
+         default="293.0", range=">= 0", owner="effects.thermal")
+      call schema%real("material", "t_melt", "melting temperature", unit="K", range="> 0", &
+         owner="effects.thermal")
+      call schema%real("material", "jc_rate", &
+         "reference strain rate of the Johnson-Cook yield stress and failure strain", unit="1/s", &
+         default="1.0", range="> 0", owner="effects.rate")
    end subroutine declare_heat
 
    !> Declare the keys that belong to the models of the catalogue.

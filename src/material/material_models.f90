@@ -23,7 +23,7 @@ module material_models
    !> The models of one material. A model that is not allocated costs nothing.
    type :: models_t
       character(len=:), allocatable :: name          !! Name that bodies refer to
-      real(wp) :: density = 0.0_wp                   !! Of the reference state [kg/m3]
+      real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
       real(wp) :: shear = 0.0_wp                     !! Shear modulus, 0 without strength [Pa]
       class(law_t), allocatable :: law               !! Strength; none: stress is pressure alone

@@ -13,7 +13,7 @@ module material_point
 
    public :: point_t
 
-   !> What is done to the point, and the point.
+   !> A material point and its strain path.
    type :: point_t
       character(len=:), allocatable :: path          !! Word of the deck
       real(wp) :: rate = 1.0_wp                      !! Rate of strain or shear [1/s]

@@ -15,7 +15,7 @@ module material_stages
 
    integer, parameter, public :: &
       stage_restore_stress = 1, &  ! stress without cracks; failed particles gathered for their law
-      stage_dilatation = 2, &      ! fraction of the dilatation that material with voids takes
+      stage_dilatation = 2, &      ! fraction of the dilatation in material with voids
       stage_trial = 3, &           ! volume after the step and elastic trial of the deviator
       stage_voids = 4, &           ! solid fraction after the step
       stage_pressure = 5, &        ! pressure and sound speed

@@ -60,8 +60,8 @@ contains
    !> The file of an equation of state that is a table.
    subroutine take_table(material, deck, group, table, path)
       class(material_t), intent(inout) :: material
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(group_t), intent(in) :: group             !! Its &material
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(group_t), intent(in) :: group             !! Group &material
       character(len=*), intent(in) :: table          !! Text of the file
       character(len=*), intent(in) :: path           !! For messages
       character(len=:), allocatable :: fault, doubt
@@ -74,7 +74,7 @@ contains
    !> Allocate the requested models.
    subroutine choose_models(material, group, effects)
       class(material_t), intent(inout) :: material
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       character(len=:), allocatable :: word
 
@@ -95,10 +95,10 @@ contains
       if (effects%damage) call choose_damage(word, material%damage)
    end subroutine choose_models
 
-   !> Bulk and shear modulus from what is given.
+   !> Bulk and shear modulus from the given keys.
    subroutine read_moduli(material, group)
       class(material_t), intent(inout) :: material
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       real(wp) :: young, poisson
 
       if (group%given("young")) then
@@ -116,7 +116,7 @@ contains
    !> The models with their constants.
    subroutine read_models(material, group, effects, method_group)
       class(material_t), intent(inout) :: material
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(group_t), intent(in) :: method_group      !! &method
 
@@ -162,7 +162,7 @@ contains
    !> Failure of the material, and its failed state.
    subroutine read_failure(material, group, effects, run_group)
       class(material_t), intent(inout) :: material
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(group_t), intent(in) :: run_group         !! &run
       integer :: seed

@@ -112,8 +112,8 @@ contains
       end do
    end subroutine chain_update
 
-   !> One stage of a time step, so that a caller can take the time between stages.
-   ! gate: long kernel because all stages share one interface
+   !> One stage of a time step, so that a caller can time the stages.
+   ! gate: long kernel because all stages have one interface
    pure subroutine chain_run_stage(self, stage, state, deformation, first, last, dt, spacing, &
       subset)
       class(chain_t), intent(in) :: self
@@ -214,7 +214,8 @@ contains
       end if
    end subroutine find_wave_speed
 
-   !> Stress from deviator and pressure, and what the viscosity of a law adds to the wave speed.
+   !> Stress from deviator and pressure, and the contribution of the viscosity of a law to the wave
+   !! speed.
    pure subroutine add_pressure(self, state, deformation, first, last, spacing)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state     !! State of the store
@@ -290,7 +291,7 @@ contains
          deformation%pressure(:last - first + 1) + state%brittle%bulking(first:last)
    end subroutine add_bulking
 
-   !> Deviator of stress, and what strength adds to the square of the wave speed.
+   !> Deviator of stress, and the contribution of strength to the square of the wave speed.
    pure subroutine update_deviator(self, state, deformation, first, last, dt)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
@@ -416,8 +417,8 @@ contains
       is_gone = self%failure%fracture%leaves_nothing .and. state%failed(particle) /= 0
    end function gone
 
-   !> Internal energy [J] of particles: the energy they carry, else what is stored elastically.
-   !! Equation (L.2) of doc/theory/ledger.md.
+   !> Internal energy [J] of particles: the energy field if there is one, otherwise the elastic
+   !! energy. Equation (L.2) of doc/theory/ledger.md.
    pure subroutine chain_stored_energy(self, state, first, last, energy)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store

@@ -35,7 +35,7 @@ contains
    end subroutine find_viscous_work
 
    !> Viscous pressure q = rho h D (q2 h D + q1 c) where the rate of compression D is positive. D is
-   !! that of the strain, or of what is left of it by (V.2) of doc/theory/viscosity.md.
+   !! that of the strain, or of its remainder after (V.2) of doc/theory/viscosity.md.
    !!
    !! The wave speed on return limits the time step to spacing/wave_speed. For the highest mode of
    !! a row of cells, frequency w = 2 c/h, the viscosity is a damping ratio Q/c with

@@ -47,25 +47,23 @@ contains
    subroutine declare_voids(schema)
       type(schema_t), intent(inout) :: schema
 
-      call schema%text("material", "alpha_m", &
-         "fraction of the dilatation that the material itself "// &
-         "takes: one, all; open_when_failed, none in failed or loose material that opens or "// &
-         "whose grains do not touch; crush, also less than all until pressed grains leave no "// &
-         "voids", &
-         default="open_when_failed", words="one open_when_failed crush", owner="effects.voids")
+      call schema%text("material", "alpha_m", "fraction of the dilatation taken by the "// &
+         "material itself, the rest by voids: one, all of it; open_when_failed, none in failed "// &
+         "or loose material that opens or whose grains do not touch; crush, also less than all "// &
+         "until pressed grains leave no voids", default="open_when_failed", &
+         words="one open_when_failed crush", owner="effects.voids")
       call schema%real("material", "solid_fraction", &
-         "fraction of the volume that solid material fills in "// &
-         "the reference state", default="1", range="> 0 <= 1", owner="effects.voids")
-      call schema%real("material", "critical_packing", &
-         "solid fraction from which on grains touch; "// &
-         "default: solid_fraction", range="> 0 <= 1", owner="effects.voids")
-      call schema%real("material", "b_shear", &
-         "voids that shear opens in pressed loose material: "// &
-         "logarithm of volume for a unit of shear strain", default="0", range=">= 0", &
+         "solid volume fraction in the reference state", default="1", range="> 0 <= 1", &
          owner="effects.voids")
-      call schema%real("material", "b_thermal", "thermal expansion of the volume of grains, "// &
-         "which closes voids", unit="1/K", default="0", range=">= 0", &
-         owner="effects.voids & effects.thermal")
+      call schema%real("material", "critical_packing", &
+         "solid volume fraction above which grains touch; default: solid_fraction", &
+         range="> 0 <= 1", owner="effects.voids")
+      call schema%real("material", "b_shear", "dilatancy: logarithmic volume of voids opened "// &
+         "per shear strain in pressed loose material", default="0", range=">= 0", &
+         owner="effects.voids")
+      call schema%real("material", "b_thermal", &
+         "volumetric thermal expansion of the grains, which closes voids", unit="1/K", &
+         default="0", range=">= 0", owner="effects.voids & effects.thermal")
    end subroutine declare_voids
 
    !> Error in the combination of the keys; empty if there is none.
@@ -190,7 +188,7 @@ contains
          deformation%voids%alpha, state%solid_fraction)
    end subroutine voids_update_solid_fraction
 
-   !> Kernel of the above. What closes voids beyond the touching of grains is left to the material.
+   !> Kernel of the above. Compression beyond the contact of grains is that of the material.
    !! Equation (F.18).
    pure subroutine move_fraction(first, last, critical, volume, old_volume, fraction, &
       solid_fraction)
@@ -240,8 +238,8 @@ contains
       call self%to_solid_volume(state, deformation, first, last)
    end subroutine voids_to_solid_volumes
 
-   !> Volume becomes that of the motion again, and the pressure that on a whole surface. Where voids
-   !! open or close there is none: round-off of it would stop the opening.
+   !> Restore the volume of the motion, and convert the pressure to that on the whole surface. While
+   !! voids open or close the pressure is zero, because its round-off would stop the opening.
    pure subroutine voids_to_total_volume(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store

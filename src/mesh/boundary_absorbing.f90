@@ -34,9 +34,9 @@ contains
       text = "as outflow, and waves leave"
    end function absorbing_meaning
 
-   !> Take from the nodes what waves bring to them: dashpots after J. Lysmer, R. L. Kuhlemeyer
-   !! (J. Eng. Mech. Div. ASCE 95 (1969) 859), whose force is that of the velocity in the middle of
-   !! the step. Equation (R.7) of doc/theory/rigid.md.
+   !> Absorb waves at the nodes: dashpots after J. Lysmer, R. L. Kuhlemeyer (J. Eng. Mech. Div. ASCE
+   !! 95 (1969) 859), whose force is that of the velocity in the middle of the step. Equation (R.7)
+   !! of doc/theory/rigid.md.
    pure subroutine absorbing_add_forces(self, grid, coordinate, face, nodes, dt, velocity, &
       acceleration)
       class(boundary_absorbing_t), intent(in) :: self

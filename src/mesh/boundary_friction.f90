@@ -38,8 +38,8 @@ contains
       class(boundary_friction_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("boundary", "friction", "coefficient of friction of the wall", &
-         range=">= 0", owner="type = friction")
+      call schema%real("boundary", "friction", "friction coefficient of the wall", range=">= 0", &
+         owner="type = friction")
       call schema%require("boundary", "friction")
    end subroutine friction_declare
 
@@ -69,10 +69,10 @@ contains
       end do
    end subroutine friction_constrain
 
-   !> Where the forces of a step press a node on the wall, the wall takes its normal velocity and
-   !! acceleration, and from its velocity along the wall at the end of the step up to mu times what
-   !! it took, but no more than all of it: then the node sticks. A node that moves away is free.
-   !! Equation (M.24) of doc/theory/method.md.
+   !> Where the forces of a step press a node on the wall, the wall removes its normal velocity and
+   !! acceleration, and up to mu times that from its tangential velocity at the end of the step, at
+   !! most all of it: then the node sticks. A node that moves away is free. Equation (M.24) of
+   !! doc/theory/method.md.
    pure subroutine friction_apply(self, face, nodes, dt, pic, free, velocity, acceleration)
       class(boundary_friction_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6
@@ -89,7 +89,7 @@ contains
       inward = inward_sign(face)
       do n = 1, size(nodes)
          node = nodes(n)
-         ! what particles gain through the node in velocity if the wall holds it
+         ! velocity gain of particles through the node if the wall holds it
          taken = -inward*(dt*acceleration(normal, node) + pic*free(normal, node))
          if (.not. taken > 0.0_wp) cycle
          if (inward*(free(normal, node) + dt*acceleration(normal, node)) > 0.0_wp) cycle

@@ -7,7 +7,7 @@ module boundary_periodic
 
    public :: boundary_periodic_t
 
-   !> What leaves there enters at the opposite boundary.
+   !> Material that leaves enters at the opposite boundary.
    type, extends(boundary_condition_t) :: boundary_periodic_t
    contains
       procedure, nopass :: meaning => periodic_meaning

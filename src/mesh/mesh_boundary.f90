@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the six boundaries of the domain do to the nodes of a tile. What a boundary of one type does
-!! is in boundary_<type>; here are the loops over boundaries, their parts and their nodes.
+!> Action of the six boundaries of the domain on the nodes of a tile. The types are in
+!! boundary_<type>; this module has the loops over boundaries, their parts and their nodes.
 module mesh_boundary
    use base_kinds, only: wp
    use mesh_boundary_condition, only: inward_sign, normal_direction

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a boundary condition is: the type of a &boundary, on a boundary of the domain, on a part of
-!! one, or in a rigid region.
+!> The abstract boundary condition: the type of a &boundary, on a boundary of the domain, on a part
+!! of one, or in a rigid region.
 !!
 !! A condition acts on the nodes of one tile that lie on one boundary, never on a single node, so
-!! that choosing it costs nothing beside the work. The defaults are those of a closed wall that does
-!! nothing besides.
+!! that dynamic dispatch costs nothing compared with the work. The defaults are those of a closed
+!! wall without further action.
 module mesh_boundary_condition
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -24,7 +24,7 @@ module mesh_boundary_condition
    contains
       procedure(meaning_i), deferred, nopass :: meaning !! One line for the help on the key `type`
       procedure :: declare => condition_declare      !! Declare its own keys
-      procedure :: read => condition_read            !! Read them
+      procedure :: read => condition_read            !! Read the keys
 
       procedure, nopass :: lets_out => no          !! Do particles leave through it?
       procedure, nopass :: joins_opposite => no    !! Is it joined to the opposite boundary?
@@ -89,14 +89,15 @@ contains
       answer = .true.
    end function yes
 
-   !> What lets material out, or suits whole boundaries only, cannot be a rigid region.
+   !> Conditions that let material out, or that suit whole boundaries only, are not allowed for
+   !! rigid regions.
    pure logical function condition_suits_region(self) result(suits)
       class(boundary_condition_t), intent(in) :: self
 
       suits = self%suits_part() .and. .not. self%lets_out()
    end function condition_suits_region
 
-   !> Closed is what acts on nodes and does not let particles out.
+   !> A boundary is closed if it acts on nodes and does not let particles out.
    pure logical function condition_is_closed(self) result(closed)
       class(boundary_condition_t), intent(in) :: self
 

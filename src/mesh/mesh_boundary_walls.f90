@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The walls on the six boundaries of the domain: which one holds where, and its answers.
+!> The walls on the six boundaries of the domain: the condition at each part of them.
 module mesh_boundary_walls
    use base_kinds, only: wp
    use mesh_boundary_catalogue, only: choose_boundary

@@ -11,7 +11,7 @@ module mesh_domain
    type :: domain_t
       integer :: dimensions = 3                      !! Active directions
       logical :: axisymmetric = .false.              !! x is the radius, z the axis
-      logical :: active(3) = .true.                  !! Directions of the scene
+      logical :: active(3) = .true.                  !! Active directions
       logical :: periodic(3) = .false.               !! Periodic directions
       logical :: wall(6) = .false.                   !! (face) No shape function crosses it
       real(wp) :: lower(3) = 0.0_wp                  !! Lower corner [m]

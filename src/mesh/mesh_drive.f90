@@ -87,8 +87,8 @@ contains
          most*self%pressure/(density*speed**2*dt))
    end subroutine drive_set_rate
 
-   !> Velocity gradient of the next step: the given one, and on held axes what brings the stress to
-   !! its value. Far below it the cell shrinks faster.
+   !> Velocity gradient of the next step: the given one, and on servo axes the rate that brings the
+   !! stress to its value. Far below it the cell shrinks faster.
    pure subroutine drive_steer(self, stress, box)
       class(drive_t), intent(in) :: self
       real(wp), intent(in) :: stress(3, 3)           !! Mean of the cell, tension positive [Pa]

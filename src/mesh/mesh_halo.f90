@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Patches of tiles at the borders of ranks, sent to the ranks that touch them.
 !!
-!! A rank that has the patches of all tiles around its own can do all the work on the nodes that
-!! its particles see, so one exchange a transfer is enough, and no partial sum ever travels. Who
-!! gets what is worked out once for as long as tiles and cuts stay as they are; each rank around
-!! gets one message an exchange. Tiles that no other rank uses are worked on during the exchange.
+!! A rank that has the patches of all tiles around its own can compute all nodes that its particles
+!! need, so one exchange per transfer is enough, and partial sums are never sent. The lists of
+!! messages are computed once for as long as tiles and cuts stay as they are; each rank around gets
+!! one message an exchange. Tiles that no other rank uses are worked on during the exchange.
 module mesh_halo
    use base_communicator, only: communicator_t, posted_t
    use base_kinds, only: int64, wp
@@ -20,18 +20,18 @@ module mesh_halo
 
    !> Which tiles go to which ranks.
    type :: halo_t
-      integer, allocatable :: edge(:)                !! Own tiles that other ranks may see
+      integer, allocatable :: edge(:)                !! Own tiles that other ranks may need
       integer, allocatable :: inner(:)               !! Tiles that no other rank needs
       integer, allocatable :: rank(:)                !! Ranks around
       integer, allocatable :: before(:)              !! (rank around + 1) Entries before it
       integer, allocatable :: tile(:)                !! Own tiles to send, grouped by rank
       integer(int64) :: messages = 0                 !! Messages sent so far
-      integer(int64) :: words = 0                    !! Words of 8 bytes in them
+      integer(int64) :: words = 0                    !! Words of 8 bytes in the messages
       integer(int64), private :: version = -1        !! Of the tiles that this holds for
-      type(posted_t), private :: posted              !! On the way
-      integer(int64), allocatable, private :: incoming(:) !! What arrived
+      type(posted_t), private :: posted              !! Messages in transit
+      integer(int64), allocatable, private :: incoming(:) !! Received data
    contains
-      procedure :: plan => halo_plan                 !! Work out who gets what
+      procedure :: plan => halo_plan                 !! Build the lists of messages
       procedure :: post => halo_post                 !! Send
       procedure :: complete => halo_complete         !! Receive
       procedure :: post_packed => halo_post_packed   !! Send packed patches
@@ -45,7 +45,7 @@ contains
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(inout) :: tiles          !! Gets ghosts
-      type(halo_t), intent(inout) :: halo            !! Who gets what; brought up to date
+      type(halo_t), intent(inout) :: halo            !! Lists of messages; updated
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
 
       call halo%plan(communicator, grid, tiles)
@@ -53,7 +53,7 @@ contains
       call halo%complete(communicator, grid, tiles, patch)
    end subroutine exchange_patches
 
-   !> Work out who gets what, if tiles or cuts have changed.
+   !> Rebuild the lists of messages, if tiles or cuts have changed.
    subroutine halo_plan(self, communicator, grid, tiles)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
@@ -80,7 +80,7 @@ contains
    !> Group the pairs of tile and rank by rank; tiles of a rank ascend.
    subroutine group_by_rank(self, ranks, number)
       type(halo_t), intent(inout) :: self            !! Gets the groups
-      integer, intent(in) :: ranks(:, :)             !! (entry, tile) Ranks that see a tile
+      integer, intent(in) :: ranks(:, :)             !! (entry, tile) Ranks that need a tile
       integer, intent(in) :: number(:)               !! (tile) Entries
       integer(int64), allocatable :: to(:)
       integer, allocatable :: from(:), order(:)
@@ -129,9 +129,9 @@ contains
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      integer, intent(in) :: tile                    !! Whose surroundings
+      integer, intent(in) :: tile                    !! Tile in the centre
       integer, intent(out) :: ranks(neighbors)       !! Without this rank
-      integer, intent(out) :: number                 !! How many
+      integer, intent(out) :: number                 !! Number
       integer :: place, rank, other
       integer(int64) :: key
 
@@ -155,7 +155,7 @@ contains
       end do
    end subroutine ranks_around
 
-   !> Send key and patch of each border tile once to every rank that sees it.
+   !> Send key and patch of each border tile once to every rank that needs it.
    subroutine halo_post(self, communicator, tiles, patch)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(inout) :: communicator
@@ -177,7 +177,7 @@ contains
    !> Reserve memory for words to be sent.
    pure subroutine ensure_outgoing(self, words)
       type(halo_t), intent(inout) :: self            !! Gets the memory
-      integer, intent(in) :: words                   !! How many
+      integer, intent(in) :: words                   !! Number of words
 
       if (allocated(self%posted%outgoing)) then
          if (size(self%posted%outgoing) < words) deallocate (self%posted%outgoing)
@@ -198,16 +198,16 @@ contains
       self%words = self%words + int(words, int64)*size(self%tile)
    end subroutine send_words
 
-   !> Send key and packed patches of each border tile once to every rank that sees it, as whole
-   !! patches: the
-   !! boxes of tiles at a border change from step to step, and the length of a message does not.
+   !> Send key and packed patches of each border tile once to every rank that needs it, as whole
+   !! patches: the boxes of tiles at a border change from step to step, and the length of a message
+   !! does not.
    subroutine halo_post_packed(self, communicator, grid, tiles, boxes, packed)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
-      type(packed_patch_t), intent(in) :: packed(:)        !! What is sent
+      type(node_boxes_t), intent(in) :: boxes             !! Bounding boxes
+      type(packed_patch_t), intent(in) :: packed(:)        !! Packed patches to send
       real(wp), allocatable :: patch(:, :)
       integer :: entry, words, at, n
 
@@ -228,7 +228,7 @@ contains
       call send_words(self, communicator, words)
    end subroutine halo_post_packed
 
-   !> Receive packed patches, make their tiles ghosts and put them behind the own ones.
+   !> Receive packed patches, and store their tiles as ghosts after the own tiles.
    subroutine halo_complete_packed(self, communicator, grid, tiles, boxes, packed)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(inout) :: communicator
@@ -265,7 +265,7 @@ contains
 
    !> Copy numbers to words of the same bits.
    pure subroutine as_words(number, values, words)
-      integer, intent(in) :: number                  !! Of them
+      integer, intent(in) :: number                  !! Their number
       real(wp), intent(in) :: values(number)         !! Numbers
       integer(int64), intent(inout) :: words(number) !! Words
       integer :: n
@@ -277,7 +277,7 @@ contains
 
    !> Copy words to numbers of the same bits.
    pure subroutine as_numbers(number, words, values)
-      integer, intent(in) :: number                  !! Of them
+      integer, intent(in) :: number                  !! Their number
       integer(int64), intent(in) :: words(number)    !! Words
       real(wp), intent(inout) :: values(number)      !! Numbers
       integer :: n
@@ -287,7 +287,7 @@ contains
       end do
    end subroutine as_numbers
 
-   !> Receive patches, make their tiles ghosts and put them behind the own ones.
+   !> Receive patches, and store their tiles as ghosts after the own tiles.
    subroutine halo_complete(self, communicator, grid, tiles, patch)
       class(halo_t), intent(inout) :: self
       type(communicator_t), intent(inout) :: communicator

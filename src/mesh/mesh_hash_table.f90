@@ -91,7 +91,7 @@ contains
       self%value = 0
    end subroutine reserve
 
-   !> Double the number of slots and keep what is in them.
+   !> Double the number of slots and keep their content.
    pure subroutine grow(self)
       class(key_table_t), intent(inout) :: self
       integer(int64), allocatable :: key(:)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How a wall moves, and from when to when it acts. Its position follows from the time alone, so a
-!! restart needs nothing of it.
+!> How a wall moves, and from when to when it acts. Its position follows from the time alone, so it
+!! is not in checkpoints.
 module mesh_motion
    use base_kinds, only: wp
    implicit none

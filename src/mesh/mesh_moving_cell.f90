@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A periodic cell of particles whose edges follow a uniform velocity gradient, while the mesh stays
-!! as it was at the start.
+!> A periodic cell of particles whose edges follow a uniform velocity gradient, while the mesh keeps
+!! its initial geometry.
 !!
 !! Positions of particles are those on the mesh, X = F^-1 r with F = h h0^-1 of the edges h now and
 !! h0 at the start; velocities are those relative to the uniform flow, v = L r + u. Equation
@@ -37,7 +37,7 @@ module mesh_moving_cell
       real(wp) :: dt = 0.0_wp                        !! [s]
    end type stretch_t
 
-   !> What is summed over the particles.
+   !> Sums over the particles.
    type :: sums_t
       !> Stress times volume of material that carries internal energy, of other material, and mass
       !! times the squares of velocities, xx yy zz xy yz xz [J]
@@ -61,7 +61,7 @@ module mesh_moving_cell
       real(wp) :: steps(3, 3) = 0.0_wp               !! Whole edges taken away in the step
    contains
       procedure :: tilt => cell_tilt                 !! Edges at the start
-      procedure :: renew => cell_renew               !! What depends on the edges
+      procedure :: renew => cell_renew               !! Quantities that depend on the edges
       procedure :: prepare => cell_prepare           !! Edges after a step
       procedure :: complete => cell_complete         !! New edges, equivalent ones
       procedure :: steer => cell_steer               !! Velocity gradient of the next step
@@ -103,7 +103,7 @@ contains
       call self%renew()
    end subroutine cell_tilt
 
-   !> F, its inverse and its determinant for the edges as they are.
+   !> F, its inverse and its determinant for the current edges.
    pure subroutine cell_renew(self)
       class(moving_cell_t), intent(inout) :: self
       integer :: axis
@@ -116,8 +116,8 @@ contains
          *self%stretch%before(3, 3)
    end subroutine cell_renew
 
-   !> Edges at the end of the step, once its length is known, and what follows from them. The mean
-   !! of F at both ends counts in between, (B.6).
+   !> Edges at the end of the step, once its length is known, and quantities that follow from them.
+   !! In between the mean of F at both ends is used, (B.6).
    pure subroutine cell_prepare(self, dt)
       class(moving_cell_t), intent(inout) :: self
       real(wp), intent(in) :: dt                     !! [s]
@@ -155,7 +155,7 @@ contains
       end do
    end subroutine cell_complete
 
-   !> Velocity gradient of the next step by the present stage; after the last one the cell stays.
+   !> Velocity gradient of the next step by the present stage; after the last stage it is zero.
    pure subroutine cell_steer(self, dt)
       class(moving_cell_t), intent(inout) :: self
       real(wp), intent(in) :: dt                     !! Next time step, about [s]
@@ -179,7 +179,7 @@ contains
    pure real(wp) function cell_step_work(self, gradient, kick) result(work)
       class(moving_cell_t), intent(in) :: self       !! With the sums at both ends of the step
       real(wp), intent(in) :: gradient(3, 3)         !! L in the step [1/s]
-      real(wp), intent(in) :: kick                   !! Time that the forces act [s]
+      real(wp), intent(in) :: kick                   !! Time over which the forces act [s]
       real(wp) :: rate
       integer :: k
 
@@ -227,7 +227,7 @@ contains
       if (rate > strain/huge(dt)) dt = strain/rate
    end function cell_longest_step
 
-   !> What a restart needs: edges, velocity gradient, strain, sums, work, mass, speed, stage.
+   !> State for a restart: edges, velocity gradient, strain, sums, work, mass, speed, stage.
    pure function cell_pack(self) result(values)
       class(moving_cell_t), intent(in) :: self
       real(wp) :: values(packed)
@@ -300,7 +300,7 @@ contains
    !! velocity of the step, (B.4).
    pure subroutine cell_turn_nodes(self, dt, velocity, acceleration, push, centre)
       class(moving_cell_t), intent(in) :: self
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)        !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), contiguous, intent(out) :: push(:, :)   !! (3, node) Gain by the flow [m/s]
@@ -352,7 +352,7 @@ contains
    pure subroutine cell_place_work(self, count, dt, gradient)
       class(moving_cell_t), intent(in) :: self
       integer, intent(in) :: count                   !! Particles
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(inout) :: gradient(:, :) !! (particle, 9) (k, l) in k + 3 (l - 1)
       real(wp) :: unit(3, 3)
       integer :: axis
@@ -404,7 +404,7 @@ contains
       end do
    end subroutine place
 
-   !> Positions on the mesh after the step, dX/dt = F^-1 u, where they have gone dt u already.
+   !> Positions on the mesh after the step, dX/dt = F^-1 u, where they have moved by dt u already.
    pure subroutine cell_carry(self, first, count, dt, way, position)
       class(moving_cell_t), intent(in) :: self
       integer, intent(in) :: first                   !! First particle
@@ -434,7 +434,7 @@ contains
       class(moving_cell_t), intent(in) :: self
       real(wp), intent(in) :: lower(3)               !! Corner of the mesh [m]
       integer, intent(in) :: first                   !! First particle
-      integer, intent(in) :: last                    !! Last one
+      integer, intent(in) :: last                    !! Last index
       real(wp), contiguous, intent(inout) :: position(:, :) !! (particle, 3) [m]
       real(wp) :: ratio, x
       integer :: p, high, low

@@ -136,7 +136,7 @@ contains
       if (allocated(self%values)) numbers = size(self%values, kind=int64)
    end function packed_length
 
-   !> Move memory, whatever it holds, to packed patches that are needed only afterwards.
+   !> Reuse memory for packed patches that are needed only later.
    pure subroutine move_packed_patches(from, to)
       type(packed_patch_t), intent(inout) :: from          !! No longer needed
       type(packed_patch_t), intent(inout) :: to !! Its capacity must be ensured before use
@@ -203,11 +203,12 @@ contains
       end if
    end subroutine put_line
 
-   !> Some rows of the nodes of a line. A number that the compiler knows leaves no loop over them.
+   !> Some rows of the nodes of a line. With a compile-time constant number there is no loop over
+   !! them.
    pure subroutine copy_rows(kept, row, before, first, nodes, patch, values)
       integer, intent(in) :: kept                    !! How many rows
       integer, intent(in) :: row(kept)               !! Rows that are kept
-      integer, intent(in) :: before                  !! Rows of the patch before them
+      integer, intent(in) :: before                  !! Index offset in the patch
       integer, intent(in) :: first                   !! Nodes of the patch before the line
       integer, intent(in) :: nodes                   !! Nodes of the line
       real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
@@ -221,10 +222,10 @@ contains
       end do
    end subroutine copy_rows
 
-   !> All rows of the nodes of a line. Numbers that the compiler knows make them one vector.
+   !> All rows of the nodes of a line. Compile-time constants make them one vector.
    pure subroutine copy_line(rows, before, all_rows, nodes, patch, values)
-      integer, intent(in) :: rows                    !! How many
-      integer, intent(in) :: before                  !! Rows of the patch before them
+      integer, intent(in) :: rows                    !! Number of rows
+      integer, intent(in) :: before                  !! Index offset in the patch
       integer, intent(in) :: all_rows                !! Rows of the patch
       integer, intent(in) :: nodes                   !! Nodes of the line
       real(wp), intent(in) :: patch(all_rows*nodes)  !! (row, node) Flat
@@ -285,13 +286,13 @@ contains
       end associate
    end subroutine packed_unpack
 
-   !> Copy numbers that lie together.
+   !> Copy contiguous numbers.
    pure subroutine copy_numbers(number, values, before, numbers, patch)
-      integer, intent(in) :: number                  !! How many
-      real(wp), intent(in) :: values(number)         !! Flat
-      integer, intent(in) :: before                  !! Numbers of the patch before them
+      integer, intent(in) :: number                  !! Number
+      real(wp), intent(in) :: values(number)         !! Flattened
+      integer, intent(in) :: before                  !! Index offset in the patch
       integer, intent(in) :: numbers                 !! Of the patch
-      real(wp), intent(inout) :: patch(numbers)      !! Flat
+      real(wp), intent(inout) :: patch(numbers)      !! Flattened
 
       patch(before + 1:before + number) = values
    end subroutine copy_numbers
@@ -320,8 +321,8 @@ contains
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
-      integer, intent(in) :: tile                    !! Whose nodes
+      type(node_boxes_t), intent(in) :: boxes             !! Bounding boxes
+      integer, intent(in) :: tile                    !! Tile of the nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all rows
 
       call clear_patch(total)
@@ -338,8 +339,8 @@ contains
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
-      integer, intent(in) :: tile                    !! Whose nodes
+      type(node_boxes_t), intent(in) :: boxes             !! Bounding boxes
+      integer, intent(in) :: tile                    !! Tile of the nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Zero in rows not kept
       real(wp) :: sums(size(self%row), size(total, 2))
 
@@ -379,8 +380,8 @@ contains
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
-      integer, intent(in) :: tile                    !! Whose nodes
+      type(node_boxes_t), intent(in) :: boxes             !! Bounding boxes
+      integer, intent(in) :: tile                    !! Tile of the nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows
 
       if (grid%dimensions == 3) then
@@ -391,13 +392,13 @@ contains
    end subroutine sum_neighbours
 
    !> The same in scenes of one or two dimensions, along x and z. Where tiles are sparse, finding
-   !! what two boxes share costs more than adding it, so this is done with single numbers.
+   !! the overlap of two boxes costs more than adding it, so this is done with scalars.
    pure subroutine sum_plane(self, grid, tiles, boxes, tile, total)
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
-      integer, intent(in) :: tile                    !! Whose nodes
+      type(node_boxes_t), intent(in) :: boxes             !! Bounding boxes
+      integer, intent(in) :: tile                    !! Tile of the nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows
       integer :: margin(3), extent(3), x(-1:1), z(-1:1), i, k, other, rows
       integer :: low_x, high_x, low_z, high_z, from, here, there
@@ -429,8 +430,8 @@ contains
       end do
    end subroutine sum_plane
 
-   !> Lower corners of the tiles before, at and after a tile along one direction, seen from it.
-   !! Before the first tile lies the last one.
+   !> Lower corners of the tiles before, at and after a tile along one direction, relative to it.
+   !! The tile before the first one is the last one (periodic).
    pure function lower_corners(grid, tiles, direction, tile, extent) result(corners)
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
@@ -450,8 +451,8 @@ contains
       class(packed_patch_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      type(node_boxes_t), intent(in) :: boxes             !! Their boxes
-      integer, intent(in) :: tile                    !! Whose nodes
+      type(node_boxes_t), intent(in) :: boxes             !! Bounding boxes
+      integer, intent(in) :: tile                    !! Tile of the nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums, all or kept rows
       integer :: place, other, direction, shift(3), extent(3), origin(3, -1:1), margin(3), low(3), &
          high(3), first(3), last(3), rows

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Sums of packed patches over the box of nodes that they share with a tile.
+!> Sums of packed patches over their overlap with a tile.
 module mesh_packed_sums
    use base_kinds, only: int64, wp
    implicit none
@@ -13,7 +13,7 @@ contains
    !! lines that follow one another in both.
    ! gate: long kernel because a box in a box needs its corners and lengths
    pure subroutine add_box(rows, low, high, margin, stride, corner, length, packed, numbers, sums)
-      integer, intent(in) :: rows                    !! Numbers a node
+      integer, intent(in) :: rows                    !! Numbers per node
       integer, intent(in) :: low(3), high(3)         !! Lowest and highest node that both have
       integer, intent(in) :: margin(3)               !! Layers before node 0
       integer, intent(in) :: stride(3)               !! Steps in the node index of the sums
@@ -41,7 +41,7 @@ contains
                + (z + margin(3))*stride(3))
             there = rows*(low(1) - corner(1) + length(1)*(y - corner(2) &
                + length(2)*(z - corner(3))))
-            ! lengths that the compiler knows: one node with the rows of planes and of space
+            ! compile-time lengths: one node with the rows of 2-D and of 3-D
             select case (line)
             case (2)
                call add_line(2, packed(there + 1:there + 2), sums(here + 1:here + 2))
@@ -62,9 +62,9 @@ contains
 
    !> Add a line of numbers to sums.
    pure subroutine add_line(numbers, packed, sums)
-      integer, intent(in) :: numbers                 !! How many
-      real(wp), intent(in) :: packed(numbers)         !! Flat
-      real(wp), intent(inout) :: sums(numbers)       !! Flat
+      integer, intent(in) :: numbers                 !! Number of numbers
+      real(wp), intent(in) :: packed(numbers)         !! Flattened
+      real(wp), intent(inout) :: sums(numbers)       !! Flattened
 
       sums = sums + packed
    end subroutine add_line
@@ -139,11 +139,11 @@ contains
 
    !> Add a line of numbers to sums.
    pure subroutine add_numbers(number, before, packed, numbers, sums)
-      integer, intent(in) :: number                  !! How many
-      integer, intent(in) :: before                  !! Numbers of the sums before them
-      real(wp), intent(in) :: packed(number)         !! Flat
+      integer, intent(in) :: number                  !! Number
+      integer, intent(in) :: before                  !! Index offset in the sums
+      real(wp), intent(in) :: packed(number)         !! Flattened
       integer, intent(in) :: numbers                 !! Of the sums
-      real(wp), intent(inout) :: sums(numbers)       !! Flat
+      real(wp), intent(inout) :: sums(numbers)       !! Flattened
       integer :: n
 
       do n = 1, number
@@ -151,13 +151,13 @@ contains
       end do
    end subroutine add_numbers
 
-   !> Add the kept rows of a line of nodes to sums of all rows. A number that the compiler knows
-   !! leaves no loop over them.
+   !> Add the kept rows of a line of nodes to sums of all rows. With a compile-time constant number
+   !! there is no loop over them.
    pure subroutine spread_rows(kept, row, nodes, before, packed, total)
       integer, intent(in) :: kept                    !! How many rows
       integer, intent(in) :: row(kept)               !! Rows that are kept
       integer, intent(in) :: nodes                   !! Nodes of the line
-      integer, intent(in) :: before                  !! Nodes of the sums before them
+      integer, intent(in) :: before                  !! Index offset in the sums
       real(wp), intent(in) :: packed(kept, nodes)    !! (row kept, node)
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums
       integer :: node, k

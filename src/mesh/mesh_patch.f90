@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Node fields as private patches of tiles, and their sum over the tiles around a node.
 !!
-!! Each tile holds values of all its nodes, those on its faces included. What its particles gave
-!! to them is a patch; the sum of the patches of all tiles that share a node, taken in the
-!! order of the neighbours, is the same to the last bit on every tile, thread and rank.
-!! The components of a node lie together, because whole nodes are added to whole nodes.
+!! Each tile holds values of all its nodes, those on its faces included. The contributions of its
+!! own particles are a patch; the sum of the patches of all tiles that contain a node, taken in the
+!! order of the neighbours, is the same to the last bit on every tile, thread and rank. The
+!! components of a node lie together, because whole nodes are added to whole nodes.
 module mesh_patch
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -61,7 +61,7 @@ contains
       integer, intent(inout) :: box(3, 2)            !! Lowest and highest node, from 0
       integer :: cell, upper(3), margin(3)
 
-      ! between the first and the last cell lies the whole tile
+      ! the cells from the first to the last make up the whole tile
       if (grid%margin > 0 .or. (used(0) .and. used(grid%tile_cells - 1))) then
          margin = merge(grid%margin, 0, grid%active)
          box(:, 1) = -margin
@@ -86,8 +86,8 @@ contains
 
    !> Set numbers to zero.
    pure subroutine clear_numbers(number, values)
-      integer, intent(in) :: number                  !! Of them
-      real(wp), intent(inout) :: values(number)      !! Flat
+      integer, intent(in) :: number                  !! Their number
+      real(wp), intent(inout) :: values(number)      !! Flattened
 
       values = 0.0_wp
    end subroutine clear_numbers
@@ -106,12 +106,12 @@ contains
 
    !> Sum of two rows of numbers with factors.
    pure subroutine combine_numbers(number, factor, one, share, other, total)
-      integer, intent(in) :: number                  !! Of them
+      integer, intent(in) :: number                  !! Their number
       real(wp), intent(in) :: factor                 !! Of the first one
-      real(wp), intent(in) :: one(number)            !! Flat
+      real(wp), intent(in) :: one(number)            !! Flattened
       real(wp), intent(in) :: share                  !! Factor of the other one
-      real(wp), intent(in) :: other(number)          !! Flat
-      real(wp), intent(inout) :: total(number)       !! Flat
+      real(wp), intent(in) :: other(number)          !! Flattened
+      real(wp), intent(inout) :: total(number)       !! Flattened
       integer :: n
 
       !$omp simd
@@ -130,9 +130,9 @@ contains
 
    !> Add a row of numbers to another.
    pure subroutine add_numbers(number, field, total)
-      integer, intent(in) :: number                  !! Of them
-      real(wp), intent(in) :: field(number)          !! Flat
-      real(wp), intent(inout) :: total(number)       !! Flat
+      integer, intent(in) :: number                  !! Their number
+      real(wp), intent(in) :: field(number)          !! Flattened
+      real(wp), intent(inout) :: total(number)       !! Flattened
       integer :: n
 
       !$omp simd
@@ -146,7 +146,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Contributions
-      integer, intent(in) :: tile                    !! Whose nodes
+      integer, intent(in) :: tile                    !! Tile of the nodes
       real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node) Sums
       integer :: place, other, mine, theirs, length(3)
 
@@ -166,7 +166,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
       real(wp), contiguous, intent(in) :: patch(:, :, :) !! (component, node, tile) Values
-      integer, intent(in) :: tile                    !! Whose nodes
+      integer, intent(in) :: tile                    !! Tile of the nodes
       real(wp), contiguous, intent(inout) :: greatest(:, :) !! (component, node)
       integer :: place, other, mine, theirs, length(3), x, y, z, shift
 
@@ -192,7 +192,7 @@ contains
    pure subroutine common_box(grid, tiles, tile, other, place, mine, theirs, length)
       type(grid_t), intent(in) :: grid
       type(tiles_t), intent(in) :: tiles
-      integer, intent(in) :: tile                    !! Whose nodes
+      integer, intent(in) :: tile                    !! Tile of the nodes
       integer, intent(in) :: other                   !! The tile around it
       integer, intent(in) :: place                   !! Its place, 1 to 27
       integer, intent(out) :: mine                   !! Nodes before the first one here
@@ -206,7 +206,7 @@ contains
       shift(1) = mod(place - 1, 3) - 1
       shift(2) = mod((place - 1)/3, 3) - 1
       shift(3) = (place - 1)/9 - 1
-      ! lower corner of the other tile, and the box that both have, seen from this one
+      ! lower corner of the other tile, and the overlap of both, relative to this one
       origin = merge(extent, merge(-reach, 0, shift == -1), shift == 1)
       low = max(0, origin) - margin
       length = min(extent, origin + reach) + margin - low

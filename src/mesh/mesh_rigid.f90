@@ -35,7 +35,7 @@ module mesh_rigid
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
       procedure :: keep => rigid_keep                !! Hold nodes that were held in the step
       procedure :: rub => rigid_rub                  !! Friction of regions
-      procedure :: take => rigid_take                !! Take what they hold from a change
+      procedure :: take => rigid_take                !! Remove the prevented part of a change
    end type rigid_t
 
 contains
@@ -111,7 +111,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      type(held_t), intent(inout) :: held            !! Gets them
+      type(held_t), intent(inout) :: held            !! Receives them
       integer :: owner(grid%tile_nodes), node, count
       real(wp) :: place(3)
 
@@ -187,8 +187,8 @@ contains
       holds = allocated(self%held(tile)%node)
    end function rigid_holds
 
-   !> Set the velocity of the nodes in regions that hold on, and stop what moves into others.
-   !! Equation (R.1) of doc/theory/rigid.md.
+   !> Set the velocity of the nodes in sticking regions, and stop motion into others. Equation (R.1)
+   !! of doc/theory/rigid.md.
    pure subroutine rigid_constrain(self, tile, velocity, acceleration, at_end)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
@@ -218,7 +218,7 @@ contains
    end subroutine rigid_constrain
 
    !> Friction of regions after Coulomb, as of boundaries: see boundary_friction. The velocities are
-   !! those that the region sees. Equations (R.2) and (R.3).
+   !! those relative to the region. Equations (R.2) and (R.3).
    pure subroutine rigid_rub(self, tile, dt, share, free, velocity, acceleration)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
@@ -286,8 +286,8 @@ contains
       end associate
    end subroutine rigid_keep
 
-   !> Take from a change of velocities what regions hold: all of it, or its component along the
-   !! normal where the node does not leave.
+   !> Remove the part of a change of velocities that regions prevent: all of it, or its component
+   !! along the normal where the node does not leave.
    pure subroutine rigid_take(self, tile, velocity, open, change)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
@@ -306,7 +306,7 @@ contains
                change(:, node) = 0.0_wp
             else if (stays(self%wall(held%wall(n))%condition%velocity, held%normal(:, n), &
                velocity(:, node))) then
-               ! with what boundaries hold, a projection on what both leave free
+               ! together with boundaries, a projection on the directions that both leave free
                normal = held%normal(:, n)*open(:, node)
                length = norm2(normal)
                if (.not. length > least) cycle
@@ -322,7 +322,7 @@ contains
       real(wp), intent(in) :: wall(3)                !! Velocity of the region [m/s]
       real(wp), intent(in) :: normal(3)              !! Outward
       real(wp), intent(in) :: velocity(3)            !! Of the node [m/s]
-      real(wp), parameter :: little = 1.0e-12_wp     ! what is left of a velocity that is taken
+      real(wp), parameter :: little = 1.0e-12_wp     ! remainder of a removed velocity
 
       held = .not. dot_product(velocity - wall, normal) > little*(norm2(velocity) + norm2(wall))
    end function stays

@@ -18,9 +18,9 @@ module mesh_surface_cut
    !> Steps of the lattice before the set: surfaces that follow the lattice give flat facets
    real(wp), parameter :: offset = 0.6180339887_wp
 
-   !> What is cut.
+   !> The set whose surface is found.
    type :: lattice_t
-      logical :: active(3) = .true.                  !! Directions of the scene
+      logical :: active(3) = .true.                  !! Active directions
       real(wp) :: lower(3) = 0.0_wp                  !! Corner of the bounds [m]
       real(wp) :: upper(3) = 0.0_wp                  !! The other corner [m]
       real(wp) :: origin(3) = 0.0_wp                 !! First point of the lattice [m]
@@ -35,7 +35,7 @@ contains
       class(point_set_t), intent(in) :: set
       real(wp), intent(in) :: lower(3)               !! Corner of the box [m]
       real(wp), intent(in) :: upper(3) !! The other; the same along inactive directions [m]
-      logical, intent(in) :: active(3)               !! Directions of the scene
+      logical, intent(in) :: active(3)               !! Active directions
       real(wp), intent(in) :: spacing                !! Greatest step of the lattice [m]
       real(wp), allocatable, intent(out) :: piece(:, :, :) !! (3, corner, piece) Its corners [m]
       type(lattice_t) :: lattice
@@ -81,7 +81,7 @@ contains
       type(lattice_t), intent(inout) :: lattice
       real(wp), intent(in) :: low(3)                 !! Corner of the box [m]
       real(wp), intent(in) :: high(3)                !! The other corner [m]
-      logical, intent(in) :: active(3)               !! Directions of the scene
+      logical, intent(in) :: active(3)               !! Active directions
       real(wp), intent(in) :: spacing                !! Greatest step [m]
       real(wp) :: number
 
@@ -97,7 +97,7 @@ contains
       end where
    end subroutine lay
 
-   !> A point of the lattice, the same bits for all cells that share it [m].
+   !> A point of the lattice, the same bits for all cells around it [m].
    pure function place_of(lattice, index) result(place)
       type(lattice_t), intent(in) :: lattice
       integer, intent(in) :: index(3)                !! Of the point, from 0
@@ -123,7 +123,7 @@ contains
       type(lattice_t), intent(in) :: lattice
       logical, intent(in) :: inside(0:, 0:, 0:)      !! Which of its points belong to the set
       integer, intent(in) :: cell(3)                 !! First point of the cell
-      real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
+      real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Extended
       integer, intent(inout) :: found                !! Number of facets in it
       integer, parameter :: orders(3, 6) = reshape([1, 2, 3, 1, 3, 2, 2, 1, 3, 2, 3, 1, 3, 1, 2, &
          3, 2, 1], [3, 6])
@@ -156,7 +156,7 @@ contains
    !! last, in ascending order.
    pure logical function in_order(order, active) result(counts)
       integer, intent(in) :: order(3)                !! A permutation of 1, 2, 3
-      logical, intent(in) :: active(3)               !! Directions of the scene
+      logical, intent(in) :: active(3)               !! Active directions
       integer :: n
 
       counts = .true.
@@ -172,7 +172,7 @@ contains
       type(lattice_t), intent(in) :: lattice
       integer, contiguous, intent(in) :: corner(:, 0:) !! (3, corner) Its points
       logical, intent(in) :: within(0:)              !! Which of them belong to the set
-      real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
+      real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Extended
       integer, intent(inout) :: found                !! Number of facets in it
       real(wp) :: cut(3, 4), inner(3), outer(3)
       integer :: a, b, number
@@ -218,7 +218,7 @@ contains
    !> Add a piece.
    pure subroutine append(corner, piece, found)
       real(wp), intent(in) :: corner(:, :)           !! (3, corner) [m]
-      real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Grows
+      real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Extended
       integer, intent(inout) :: found                !! Number of facets in it
       real(wp), allocatable :: longer(:, :, :)
 

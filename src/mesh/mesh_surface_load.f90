@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Loads on surfaces: pressures and tractions that act wherever the surface of a body lies in a
-!! region.
+!> Loads on surfaces: pressures and tractions that act where the surface of a body is in a region.
 !!
 !! No surface is built. A stress T with T n = t on the surface, times a function f that is 1 in the
 !! region and falls to 0 within a cell around it, gives the nodes the force of equation (O.3) of

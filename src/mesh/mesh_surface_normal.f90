@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The direction out of rigid regions.
 !!
-!! It uses only the test whether a point is inside, so it serves any shape and any set operation:
-!! the seam
-!! between two regions, and the side of a region that lies on a boundary of the domain, are no
-!! surface.
+!! It uses only the test whether a point is inside, so it works for any shape and any set operation:
+!! the seam between two regions, and the side of a region that lies on a boundary of the domain, are
+!! no surface.
 module mesh_surface_normal
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -15,7 +14,7 @@ module mesh_surface_normal
    public :: covers, find_surface_normal, touches
 
    real(wp), parameter :: pace = 0.5_wp              !! Of the search along a ray [cells]
-   integer, parameter :: paces = 8                   !! So far it is looked for a way out
+   integer, parameter :: paces = 8                   !! Maximum search distance
    real(wp), parameter :: aside = 0.05_wp            !! Of the positions that give slopes [cells]
    integer, parameter :: halvings = 40               !! Of a piece of a ray
    real(wp), parameter :: beside = 0.499999_wp       !! A position so near touches a wall [cells]
@@ -27,13 +26,13 @@ module mesh_surface_normal
 contains
 
    !> Outward normal of the surface nearest to a position that touches the walls. Rays in all
-   !! directions give a first guess, the mean of the shortest ways out; the slopes of the surface
-   !! where the normal leaves it give a better one.
+   !! directions give a first estimate, the mean of the shortest exits; the slopes of the surface
+   !! where this normal crosses it improve it.
    pure subroutine find_surface_normal(walls, grid, place, normal, found)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
-      real(wp), intent(out) :: normal(3)             !! Of length one [1]
+      real(wp), intent(out) :: normal(3)             !! Unit vector [1]
       logical, intent(out) :: found                  !! Is there a way out nearby?
       real(wp) :: inside(3), below(3), before(3)
       integer :: round
@@ -43,7 +42,7 @@ contains
       call guess_outward(walls, grid, inside, normal, found)
       if (.not. found) return
       do round = 1, rounds
-         ! below the position itself, if it lies outside, so that the normal leads through it
+         ! below the position itself, if it is outside, so that the normal passes through it
          below = place - grid%spacing*normal
          if (any(abs(inside - place) > 0.0_wp) .and. closed(walls, grid, below)) inside = below
          before = normal
@@ -95,8 +94,8 @@ contains
    pure subroutine rays(grid, side, direction, number)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: side                    !! Half the edge of the cube
-      real(wp), intent(out) :: direction(3, most_rays) !! Of length one [1]
-      integer, intent(out) :: number                 !! How many
+      real(wp), intent(out) :: direction(3, most_rays) !! Unit vector [1]
+      integer, intent(out) :: number                 !! Number
       integer :: x, y, z, last(3)
 
       last = merge(side, 0, grid%active)
@@ -128,8 +127,8 @@ contains
    end function closed
 
    !> Whether a wall covers a position, or its image through periodic boundaries. On boundaries of
-   !! the domain it counts what lies just inside, as regions that end there hold one of two faces
-   !! only.
+   !! the domain the test uses a position just inside, because a region that ends there may include
+   !! only one of its two faces.
    pure logical function covers(wall, grid, place) result(yes)
       type(wall_t), intent(in) :: wall               !! A rigid region
       type(grid_t), intent(in) :: grid
@@ -144,12 +143,12 @@ contains
       yes = wall%covers(inside)
    end function covers
 
-   !> Mean of the directions whose ways out are next to the shortest.
+   !> Mean of the directions whose exits are nearly the shortest.
    pure subroutine guess_outward(walls, grid, place, normal, found)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
-      real(wp), intent(out) :: normal(3)             !! Of length one [1]
+      real(wp), intent(out) :: normal(3)             !! Unit vector [1]
       logical, intent(out) :: found                  !! Is there a way out nearby?
       integer, parameter :: around(3) = [1, 2, 2]    ! half the edge of the cube of rays
       real(wp), parameter :: next = 0.1_wp           ! so much longer ways count as well [cells]
@@ -167,17 +166,17 @@ contains
       do n = 1, number
          if (way(n) <= shortest + next*grid%spacing) normal = normal + direction(:, n)
       end do
-      ! a position in the middle of a plate has two ways out that cancel: the first one is taken
+      ! a position in the middle of a plate has two exits that cancel: the first one is taken
       if (norm2(normal) < 0.5_wp) normal = direction(:, minloc(way(:number), 1))
       normal = normal/norm2(normal)
    end subroutine guess_outward
 
-   !> Length of the way out along a direction, huge if it is long or leads out of the domain [m].
+   !> Distance to the surface along a direction, huge if it is long or leaves the domain [m].
    pure real(wp) function way_out(walls, grid, place, direction) result(way)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
-      real(wp), intent(in) :: direction(3)           !! Of length one [1]
+      real(wp), intent(in) :: direction(3)           !! Unit vector [1]
       integer :: step
 
       do step = 1, paces
@@ -189,12 +188,12 @@ contains
       way = huge(way)
    end function way_out
 
-   !> Where a line leaves the walls, between a way inside and one outside [m].
+   !> Distance at which a line leaves the walls, between a point inside and one outside [m].
    pure real(wp) function surface_on(walls, grid, place, direction, inside, outside) result(way)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! Where the line begins [m]
-      real(wp), intent(in) :: direction(3)           !! Of length one [1]
+      real(wp), intent(in) :: direction(3)           !! Unit vector [1]
       real(wp), intent(in) :: inside, outside        !! Two ways along it [m]
       real(wp) :: low, high
       integer :: n
@@ -216,7 +215,7 @@ contains
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
-      real(wp), intent(inout) :: normal(3)           !! Of length one [1]
+      real(wp), intent(inout) :: normal(3)           !! Unit vector [1]
       logical, intent(out) :: smooth                 !! Has the surface slopes there?
       real(wp) :: along(3, 2), foot(3), height(2), reach, way
       integer :: k, side, directions
@@ -247,9 +246,9 @@ contains
    !> Directions at right angles to a normal that the scene has.
    pure subroutine tangents(grid, normal, along, directions)
       type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: normal(3)              !! Of length one [1]
-      real(wp), intent(out) :: along(3, 2)           !! Of length one [1]
-      integer, intent(out) :: directions             !! How many
+      real(wp), intent(in) :: normal(3)              !! Unit vector [1]
+      real(wp), intent(out) :: along(3, 2)           !! Unit vector [1]
+      integer, intent(out) :: directions             !! Number of directions
       integer :: least
 
       along = 0.0_wp

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The tiles that exist on a rank: those that hold its particles, in the order of the space-filling
-!! curve, and behind them ghosts, the tiles of other ranks that touch them.
+!> The tiles that exist on a rank: those with its particles, in the order of the space-filling
+!! curve, followed by ghosts, the tiles of other ranks that touch them.
 module mesh_tiles
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -35,8 +35,8 @@ module mesh_tiles
 
 contains
 
-   !> Give the tiles of this rank and the ghosts, and find who touches whom. Tiles that were there
-   !! before know it but for numbers: most of them stay, and finding all anew would cost as much as
+   !> Set the tiles of this rank and the ghosts, and find the neighbours of each. Existing tiles
+   !! only renumber their neighbours: most of them remain, and a new search would cost as much as
    !! sorting the particles.
    subroutine tiles_set(self, grid, own, ghost)
       class(tiles_t), intent(inout) :: self
@@ -85,12 +85,12 @@ contains
       allocate (self%coordinate(3, 0), self%neighbor(neighbors, 0))
    end subroutine know_grid
 
-   !> Who touches whom, from who did so before.
+   !> Neighbours of the tiles, from those before.
    subroutine find_neighbors(self, grid, former, renumbered, neighbor)
       class(tiles_t), intent(in) :: self             !! The tiles, with their former neighbours
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: former(:)               !! (tile) Former index, 0 = new
-      integer, intent(in) :: renumbered(0:)          !! (former tile) Index now, 0 = gone
+      integer, intent(in) :: renumbered(0:)          !! (former tile) Current index, 0 = removed
       integer, intent(inout) :: neighbor(:, :)       !! (27, tile) Index of a neighbour, 0 = none
       integer :: tile, place
 
@@ -174,7 +174,7 @@ contains
       rank = low
    end function tiles_owner
 
-   !> Cut the curve so that the ranks get equal shares of weight.
+   !> Cut the curve so that the ranks get equal weights.
    pure subroutine partition_keys(key, weight, ranks, border)
       integer(int64), intent(in) :: key(:)           !! Occupied tiles, ascending
       integer(int64), intent(in) :: weight(:)        !! Their weights
@@ -184,8 +184,8 @@ contains
       call find_cuts(key, weight, 0_int64, sum(weight), ranks, border)
    end subroutine partition_keys
 
-   !> The same where each rank knows the tiles of its piece of the curve only; no rank ever holds
-   !! the list of all tiles. Collective.
+   !> The same if each rank has the tiles of its part of the curve only; no rank ever has the list
+   !! of all tiles. Collective.
    subroutine partition_distributed_keys(communicator, key, weight, border)
       type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: key(:)           !! Tiles of this rank, ascending
@@ -197,16 +197,16 @@ contains
       call communicator%total(total)
       call find_cuts(key, weight, communicator%before(sum(weight)), total(1), communicator%size, &
          border)
-      ! a cut lies at the first tile that is heavy enough, on whichever rank that is
+      ! a cut is at the first tile with enough accumulated weight, on any rank
       call communicator%least(border)
    end subroutine partition_distributed_keys
 
-   !> The same where a rank knows tiles anywhere on the curve, and several ranks may know a part of
-   !! the weight of one. Each cut is found by bisection of the curve, all at a time: about as many
-   !! sums over the ranks as the greatest key has bits. Collective.
+   !> The same if a rank has tiles anywhere on the curve, and several ranks may have a part of the
+   !! weight of a tile. All cuts are found together by bisection of the curve: about as many sums
+   !! over the ranks as the greatest key has bits. Collective.
    subroutine partition_scattered_keys(communicator, key, weight, border)
       type(communicator_t), intent(in) :: communicator
-      integer(int64), intent(in) :: key(:)           !! Tiles that this rank knows, ascending
+      integer(int64), intent(in) :: key(:)           !! Tiles stored on this rank, ascending
       integer(int64), intent(in) :: weight(:)        !! Their weights, or parts of them
       integer(int64), allocatable, intent(out) :: border(:) !! (0:ranks) Cuts
       integer(int64), allocatable :: before(:), low(:), high(:), sums(:)
@@ -270,7 +270,7 @@ contains
       end do
    end function first_at
 
-   !> True if the middle of a tile lies before a cut: the share of the ranks before it.
+   !> True if the middle of a tile is before a cut, by accumulated weight.
    pure logical function lies_before(before, weight, total, cut, ranks) result(lower)
       integer(int64), intent(in) :: before           !! Weight of the tiles before
       integer(int64), intent(in) :: weight           !! Of the tile
@@ -282,8 +282,8 @@ contains
          real(total, wp)*real(cut, wp)/real(ranks, wp)
    end function lies_before
 
-   !> The first tile of each piece, as far as it is among these: that whose middle lies beyond the
-   !! share of the ranks before.
+   !> The first tile of each part, if it is among these: the one whose middle is beyond the
+   !! accumulated weight of the previous ranks.
    pure subroutine find_cuts(key, weight, start, total, ranks, border)
       integer(int64), intent(in) :: key(:)           !! Occupied tiles, ascending
       integer(int64), intent(in) :: weight(:)        !! Their weights

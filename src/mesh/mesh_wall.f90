@@ -15,8 +15,8 @@ module mesh_wall
    type :: wall_t
       character(len=64) :: name = ""                 !! Of its region, for pictures
       integer :: face = 0                            !! Boundary of the domain, 0 = a rigid region
-      class(boundary_condition_t), allocatable :: condition !! What it does; open without one
-      class(point_set_t), allocatable :: region      !! Where it is, if not everywhere
+      class(boundary_condition_t), allocatable :: condition !! Condition; open without one
+      class(point_set_t), allocatable :: region      !! Its region, if not everywhere
       type(motion_t) :: motion                       !! How it moves, and from when to when it acts
       logical :: acts = .true.                       !! Does it act now?
       logical :: stays = .false.                     !! Is its motion that of the material alone?

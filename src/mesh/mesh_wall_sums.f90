@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What each wall has done to the material since the start: its impulse, and the work at the
-!! velocity of the wall. Equation (O.2) of doc/theory/instruments.md.
+!> Action of each wall on the material since the start: its impulse, and the work at the velocity of
+!! the wall. Equation (O.2) of doc/theory/instruments.md.
 module mesh_wall_sums
    use base_exact_sum, only: exact_sum_t, exact_sum_words
    use base_kinds, only: int64, wp
@@ -17,7 +17,7 @@ module mesh_wall_sums
       type(exact_sum_t), allocatable :: total(:, :)  !! (entry, wall)
    contains
       procedure :: start => sums_start               !! Allocate them
-      procedure :: add => sums_add                   !! Add what a wall does in a step
+      procedure :: add => sums_add                   !! Add the action of a wall in a step
       procedure :: merge => sums_merge               !! Add others
       procedure :: clear => sums_clear               !! Set to zero
       procedure :: words => sums_words               !! As integers, for a checkpoint
@@ -48,10 +48,10 @@ contains
       allocate (self%total(wall_entries, walls))
    end subroutine sums_start
 
-   !> Add what a wall does in a step.
+   !> Add force, impulse and work of a wall in a step.
    pure subroutine sums_add(self, wall, impulse, velocity)
       class(wall_sums_t), intent(inout) :: self
-      integer, intent(in) :: wall                    !! Its index
+      integer, intent(in) :: wall                    !! Index
       real(wp), intent(in) :: impulse(3)             !! On the material [N s]
       real(wp), intent(in) :: velocity(3)            !! Of the wall in the middle of the step [m/s]
       integer :: k
@@ -146,7 +146,7 @@ contains
    !> A wall has acted: all changes since the last one are its own.
    pure subroutine push_note(self, wall, velocity, acceleration)
       class(wall_push_t), intent(inout) :: self
-      integer, intent(in) :: wall                    !! Its index
+      integer, intent(in) :: wall                    !! Index
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) [m/s]
       real(wp), intent(in) :: acceleration(:, :)     !! (3, node) [m/s2]
 

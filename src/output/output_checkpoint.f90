@@ -54,8 +54,8 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%checkpoint)
    end subroutine write_checkpoint
 
-   !> What the deck of a restart must share: the number of directions, and whether they are
-   !! axisymmetric.
+   !> Properties that the deck of a restart must not change: the number of directions, and whether
+   !! they are axisymmetric.
    pure function space_of(simulation) result(space)
       type(simulation_t), intent(in) :: simulation
       integer(int64) :: space(2)

@@ -20,7 +20,7 @@ contains
 
    !> Declare the three groups.
    subroutine declare_output_groups(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call declare_output(schema)
       call declare_checkpoint(schema)
@@ -29,7 +29,7 @@ contains
 
    !> Declare &output: keys of all kinds, then those of each.
    subroutine declare_output(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       class(stream_t), allocatable :: stream
       character(len=:), allocatable :: kinds
       integer :: n
@@ -39,9 +39,9 @@ contains
          call choose_stream(stream_names(n), stream)
          kinds = kinds//merge("; ", ", ", n == 1)//trim(stream_names(n))//": "//stream%about()
       end do
-      call schema%group("output", "one stream of files; give one of dt, every, times, count", &
+      call schema%group("output", "one output stream; give one of dt, every, times, count", &
          many=.true.)
-      call schema%text("output", "name", "name of the stream")
+      call schema%text("output", "name", "name of the stream, part of file names")
       call schema%text("output", "kind", "what is written"//kinds)
       call schema%words("output", "kind", stream_names)
       call schema%require("output", "name kind")
@@ -54,32 +54,33 @@ contains
 
    !> Declare &checkpoint.
    subroutine declare_checkpoint(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call schema%group("checkpoint", "restart files")
-      call schema%real("checkpoint", "wall_minutes", "minutes of wall time between two; "// &
-         "0 = never", default="30.0", range=">= 0")
-      call schema%real("checkpoint", "dt", "simulated time between two", unit="s", range="> 0")
-      call schema%integer("checkpoint", "keep", "number of files kept; 0 = all", default="2", &
-         range=">= 0")
-      call schema%logical("checkpoint", "at_end", "write one at the end", default=".true.")
+      call schema%real("checkpoint", "wall_minutes", &
+         "wall time between two checkpoints in minutes; 0 = never", default="30.0", range=">= 0")
+      call schema%real("checkpoint", "dt", "simulated time between two checkpoints", unit="s", &
+         range="> 0")
+      call schema%integer("checkpoint", "keep", "number of checkpoints kept; 0 = all", &
+         default="2", range=">= 0")
+      call schema%logical("checkpoint", "at_end", "write a checkpoint at the end", default=".true.")
       call schema%text("checkpoint", "on_signal(:4)", "signals that request a checkpoint and "// &
          "exit code 75", default="TERM USR1 INT", words="TERM USR1 USR2 INT HUP none")
    end subroutine declare_checkpoint
 
    !> Declare &log.
    subroutine declare_log(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
-      call schema%group("log", "screen and log file")
-      call schema%real("log", "progress_seconds", "wall time between two lines of progress", &
-         default="10.0", range="> 0")
-      call schema%text("log", "level", "what the log file holds", default="info", &
+      call schema%group("log", "screen output and log file")
+      call schema%real("log", "progress_seconds", &
+         "wall time between two progress lines, in seconds", default="10.0", range="> 0")
+      call schema%text("log", "level", "level of the log file", default="info", &
          words="error warn info debug")
-      call schema%logical("log", "timing", "table of phases at the end", default=".true.")
+      call schema%logical("log", "timing", "print a table of timings at the end", default=".true.")
    end subroutine declare_log
 
-   !> Check what compares keys of &output and &checkpoint with others.
+   !> Check keys of &output and &checkpoint against other keys.
    subroutine check_output_groups(deck)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       integer :: n
@@ -109,7 +110,7 @@ contains
    !> Check the names of fields in a deck with errors that leave the stores of the scene unknown.
    subroutine check_output_fields(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(in) :: simulation   !! As far as it is built
+      type(simulation_t), intent(in) :: simulation   !! Possibly incomplete after errors
       class(stream_t), allocatable :: stream
       type(group_t) :: group
       character(len=:), allocatable :: word

@@ -22,7 +22,7 @@ contains
       type(deck_t), intent(in) :: deck
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
-      character(len=*), intent(in) :: deck_text      !! As written
+      character(len=*), intent(in) :: deck_text      !! Text as written
       character(len=:), allocatable, intent(in) :: folder !! From the command line, if given
       type(outputs_t), intent(inout) :: outputs      !! Gets folder, case and header
       type(checkpoint_place_t), intent(inout) :: place !! Gets folder, case and how many to keep

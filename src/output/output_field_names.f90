@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The key `fields` of &output. Names are checked one by one, so that each wrong one is reported.
+!> The key `fields` of &output. Each name is checked, so that all wrong names are reported.
 module output_field_names
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
@@ -20,12 +20,13 @@ contains
 
    !> Declare the key.
    subroutine declare_fields(schema, kind)
-      type(schema_t), intent(inout) :: schema        !! Gets the key
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the key
       character(len=*), intent(in) :: kind           !! Word of the kind of output
 
       if (.not. schema%extend_owner("output", "fields", kind)) call schema%text("output", &
-         "fields(:40)", "names from scree --list fields; default: the usual ones; state: all "// &
-         "from which another run can continue", default="default", owner="kind = "//kind)
+         "fields(:40)", "field names, see scree --list fields; default: the usual fields; "// &
+         "state: all fields needed to continue in another run", default="default", &
+         owner="kind = "//kind)
    end subroutine declare_fields
 
    !> Names of the fields of a stream that the scene has; each of the others is an error.
@@ -56,7 +57,7 @@ contains
    subroutine check_field_names(group, deck, simulation, stream)
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(in) :: simulation   !! As far as it is built
+      type(simulation_t), intent(in) :: simulation   !! Possibly incomplete after errors
       class(stream_t), intent(in) :: stream          !! Of the kind that is to hold the fields
       type(store_t) :: none(0)
       character(len=field_length), allocatable :: names(:)

@@ -89,7 +89,7 @@ contains
       logical, intent(in) :: with_exact              !! Is there an exact solution?
       type(grid_t), intent(in) :: grid               !! The grid and its directions
       logical, intent(in) :: with_gravity            !! Is there gravity?
-      type(history_columns_t), intent(out) :: columns !! What the history shows
+      type(history_columns_t), intent(out) :: columns !! Definition of the history
       type(error_t), allocatable, intent(out) :: error !! A name does not work
       character(len=heading_length) :: list(every)
       character(len=:), allocatable :: fault
@@ -126,7 +126,7 @@ contains
 
    !> Take a column, unless it is taken already.
    pure subroutine take(number, list, chosen)
-      integer, intent(in) :: number                  !! Its index
+      integer, intent(in) :: number                  !! Index
       integer, allocatable, intent(inout) :: list(:) !! In their order
       logical, intent(inout) :: chosen(:)            !! Those that are taken
 
@@ -134,7 +134,7 @@ contains
       chosen(number) = .true.
    end subroutine take
 
-   !> What is wrong with a name; empty if nothing is.
+   !> Error message for a name; empty if it is valid.
    pure function find_fault(name, number, with_exact, grid, with_gravity) result(text)
       character(len=*), intent(in) :: name           !! As in the deck
       integer, intent(in) :: number                  !! Of the column, 0 = there is none

@@ -21,7 +21,7 @@ module output_schedule
       integer(int64) :: done = 0                     !! Intervals or listed times that have passed
    contains
       procedure :: due => schedule_due               !! Is it due now? If so, it counts as done
-      procedure :: catch_up => schedule_catch_up     !! Count what was due before a time as done
+      procedure :: catch_up => schedule_catch_up     !! Count outputs due before a time as done
       procedure :: expected => schedule_expected     !! How often it will be due
    end type schedule_t
 
@@ -29,12 +29,13 @@ contains
 
    !> Declare the keys dt, every, times and count of &output.
    subroutine declare_schedule(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call schema%real("output", "dt", "time between two outputs", unit="s", range="> 0")
       call schema%integer("output", "every", "steps between two outputs", range="> 0")
-      call schema%real("output", "times(:50)", "times of output", unit="s", range=">= 0")
-      call schema%integer("output", "count", "number of outputs, evenly over t_end", range="> 0")
+      call schema%real("output", "times(:50)", "output times", unit="s", range=">= 0")
+      call schema%integer("output", "count", "number of outputs, evenly spaced over t_end", &
+         range="> 0")
    end subroutine declare_schedule
 
    !> Check that one of the keys is given, and that the listed times are in the run.
@@ -100,7 +101,7 @@ contains
       if (self%every > 0) due = due .or. mod(step, self%every) == 0
    end function schedule_due
 
-   !> Count what is due up to a time as done.
+   !> Count outputs due up to a time as done.
    pure subroutine schedule_catch_up(self, time)
       class(schedule_t), intent(inout) :: self
       real(wp), intent(in) :: time                   !! Time reached [s]
@@ -123,7 +124,7 @@ contains
    pure real(wp) function schedule_expected(self, time_end, steps) result(times)
       class(schedule_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      real(wp), intent(in) :: steps                  !! Steps that it will take, 0 = unknown
+      real(wp), intent(in) :: steps                  !! Expected steps, 0 = unknown
       real(wp), parameter :: countless = 1.0e18_wp   ! still a 64-bit integer
 
       times = 0.0_wp

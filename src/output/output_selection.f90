@@ -19,7 +19,7 @@ contains
 
    !> Declare the keys that select by body and region.
    subroutine declare_selection(schema, kind)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind of output
 
       if (.not. schema%extend_owner("output", "bodies", kind)) then
@@ -36,7 +36,7 @@ contains
 
    !> Declare the key that thins out particles.
    subroutine declare_stride(schema, kind)
-      type(schema_t), intent(inout) :: schema        !! Gets the key
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the key
       character(len=*), intent(in) :: kind           !! Word of the kind of output
 
       if (.not. schema%extend_owner("output", "stride", kind)) call schema%integer("output", &
@@ -46,11 +46,11 @@ contains
 
    !> Declare the key of a direction.
    subroutine declare_axis(schema, kind)
-      type(schema_t), intent(inout) :: schema        !! Gets the key
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the key
       character(len=*), intent(in) :: kind           !! Word of the kind of output
 
       if (.not. schema%extend_owner("output", "axis", kind)) call schema%text("output", "axis", &
-         "normal of the plane of a slice; direction of a profile", default="x", words="x y z", &
+         "normal of a slice; direction of a profile", default="x", words="x y z", &
          owner="kind = "//kind)
    end subroutine declare_axis
 

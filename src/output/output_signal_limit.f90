@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Do a few fast or stiff particles make the steps of a run short?
+!> Detects a few fast or stiff particles that shorten the steps of a run.
 !!
 !! A step is limited by the greatest sum of wave speed and speed of any particle. Where at most one
 !! particle in a hundred is faster than a fraction 1/f of it, all others would allow steps f times
@@ -21,7 +21,7 @@ module output_signal_limit
    real(wp), parameter :: factors(7) = [1.25_wp, 1.5_wp, 2.0_wp, 3.0_wp, 5.0_wp, 10.0_wp, 30.0_wp]
    integer, parameter :: hundred = 100               !! One particle in so many is few
 
-   !> What few particles cost.
+   !> Cost of few particles that limit the steps.
    type :: signal_limit_t
       integer(int64) :: particles = 0                !! How many limit the steps, 0: they are many
       integer(int64) :: all = 0                      !! Of how many
@@ -33,8 +33,8 @@ contains
    !> Find whether few particles limit the steps, and name the fastest one if so. Collective.
    subroutine find_signal_limit(simulation, log, limit)
       type(simulation_t), intent(in) :: simulation   !! The run at its end
-      type(log_t), intent(inout) :: log              !! Gets a line if they do
-      type(signal_limit_t), intent(out) :: limit     !! What they cost
+      type(log_t), intent(inout) :: log              !! Receives a line if they do
+      type(signal_limit_t), intent(out) :: limit     !! Cost of the few particles
       character(len=:), allocatable :: text
 
       call count_few(simulation, limit)
@@ -174,7 +174,7 @@ contains
    !> The same for scripts.
    subroutine add_signal_limit(json, limit)
       type(json_t), intent(inout) :: json
-      type(signal_limit_t), intent(in) :: limit      !! What was found
+      type(signal_limit_t), intent(in) :: limit      !! Counts to report
 
       call json%begin("steps_limited_by_few")
       call json%add("particles", limit%particles)

@@ -29,7 +29,7 @@ module output_snapshot_stream
       procedure(write_file_i), deferred :: write_file !! Write one file
       procedure(bytes_i), deferred :: bytes_of_file  !! Expected size
       procedure :: declare_format                    !! Keys of the format of files
-      procedure :: read_format                       !! Read them
+      procedure :: read_format                       !! Read the keys
       procedure :: open => snapshot_open             !! Find the files of the run so far
       procedure :: write => snapshot_stream_write    !! Write a file, update the series
       procedure :: close => snapshot_close           !! Complete the index
@@ -66,21 +66,20 @@ contains
    !> Declare the keys of the format of files.
    subroutine declare_format(self, schema, kind)
       class(snapshot_stream_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       if (.not. schema%extend_owner("output", "precision", kind)) call schema%text("output", &
-         "precision", "precision of the numbers in files", default="single", &
+         "precision", "floating-point precision in files", default="single", &
          words="single double", owner="kind = "//kind)
       if (.not. schema%extend_owner("output", "compress", kind)) call schema%integer("output", &
-         "compress", "level of gzip, 0 = off", default="1", range=">= 0 <= 9", &
-         owner="kind = "//kind)
+         "compress", "gzip level, 0 = off", default="1", range=">= 0 <= 9", owner="kind = "//kind)
    end subroutine declare_format
 
    !> Read the keys of the format of files.
    subroutine read_format(self, group)
       class(snapshot_stream_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       character(len=:), allocatable :: word
 
       call group%get("precision", word)
@@ -93,7 +92,7 @@ contains
       class(snapshot_stream_t), intent(inout) :: self
       type(simulation_t), intent(in) :: simulation
       character(len=*), intent(in) :: folder         !! Folder of the results
-      type(snapshot_header_t), intent(in) :: header  !! Not used
+      type(snapshot_header_t), intent(in) :: header  !! Unused
       logical, intent(in) :: restarted               !! Not used: a new run has no earlier files
       character(len=:), allocatable, intent(out) :: note !! Files that cannot be read, or empty
       type(error_t), allocatable, intent(out) :: error !! The folder cannot be read

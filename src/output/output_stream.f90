@@ -24,11 +24,11 @@ module output_stream
    type, abstract :: stream_t
       integer :: place = 0                           !! Number of its &output, 0 = it has none
       character(len=:), allocatable :: file          !! Name of a table, beginning of other names
-      type(schedule_t) :: schedule                   !! When it is written
+      type(schedule_t) :: schedule                   !! Times of output
       integer(int64) :: last_step = -1               !! Step that was written last
    contains
-      procedure(about_i), deferred :: about          !! What is written, for the help of `kind`
-      procedure(about_i), deferred :: ending         !! What follows the case in names of files
+      procedure(about_i), deferred :: about          !! Description, for the help of `kind`
+      procedure(about_i), deferred :: ending         !! Suffix of file names, after the case
       procedure(declare_i), deferred :: declare      !! Declare the keys of the kind
       procedure(read_i), deferred :: read            !! Read and check these keys
       procedure(open_i), deferred :: open            !! Open the files, new or after a restart
@@ -67,7 +67,7 @@ module output_stream
          import :: schema_t, stream_t
          implicit none
          class(stream_t), intent(in) :: self
-         type(schema_t), intent(inout) :: schema     !! Gets the keys
+         type(schema_t), intent(inout) :: schema     !! Schema that receives the keys
          character(len=*), intent(in) :: kind        !! Word of the kind in the catalogue
       end subroutine declare_i
 
@@ -76,13 +76,13 @@ module output_stream
          import :: deck_t, group_t, named_shape_t, simulation_t, stream_t
          implicit none
          class(stream_t), intent(inout) :: self
-         type(group_t), intent(in) :: group          !! Its &output
+         type(group_t), intent(in) :: group          !! Group &output
          type(deck_t), intent(inout) :: deck         !! Collects errors
          type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
          type(named_shape_t), intent(in) :: shapes(:)
       end subroutine read_i
 
-      !> Open the files; what is later than the checkpoint of a restart is cut off. Collective.
+      !> Open the files; rows later than the checkpoint of a restart are removed. Collective.
       subroutine open_i(self, simulation, folder, header, restarted, note, error)
          import :: error_t, simulation_t, snapshot_header_t, stream_t
          implicit none
@@ -179,11 +179,11 @@ contains
       class(stream_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Grid, gravity, exact solution
-      type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
+      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field cannot be written
    end subroutine stream_try_field
 
-   !> Define what the field `fragment` of snapshots numbers, unless an earlier stream has.
+   !> Define the fragments of the field `fragment` of snapshots, unless an earlier stream has.
    subroutine stream_offer_fragments(self, fragments)
       class(stream_t), intent(in) :: self
       type(fragments_t), allocatable, intent(inout) :: fragments

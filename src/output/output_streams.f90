@@ -29,7 +29,7 @@ module output_streams
       procedure :: plan => outputs_plan              !! Read the streams from the deck
       procedure :: limit => outputs_limit            !! Refuse implausible sizes
       procedure :: open => outputs_open              !! Open files, new or after a restart
-      procedure :: write_due => outputs_write_due    !! Write what is due
+      procedure :: write_due => outputs_write_due    !! Write the streams that are due
       procedure :: has_series => outputs_has_series  !! Are there snapshots?
       procedure :: full_snapshots => outputs_full_snapshots !! Files with all particles
       procedure :: ledger_rows => outputs_ledger_rows !! Rows that evaluate the ledger
@@ -41,7 +41,7 @@ module output_streams
 
 contains
 
-   !> Read the streams. Without any, a run still writes what the kinds write by default.
+   !> Read the streams. Without any, the default outputs of the kinds are written.
    subroutine outputs_plan(self, deck, simulation, shapes, time_end)
       class(outputs_t), intent(inout) :: self        !! The streams; folder and case are set
       type(deck_t), intent(inout) :: deck            !! Collects errors
@@ -109,7 +109,7 @@ contains
       end do
    end subroutine share_fragments
 
-   !> Open the streams; after a restart what is later than the checkpoint is cut off. Collective.
+   !> Open the streams; after a restart rows later than the checkpoint are removed. Collective.
    subroutine outputs_open(self, simulation, restarted, note, error)
       class(outputs_t), intent(inout) :: self
       type(simulation_t), intent(in) :: simulation   !! Ranks and present step
@@ -128,7 +128,8 @@ contains
       end do
    end subroutine outputs_open
 
-   !> Write what is due. With `last` every stream writes the final state, once. Collective.
+   !> Write the streams that are due. With `last` every stream writes the final state, once.
+   !! Collective.
    subroutine outputs_write_due(self, simulation, last, note, error)
       class(outputs_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation
@@ -263,8 +264,8 @@ contains
       name = "output"//stream%file(len(self%case) + 1:)
    end function counter_name
 
-   !> Take the counters from a checkpoint. Streams that the deck has got since then start anew.
-   !! What the schedules have done follows from the time, since intervals may have changed.
+   !> Take the counters from a checkpoint. Streams added to the deck since then start from zero. The
+   !! state of the schedules follows from the time, because intervals may have changed.
    subroutine outputs_load(self, state)
       class(outputs_t), intent(inout) :: self
       type(state_t), intent(in) :: state             !! Of the checkpoint

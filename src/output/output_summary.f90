@@ -45,7 +45,7 @@ contains
       real(wp), intent(in) :: wall                   !! Wall time of the whole run [s]
       logical, intent(in) :: timing                  !! Table of phases?
       integer, intent(in) :: code                    !! Exit code
-      character(len=*), intent(in) :: reason         !! Why it ended
+      character(len=*), intent(in) :: reason         !! Reason of the end
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       type(json_t) :: json
       type(balance_t) :: now
@@ -114,7 +114,7 @@ contains
       type(json_t), intent(inout) :: json
       character(len=*), intent(in) :: case           !! Prefix of all files
       integer, intent(in) :: code                    !! Exit code
-      character(len=*), intent(in) :: reason         !! Why it ended
+      character(len=*), intent(in) :: reason         !! Reason of the end
 
       call json%add("version", version_text)
       call json%add("git", git_commit)
@@ -123,7 +123,7 @@ contains
       call json%add("reason", reason)
    end subroutine add_end
 
-   !> What was done in the steps, and how fast.
+   !> Particle updates in the steps, and their rate.
    subroutine add_work(json, updates, worked, rate)
       type(json_t), intent(inout) :: json
       integer(int64), intent(in) :: updates          !! Of particles, on all ranks
@@ -135,7 +135,7 @@ contains
       call json%add("particle_updates_per_s", rate)
    end subroutine add_work
 
-   !> On what it ran.
+   !> Ranks and threads.
    subroutine add_layout(json, simulation)
       type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation
@@ -220,7 +220,7 @@ contains
       if (now%entry(removed_particles) > 0.0_wp) then
          write (line, "(a,i0,a,es10.3,a)") "removed   ", &
             nint(now%entry(removed_particles), int64), &
-            " particles that had failed or left their bounds, with", now%entry(removed_mass), " kg"
+            " particles that failed or exceeded a limit, with", now%entry(removed_mass), " kg"
          text = text//trim(line)//new_line("a")
       end if
       write (line, "(a,f8.2,a,f8.2,a,i0,a)") "speed     ", 1.0e-6_wp*rate, &
@@ -229,9 +229,9 @@ contains
       text = text//trim(line)
    end function balance_text
 
-   !> What the ranks said to each other, in the order of the names, summed over them. Patches are
-   !! node fields; what moves are particles that change ranks and data that are levelled for files.
-   !! The last number is the length of the longest list of tiles that a rank had at the start.
+   !> Communication counts in the order of the names, summed over the ranks. Patches are node
+   !! fields; moving data are particles that change ranks and data distributed evenly for files. The
+   !! last number is the length of the longest list of tiles that a rank had at the start.
    subroutine count_traffic(simulation, traffic)
       type(simulation_t), intent(in) :: simulation
       integer(int64), intent(out) :: traffic(kinds)  !! In the order of the names
@@ -247,7 +247,7 @@ contains
       traffic(kinds) = -listed(1)
    end subroutine count_traffic
 
-   !> How evenly the ranks worked and what they said to each other, as lines of text.
+   !> Load balance and communication of the ranks, as lines of text.
    function ranks_text(simulation, traffic) result(text)
       type(simulation_t), intent(in) :: simulation
       integer(int64), intent(in) :: traffic(kinds)   !! In the order of the names
@@ -258,15 +258,15 @@ contains
       text = ""
       associate (load => simulation%machine%load)
          if (load%looks > 0) then
-            write (line, "(a,f6.3,a,f6.3,a,f6.3,a,i0,a)") "work      busiest rank over mean", &
-               load%total/real(load%looks, wp), " on average,", load%last, " at last,", &
-               load%greatest, " at worst after step 100; shared out anew ", load%cuts, " times"
+            write (line, "(a,f6.3,a,f6.3,a,f6.3,a,i0,a)") "load      busiest rank over mean", &
+               load%total/real(load%looks, wp), " on average,", load%last, " at the end,", &
+               load%greatest, " at most after step 100; rebalanced ", load%cuts, " times"
             text = trim(line)//new_line("a")
          end if
       end associate
       each = 1.0_wp/(real(simulation%machine%communicator%size, &
          wp)*real(max(simulation%clock%step, 1_int64), wp))
-      write (line, "(a,2(f6.2,a,es9.2,a))") "messages  a step and rank:", &
+      write (line, "(a,2(f6.2,a,es9.2,a))") "messages  per step and rank:", &
          each*real(traffic(1), wp), " of patches,", each*real(traffic(2), wp), " bytes; ", &
          each*real(traffic(3), wp), " of particles,", each*real(traffic(4), wp), " bytes"
       text = text//trim(line)
@@ -360,7 +360,7 @@ contains
       call json%end()
    end subroutine add_timers
 
-   !> The ledger, and what it cannot show.
+   !> The ledger, and the trust indicators.
    subroutine add_balance(json, simulation, now, trust)
       type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation   !! With the start
@@ -417,7 +417,7 @@ contains
       end associate
    end subroutine add_exact
 
-   !> Names of what was written.
+   !> Names of the output files.
    subroutine add_files(json, outputs)
       type(json_t), intent(inout) :: json
       type(outputs_t), intent(in) :: outputs

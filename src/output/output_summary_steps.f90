@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Steps and times in what a run leaves behind about itself.
+!> Steps and times in the log and the summary.
 module output_summary_steps
    use base_kinds, only: int64, wp
    use base_text, only: number
@@ -13,13 +13,13 @@ module output_summary_steps
 
 contains
 
-   !> The number of steps, beside the estimate if the run has come to its time, what limited them,
-   !! and the times that they took.
+   !> The number of steps, with the estimate if the run has reached its end time, the limits of the
+   !! steps, and the times spent.
    function steps_text(simulation, wall, worked, reason) result(text)
       type(simulation_t), intent(in) :: simulation   !! The run at its end
       real(wp), intent(in) :: wall                   !! Of the whole call [s]
       real(wp), intent(in) :: worked                 !! Of the processor in the steps, all ranks [s]
-      character(len=*), intent(in) :: reason         !! Why it ended
+      character(len=*), intent(in) :: reason         !! Reason of the end
       character(len=:), allocatable :: text
       character(len=16) :: part(2)
 
@@ -33,7 +33,7 @@ contains
          " s in the steps of all ranks"
    end function steps_text
 
-   !> What limited the steps of this call of the program, as a line of text.
+   !> Limits of the steps of this call of the program, as a line of text.
    function rules_text(guard) result(text)
       type(guard_t), intent(in) :: guard             !! With the counts
       character(len=:), allocatable :: text

@@ -90,7 +90,7 @@ contains
    subroutine table_write(self, simulation, header, note, error)
       class(table_stream_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation
-      type(snapshot_header_t), intent(in) :: header  !! Not used
+      type(snapshot_header_t), intent(in) :: header  !! Unused
       character(len=:), allocatable, intent(inout) :: note !! Lines for the log
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
 
@@ -103,7 +103,7 @@ contains
    !> Close the file.
    subroutine table_close(self, communicator, error)
       class(table_stream_t), intent(inout) :: self
-      type(communicator_t), intent(in) :: communicator !! Not used
+      type(communicator_t), intent(in) :: communicator !! Unused
       type(error_t), allocatable, intent(out) :: error !! Never set
 
       call self%table%close()
@@ -113,7 +113,7 @@ contains
    subroutine table_limit(self, deck, particles, time_end, steps)
       class(table_stream_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      integer(int64), intent(in) :: particles        !! Not used
+      integer(int64), intent(in) :: particles        !! Unused
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Expected number of steps
       real(wp) :: rows

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The walls of a scene for pictures: boundaries of the domain, parts of them, and rigid regions,
-!! written once a run. doc/developer/decisions.md says why (Files).
+!! written once per run. See doc/developer/decisions.md (Files) for the reason.
 module output_walls
    use base_error, only: error_t
    use base_kinds, only: wp
@@ -26,7 +26,7 @@ contains
    subroutine write_walls(simulation, outputs, folder, time_end, error)
       type(simulation_t), intent(in) :: simulation
       type(outputs_t), intent(in) :: outputs         !! Case and header
-      character(len=*), intent(in) :: folder         !! Where the file goes
+      character(len=*), intent(in) :: folder         !! Folder of the file
       real(wp), intent(in) :: time_end               !! End of the run [s]
       type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       type(walls_t) :: walls
@@ -74,7 +74,7 @@ contains
                   call name_part(walls, boundary%wall(part), begin, finish, wall)
                   call walls%add(wall, square(first, last, across, grid%active))
                end if
-               ! the face itself, before a part comes and after it has gone
+               ! the face itself, before a part is added and after it is removed
                call add_plain(walls, boundary, face, -never, begin, square(first, last, across, &
                   grid%active))
                call add_plain(walls, boundary, face, finish, never, square(first, last, across, &
@@ -84,13 +84,13 @@ contains
       end associate
    end subroutine add_face
 
-   !> A piece of a face by itself, for a time that is not empty.
+   !> Add a part of a face, for a time interval that is not empty.
    pure subroutine add_plain(walls, boundary, face, begin, finish, piece)
       type(walls_t), intent(inout) :: walls          !! Get it
       type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
-      real(wp), intent(in) :: begin                  !! It is there from then on [s]
-      real(wp), intent(in) :: finish                 !! It is gone from then on [s]
+      real(wp), intent(in) :: begin                  !! Start of the time interval [s]
+      real(wp), intent(in) :: finish                 !! End of the time interval [s]
       real(wp), intent(in) :: piece(:, :, :)         !! (3, corner, 1) [m]
       character(len=:), allocatable :: kind
       integer :: wall
@@ -109,8 +109,8 @@ contains
       call walls%add(wall, piece)
    end subroutine add_plain
 
-   !> The part of a face, or the whole face that comes and goes, that covers a place while it is
-   !! there: the last one that does; 0 = what always holds.
+   !> Index of the part of a face, or of the whole face with a time interval, that covers a
+   !! position: the last one; 0 = the permanent condition.
    pure integer function part_of(boundary, face, place) result(part)
       type(boundary_t), intent(in) :: boundary
       integer, intent(in) :: face                    !! 1 to 6
@@ -133,11 +133,11 @@ contains
 
    !> The number of a wall in the file, with the times at which it is there.
    pure subroutine name_part(walls, source, begin, finish, wall)
-      type(walls_t), intent(inout) :: walls          !! Get it if they lack it
+      type(walls_t), intent(inout) :: walls          !! Receive it if they lack it
       type(wall_t), intent(in) :: source             !! A part of a face, or a rigid region
-      real(wp), intent(out) :: begin                 !! It is there from then on [s]
-      real(wp), intent(out) :: finish                !! It is gone from then on [s]
-      integer, intent(out) :: wall                   !! Its number
+      real(wp), intent(out) :: begin                 !! Start of the time interval [s]
+      real(wp), intent(out) :: finish                !! End of the time interval [s]
+      integer, intent(out) :: wall                   !! Number
       character(len=:), allocatable :: name
 
       name = trim(source%name)
@@ -169,7 +169,7 @@ contains
       real(wp), intent(in) :: first(3)               !! A corner [m]
       real(wp), intent(in) :: last(3)                !! The opposite one [m]
       integer, intent(in) :: across(2)               !! Directions in which it extends
-      logical, intent(in) :: active(3)               !! Directions of the scene
+      logical, intent(in) :: active(3)               !! Active directions
       real(wp), allocatable :: piece(:, :, :)
       integer :: ways(2)
 
@@ -206,7 +206,7 @@ contains
             call name_part(walls, rigid, begin, finish, wall)
             ! an inflow has no surface
             if (rigid%stays) cycle
-            ! what is in the box at some time, where it is at the start
+            ! walls inside the box at some time, at their initial position
             call flat_box(simulation%space%grid, low, high)
             low = low - maxval(way(:, number, :), dim=2)
             high = high - minval(way(:, number, :), dim=2)

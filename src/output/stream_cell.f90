@@ -17,7 +17,7 @@ module stream_cell
    type, extends(table_stream_t) :: stream_cell_t
    contains
       procedure :: about => cell_about               !! For the help
-      procedure :: ending => cell_ending             !! Of the name
+      procedure :: ending => cell_ending             !! Suffix of file names
       procedure :: declare => cell_declare           !! No keys of its own
       procedure :: read => cell_read                 !! Check that there is a cell
       procedure :: list_columns => cell_list_columns !! Names of columns
@@ -34,7 +34,7 @@ contains
       text = "a table of stress, strain and edges of &cell"
    end function cell_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function cell_ending(self) result(text)
       class(stream_cell_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -46,16 +46,16 @@ contains
    subroutine cell_declare(self, schema, kind)
       class(stream_cell_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Not changed
-      character(len=*), intent(in) :: kind           !! Not used
+      character(len=*), intent(in) :: kind           !! Unused
    end subroutine cell_declare
 
    !> A table of a cell needs one.
    subroutine cell_read(self, group, deck, simulation, shapes)
       class(stream_cell_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
-      type(named_shape_t), intent(in) :: shapes(:)   !! Not used
+      type(named_shape_t), intent(in) :: shapes(:)   !! Unused
 
       if (.not. allocated(simulation%space%cell)) call deck%complain(group, &
          "kind = 'cell' needs &cell and &stage; add them or remove this &output", "kind")

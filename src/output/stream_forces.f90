@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Output of forces: a table of what the material does to boundaries, their parts and rigid regions.
-!! Equation (O.2) of doc/theory/instruments.md.
+!> Output of forces: a table of the forces of the material on boundaries, their parts and rigid
+!! regions. Equation (O.2) of doc/theory/instruments.md.
 module stream_forces
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
@@ -32,9 +32,9 @@ module stream_forces
       real(wp) :: last_time = -1.0_wp                !! Time of that row, below 0 = none [s]
    contains
       procedure :: about => forces_about             !! For the help
-      procedure :: ending => forces_ending           !! Of the name
+      procedure :: ending => forces_ending           !! Suffix of file names
       procedure :: declare => forces_declare         !! Keys
-      procedure :: read => forces_read               !! Read them
+      procedure :: read => forces_read               !! Read the keys
       procedure :: list_columns => forces_list_columns !! Names of columns
       procedure :: write_rows => forces_write_rows   !! Write a row
       procedure :: counters => forces_counters       !! With the sums of the last row
@@ -51,7 +51,7 @@ contains
       text = "a table of forces on boundaries and rigid regions"
    end function forces_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function forces_ending(self) result(text)
       class(stream_forces_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -62,21 +62,21 @@ contains
    !> Declare the keys of the kind.
    subroutine forces_declare(self, schema, kind)
       class(stream_forces_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call schema%text("output", "walls(:20)", "boundaries (zlo), parts of boundaries and "// &
-         "rigid regions (names of their regions) whose forces are shown; default: all", &
+         "rigid regions (by the names of their regions) whose forces are written; default: all", &
          owner="kind = "//kind)
    end subroutine forces_declare
 
-   !> Read the keys of the kind. What walls do is summed from now on.
+   !> Read the keys of the kind. Wall forces are summed from now on.
    subroutine forces_read(self, group, deck, simulation, shapes)
       class(stream_forces_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Its ledger gets the sums
-      type(named_shape_t), intent(in) :: shapes(:)   !! Not used
+      type(named_shape_t), intent(in) :: shapes(:)   !! Unused
       type(text_t), allocatable :: wanted(:), known(:)
       integer, allocatable :: place(:)
       integer :: n, k

@@ -18,12 +18,12 @@ module stream_fragments
 
    !> A table of fragments.
    type, extends(table_stream_t) :: stream_fragments_t
-      type(fragments_t) :: fragments                 !! Which particles, and what separates them
+      type(fragments_t) :: fragments !! Selection of particles, and the separation criterion
    contains
       procedure :: about => fragments_about          !! For the help
-      procedure :: ending => fragments_ending        !! Of the name
+      procedure :: ending => fragments_ending        !! Suffix of file names
       procedure :: declare => fragments_declare      !! Keys
-      procedure :: read => fragments_read            !! Read them
+      procedure :: read => fragments_read            !! Read the keys
       procedure :: offer_fragments => fragments_offer !! For the field `fragment`
       procedure :: list_columns => fragments_list_columns !! Names of columns
       procedure :: write_rows => fragments_write_rows !! Write the rows of a time
@@ -39,7 +39,7 @@ contains
       text = "a table of fragments"
    end function fragments_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function fragments_ending(self) result(text)
       class(stream_fragments_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -50,12 +50,12 @@ contains
    !> Declare the keys of the kind.
    subroutine fragments_declare(self, schema, kind)
       class(stream_fragments_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_selection(schema, kind)
-      call schema%real("output", "velocity_cut", "cells are separate where their mean "// &
-         "velocities differ by more; default: never", unit="m/s", range="> 0", &
+      call schema%real("output", "velocity_cut", "neighbouring cells are separate fragments "// &
+         "where their mean velocities differ by more; default: never", unit="m/s", range="> 0", &
          owner="kind = "//kind)
       call schema%text("output", "matter", &
          "material that counts as part of a fragment; intact: "// &
@@ -65,9 +65,9 @@ contains
    !> Read the keys of the kind.
    subroutine fragments_read(self, group, deck, simulation, shapes)
       class(stream_fragments_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Not used
+      type(simulation_t), intent(inout) :: simulation !! Unused
       type(named_shape_t), intent(in) :: shapes(:)
       character(len=:), allocatable :: word
       real(wp) :: velocity_cut
@@ -79,7 +79,7 @@ contains
       if (velocity_cut > unset) self%fragments%velocity_cut = velocity_cut
    end subroutine fragments_read
 
-   !> Define what the field `fragment` of snapshots numbers, unless an earlier stream has.
+   !> Define the fragments of the field `fragment` of snapshots, unless an earlier stream has.
    subroutine fragments_offer(self, fragments)
       class(stream_fragments_t), intent(in) :: self
       type(fragments_t), allocatable, intent(inout) :: fragments

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Output of a gauge: a table with a row for each time of what an instrument shows at one place.
+!> Output of a gauge: a table of the signal of an instrument at one position, one row per time.
 module stream_gauge
    use base_deck, only: deck_t, group_t
    use base_error, only: error_t
@@ -29,12 +29,12 @@ module stream_gauge
 
    !> A gauge.
    type, extends(table_stream_t) :: stream_gauge_t
-      type(gauge_t) :: gauge                         !! Where it is and what it shows
+      type(gauge_t) :: gauge                         !! Position and quantity
    contains
       procedure :: about => gauge_about              !! For the help
-      procedure :: ending => gauge_ending            !! Of the name
+      procedure :: ending => gauge_ending            !! Suffix of file names
       procedure :: declare => gauge_declare          !! Keys
-      procedure :: read => gauge_read                !! Read them
+      procedure :: read => gauge_read                !! Read the keys
       procedure :: try_field => gauge_try_field      !! Check a name
       procedure :: list_columns => gauge_list_columns !! Names of columns
       procedure :: prepare => gauge_prepare          !! Find the particle
@@ -53,7 +53,7 @@ contains
       text = "a table of what an instrument at one place shows"
    end function gauge_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function gauge_ending(self) result(text)
       class(stream_gauge_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -64,23 +64,23 @@ contains
    !> Declare the keys of the kind.
    subroutine gauge_declare(self, schema, kind)
       class(stream_gauge_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_fields(schema, kind)
       call declare_selection(schema, kind)
-      call schema%text("output", "gauge", "what is seen: the material around a fixed point; "// &
-         "the particle that is nearest to the point when the run starts; the surface of the "// &
-         "material where a beam along an axis through the point meets it; means over bodies "// &
-         "and region", default="point", words=words, owner="kind = "//kind)
-      call schema%real("output", "point(3)", "where the gauge is", unit="m", &
+      call schema%text("output", "gauge", "what is measured: point, the material around a "// &
+         "fixed point; particle, the particle nearest to the point at the start; surface, the "// &
+         "surface of the material where a beam along an axis through the point meets it; mean, "// &
+         "means over bodies and region", default="point", words=words, owner="kind = "//kind)
+      call schema%real("output", "point(3)", "position of the gauge", unit="m", &
          owner="kind = "//kind//" & gauge = point particle surface")
-      call schema%real("output", "radius", "of the material, or of the beam on a surface, that "// &
-         "is seen; default: one and a half cells", unit="m", range="> 0", owner="kind = "//kind// &
-         " & gauge = point surface")
-      call schema%real("output", "depth", "of the material below a surface that decides on the "// &
-         "value there; default: two cells", unit="m", range="> 0", owner="kind = "//kind// &
-         " & gauge = surface")
+      call schema%real("output", "radius", &
+         "radius of the measured material, or of the beam on a surface; default: 1.5 cells", &
+         unit="m", range="> 0", owner="kind = "//kind//" & gauge = point surface")
+      call schema%real("output", "depth", &
+         "depth below the surface over which material is measured; default: two cells", unit="m", &
+         range="> 0", owner="kind = "//kind//" & gauge = surface")
       call schema%text("output", "side", "side from which the beam comes", &
          words="-x +x -y +y -z +z", owner="kind = "//kind//" & gauge = surface")
    end subroutine gauge_declare
@@ -88,7 +88,7 @@ contains
    !> Read the keys of the kind.
    subroutine gauge_read(self, group, deck, simulation, shapes)
       class(stream_gauge_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
       type(named_shape_t), intent(in) :: shapes(:)
@@ -118,7 +118,7 @@ contains
 
    !> Read point and radius.
    subroutine read_place(gauge, group, deck, simulation)
-      type(gauge_t), intent(inout) :: gauge          !! Gets them
+      type(gauge_t), intent(inout) :: gauge          !! Receives them
       type(group_t), intent(in) :: group             !! The &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! For the grid
@@ -181,8 +181,8 @@ contains
    subroutine gauge_try_field(self, field, simulation, stores, error)
       class(stream_gauge_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
-      type(simulation_t), intent(in) :: simulation   !! Not used
-      type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
+      type(simulation_t), intent(in) :: simulation   !! Unused
+      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
       type(mean_t), allocatable :: means(:)
 
@@ -199,7 +199,7 @@ contains
       columns = [columns, field_columns(self%gauge%means)]
    end subroutine gauge_list_columns
 
-   !> Find the particle that is seen, at the first row. Collective.
+   !> Find the observed particle, at the first row. Collective.
    subroutine gauge_prepare(self, simulation, note)
       class(stream_gauge_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation

@@ -27,13 +27,13 @@ module stream_grid
 
    !> Fields on the grid.
    type, extends(snapshot_stream_t) :: stream_grid_t
-      type(mean_t), allocatable :: means(:)          !! What is averaged
+      type(mean_t), allocatable :: means(:)          !! Averaged quantities
       real(wp) :: cells = 0.0_wp                     !! Most cells of a file
    contains
       procedure :: about => grid_about               !! For the help
       procedure :: ending => grid_ending             !! Of names
       procedure :: declare => grid_declare           !! Keys
-      procedure :: read => grid_read                 !! Read them
+      procedure :: read => grid_read                 !! Read the keys
       procedure :: try_field => grid_try_field       !! Check a name
       procedure :: limit => grid_limit               !! Refuse implausible sizes
       procedure :: write_file => grid_write_file     !! Write a file
@@ -50,7 +50,7 @@ contains
       text = "means over the particles of each cell"
    end function grid_about
 
-   !> What follows the case in names of files.
+   !> Suffix of file names, after the case.
    pure function grid_ending(self) result(text)
       class(stream_grid_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -61,7 +61,7 @@ contains
    !> Declare the keys of the kind.
    subroutine grid_declare(self, schema, kind)
       class(stream_grid_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_fields(schema, kind)
@@ -72,7 +72,7 @@ contains
    !> Read the keys of the kind.
    subroutine grid_read(self, group, deck, simulation, shapes)
       class(stream_grid_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
       type(named_shape_t), intent(in) :: shapes(:)
@@ -91,8 +91,8 @@ contains
    subroutine grid_try_field(self, field, simulation, stores, error)
       class(stream_grid_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
-      type(simulation_t), intent(in) :: simulation   !! Not used
-      type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
+      type(simulation_t), intent(in) :: simulation   !! Unused
+      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
       type(mean_t), allocatable :: means(:)
 
@@ -143,7 +143,7 @@ contains
    !> Expected size of a file [byte].
    pure real(wp) function grid_bytes_of_file(self, particles) result(bytes)
       class(stream_grid_t), intent(in) :: self
-      integer(int64), intent(in) :: particles        !! Not used
+      integer(int64), intent(in) :: particles        !! Unused
 
       bytes = self%cells*real(sum(self%means%column%components), wp)*cell_bytes
    end function grid_bytes_of_file

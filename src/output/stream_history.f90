@@ -19,12 +19,12 @@ module stream_history
 
    !> A history.
    type, extends(table_stream_t) :: stream_history_t
-      type(history_columns_t) :: columns             !! What a row holds
+      type(history_columns_t) :: columns             !! Columns of a row
    contains
       procedure :: about => history_about            !! For the help
-      procedure :: ending => history_ending          !! Of the name
+      procedure :: ending => history_ending          !! Suffix of file names
       procedure :: declare => history_declare        !! Keys
-      procedure :: read => history_read              !! Read them
+      procedure :: read => history_read              !! Read the keys
       procedure :: read_default => history_read_default !! Without &output
       procedure :: default_count => history_default_count !! Rows without &output
       procedure :: try_field => history_try_field    !! Check a name
@@ -43,7 +43,7 @@ contains
       text = "a table of the ledger over time"
    end function history_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function history_ending(self) result(text)
       class(stream_history_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -54,7 +54,7 @@ contains
    !> Declare the keys of the kind.
    subroutine history_declare(self, schema, kind)
       class(stream_history_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_fields(schema, kind)
@@ -63,10 +63,10 @@ contains
    !> Read the keys of the kind.
    subroutine history_read(self, group, deck, simulation, shapes)
       class(stream_history_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
-      type(named_shape_t), intent(in) :: shapes(:)   !! Not used
+      type(named_shape_t), intent(in) :: shapes(:)   !! Unused
       character(len=field_length), allocatable :: fields(:)
       type(error_t), allocatable :: error
 
@@ -98,7 +98,7 @@ contains
       class(stream_history_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
       type(simulation_t), intent(in) :: simulation   !! Grid, gravity, exact solution
-      type(store_t), intent(inout) :: stores(:)      !! Not used
+      type(store_t), intent(inout) :: stores(:)      !! Unused
       type(error_t), allocatable, intent(out) :: error !! There is no such column
       type(history_columns_t) :: columns
 

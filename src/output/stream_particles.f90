@@ -28,7 +28,7 @@ module stream_particles
       procedure :: about => particles_about          !! For the help
       procedure :: ending => particles_ending        !! Of names
       procedure :: declare => particles_declare      !! Keys
-      procedure :: read => particles_read            !! Read them
+      procedure :: read => particles_read            !! Read the keys
       procedure :: read_default => particles_read_default !! Without &output
       procedure :: default_count => particles_default_count !! First and last state
       procedure :: try_field => particles_try_field  !! Check a name
@@ -48,7 +48,7 @@ contains
       text = "particles"
    end function particles_about
 
-   !> What follows the case in names of files.
+   !> Suffix of file names, after the case.
    pure function particles_ending(self) result(text)
       class(stream_particles_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -59,7 +59,7 @@ contains
    !> Declare the keys of the kind.
    subroutine particles_declare(self, schema, kind)
       class(stream_particles_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_fields(schema, kind)
@@ -71,7 +71,7 @@ contains
    !> Read the keys of the kind.
    subroutine particles_read(self, group, deck, simulation, shapes)
       class(stream_particles_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
       type(named_shape_t), intent(in) :: shapes(:)
@@ -85,7 +85,7 @@ contains
    !> Without &output the usual fields of all particles are written.
    subroutine particles_read_default(self, simulation)
       class(stream_particles_t), intent(inout) :: self
-      type(simulation_t), intent(in) :: simulation   !! Not used
+      type(simulation_t), intent(in) :: simulation   !! Unused
 
       self%fields = [character(len=len(self%fields)) :: "default"]
    end subroutine particles_read_default
@@ -101,8 +101,8 @@ contains
    subroutine particles_try_field(self, field, simulation, stores, error)
       class(stream_particles_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
-      type(simulation_t), intent(in) :: simulation   !! Not used
-      type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
+      type(simulation_t), intent(in) :: simulation   !! Unused
+      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field cannot be written
       type(column_t), allocatable :: columns(:)
 

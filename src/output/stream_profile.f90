@@ -24,9 +24,9 @@ module stream_profile
       type(profile_t) :: profile                     !! Bins, fields and particles
    contains
       procedure :: about => profile_about            !! For the help
-      procedure :: ending => profile_ending          !! Of the name
+      procedure :: ending => profile_ending          !! Suffix of file names
       procedure :: declare => profile_declare        !! Keys
-      procedure :: read => profile_read              !! Read them
+      procedure :: read => profile_read              !! Read the keys
       procedure :: try_field => profile_try_field    !! Check a name
       procedure :: rows_of_time => profile_rows_of_time !! A row for each bin
       procedure :: list_columns => profile_list_columns !! Names of columns
@@ -43,7 +43,7 @@ contains
       text = "a table of means in bins along an axis"
    end function profile_about
 
-   !> What follows the case in the name of the file.
+   !> Suffix of the file name, after the case.
    pure function profile_ending(self) result(text)
       class(stream_profile_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -54,20 +54,21 @@ contains
    !> Declare the keys of the kind.
    subroutine profile_declare(self, schema, kind)
       class(stream_profile_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call declare_fields(schema, kind)
       call declare_selection(schema, kind)
       call declare_axis(schema, kind)
-      call schema%integer("output", "bins", "bins of equal width from one end of the grid to "// &
-         "the other", default="100", range="> 0 <= 10000", owner="kind = "//kind)
+      call schema%integer("output", "bins", &
+         "number of bins of equal width over the length of the grid", default="100", &
+         range="> 0 <= 10000", owner="kind = "//kind)
    end subroutine profile_declare
 
    !> Read the keys of the kind.
    subroutine profile_read(self, group, deck, simulation, shapes)
       class(stream_profile_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
       type(named_shape_t), intent(in) :: shapes(:)
@@ -93,8 +94,8 @@ contains
    subroutine profile_try_field(self, field, simulation, stores, error)
       class(stream_profile_t), intent(in) :: self
       character(len=*), intent(in) :: field          !! Name of the field
-      type(simulation_t), intent(in) :: simulation   !! Not used
-      type(store_t), intent(inout) :: stores(:)      !! The particles, not changed
+      type(simulation_t), intent(in) :: simulation   !! Unused
+      type(store_t), intent(inout) :: stores(:)      !! Particles, not changed
       type(error_t), allocatable, intent(out) :: error !! The field has no mean
       type(mean_t), allocatable :: means(:)
 

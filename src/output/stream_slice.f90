@@ -19,7 +19,7 @@ module stream_slice
       procedure :: about => slice_about              !! For the help
       procedure :: ending => slice_ending            !! Of names
       procedure :: declare => slice_declare          !! Keys
-      procedure :: read => slice_read                !! Read them
+      procedure :: read => slice_read                !! Read the keys
       procedure :: default_count => slice_default_count !! Not without &output
       procedure :: full_snapshots => slice_full_snapshots !! None
    end type stream_slice_t
@@ -34,7 +34,7 @@ contains
       text = "particles near a plane"
    end function slice_about
 
-   !> What follows the case in names of files.
+   !> Suffix of file names, after the case.
    pure function slice_ending(self) result(text)
       class(stream_slice_t), intent(in) :: self
       character(len=:), allocatable :: text
@@ -45,20 +45,21 @@ contains
    !> Declare the keys of the kind.
    subroutine slice_declare(self, schema, kind)
       class(stream_slice_t), intent(in) :: self
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
       character(len=*), intent(in) :: kind           !! Word of the kind in the catalogue
 
       call self%stream_particles_t%declare(schema, kind)
       call declare_axis(schema, kind)
-      call schema%real("output", "at", "position of the plane; particles within half a cell "// &
-         "of it are written", unit="m", owner="kind = "//kind)
+      call schema%real("output", "at", &
+         "position of the slice; particles within half a cell of it are written", unit="m", &
+         owner="kind = "//kind)
       call schema%require("output", "at")
    end subroutine slice_declare
 
    !> Read the keys of the kind.
    subroutine slice_read(self, group, deck, simulation, shapes)
       class(stream_slice_t), intent(inout) :: self
-      type(group_t), intent(in) :: group             !! Its &output
+      type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
       type(named_shape_t), intent(in) :: shapes(:)

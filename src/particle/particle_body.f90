@@ -131,8 +131,8 @@ contains
          *(1.0_wp/grid%spacing), real(grid%cells, wp)), -1.0_wp)), grid%cells - 1), 0)
    end function cell_of
 
-   !> Boxes around the shapes of bodies, a little larger than these, and without end for bodies of
-   !! given particles, which may lie outside their shape.
+   !> Boxes around the shapes of bodies, a little larger than these, and unbounded for bodies of
+   !! given particles, which may be outside of their shape.
    pure subroutine find_boxes(grid, bodies, low, high)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
@@ -153,7 +153,8 @@ contains
    end subroutine find_boxes
 
    !> List the bodies whose boxes touch a tile, in their order. Only they can have particles in it.
-   !! A tile at the border of the domain has no end there, as its cells also have what lies outside.
+   !! A tile at a boundary of the domain is unbounded there, because its cells also contain material
+   !! outside.
    pure subroutine find_near(grid, low, high, coordinate, near, number)
       type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: low(:, :)   !! (direction, body) From `find_boxes` [m]

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Tiles that bodies may fill, dealt out to the ranks without a list of them.
+!> Tiles that bodies may fill, distributed over the ranks without a list of them.
 module particle_candidates
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
@@ -57,7 +57,7 @@ contains
          grid%cells - 1)/grid%width
    end function tile_of
 
-   !> Number of rounds until all tiles are dealt out, one a rank and round.
+   !> Number of rounds until all tiles are distributed, one per rank and round.
    pure integer(int64) function candidates_rounds(self, communicator) result(rounds)
       class(candidates_t), intent(in) :: self
       type(communicator_t), intent(in) :: communicator
@@ -66,9 +66,9 @@ contains
    end function candidates_rounds
 
    !> The tile that this rank gets in a round, if any. Which rank is the first in a round is chosen
-   !! at random: if it were always the same, a rank could get whole layers of full or empty tiles.
-   !! A tile in the boxes of several bodies is dealt with the first of them only; they are searched
-   !! from the end because most bodies that share tiles follow each other.
+   !! at random: if it were always the same, a rank could get whole layers of full or empty tiles. A
+   !! tile in the boxes of several bodies is assigned with the first of them only; they are searched
+   !! from the end because most bodies with common tiles have successive numbers.
    pure subroutine candidates_deal(self, communicator, round, coordinate, dealt)
       class(candidates_t), intent(in) :: self
       type(communicator_t), intent(in) :: communicator
@@ -105,7 +105,7 @@ contains
    !> Body whose box holds a number.
    pure integer function body_at(before, place) result(body)
       integer(int64), intent(in) :: before(:)         !! (body + 1) Numbers of the boxes before
-      integer(int64), intent(in) :: place             !! From 0
+      integer(int64), intent(in) :: place             !! Counted from 0
       integer :: above, middle
 
       body = 1

@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Measures of crowding and of pressure noise: the volume that particles claim beyond that of the
-!! nodes, and the difference of their pressures from nodal means.
+!> Measures of crowding and of pressure noise: the particle volume in excess of the nodal volume,
+!! and the difference of their pressures from nodal means.
 !!
-!! Both come from sums over the nodes of a tile that no other tile shares, with linear shape
-!! functions whatever the method: a sample that is the same for any number of ranks and needs no
-!! exchange.
+!! Both use the nodes in the interior of a tile, with linear shape functions for every method: a
+!! sample that does not depend on the number of ranks and needs no exchange.
 module particle_crowding
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit
@@ -38,7 +37,7 @@ contains
    end function nodes_alone
 
    !> Add volume, and volume times pressure, of the particles of a tile to its nodes. A failed
-   !! particle counts with at most the volume of its mass at rest: the rest of it is void.
+   !! particle counts with at most the volume of its mass at rest: the remainder is void.
    pure subroutine add_to_nodes(grid, coordinate, store, tile, density, loose, patch)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
@@ -75,8 +74,8 @@ contains
       if (open) volume = min(volume, store%state%mass(p)/density)
    end function claimed_volume
 
-   !> Volume that particles claim at nodes, and how much of it the nodes have. Equation (L.8) of
-   !! doc/theory/ledger.md.
+   !> Volume of the particles at nodes, and the part of it within the nodal volume. Equation (L.8)
+   !! of doc/theory/ledger.md.
    pure subroutine measure_claims(grid, coordinate, alone, patch, claimed, occupied)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0

@@ -33,7 +33,7 @@ module particle_facets
       integer, allocatable, private :: first(:)          !! (column) First entry of its list
       integer, allocatable, private :: list(:)           !! Facets over each column
    contains
-      procedure :: contains => facets_contains           !! Is a point inside?
+      procedure :: contains => facets_contains           !! True for a point inside
       procedure :: bounds => facets_bounds               !! A box around it
       procedure :: transform => facets_transform         !! Scale, turn and move
       procedure :: volume => facets_volume               !! Volume that the facets enclose
@@ -203,7 +203,7 @@ contains
    !> Scale, turn and move the solid.
    pure recursive subroutine facets_transform(self, scale, rotation, translate)
       class(facets_t), intent(inout) :: self
-      real(wp), intent(in) :: scale                      !! Factor above 0 [1]
+      real(wp), intent(in) :: scale                      !! Positive factor [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)               !! Displacement [m]
       integer :: facet, k

@@ -22,8 +22,8 @@ module particle_fill
 
 contains
 
-   !> Count the particles of each body, and those of each tile that is dealt out to this rank. A
-   !! tile is on the list of one rank, which is any of them; no rank has a list of all. Collective.
+   !> Count the particles of each body, and those of each tile assigned to this rank. Each tile is
+   !! on the list of exactly one rank; no rank has a list of all. Collective.
    subroutine survey_bodies(communicator, grid, bodies, key, particles, body_count)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
@@ -283,7 +283,7 @@ contains
       integer, intent(in) :: body
       integer, intent(in) :: later(:)                 !! Later bodies that may take sites
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
-      integer, intent(in) :: tile                     !! Its index
+      integer, intent(in) :: tile                     !! Index
       type(store_t), intent(inout) :: store
       integer :: sites(3), x, y, z, cell(3)
       integer(int64) :: number(3), all_sites(3), identity
@@ -326,7 +326,7 @@ contains
       integer, intent(in) :: body
       integer, intent(in) :: later(:)                 !! Later bodies that may take sites
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
-      integer, intent(in) :: tile                     !! Its index
+      integer, intent(in) :: tile                     !! Index
       type(store_t), intent(inout) :: store
       real(wp), allocatable :: position(:, :), volume(:)
       integer(int64), allocatable :: number(:)

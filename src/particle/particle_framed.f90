@@ -20,7 +20,7 @@ module particle_framed
       real(wp), private :: origin(3) = 0.0_wp            !! Origin of local coordinates [m]
       real(wp), private :: frame(3, 3) = straight        !! Columns are the local directions [1]
    contains
-      procedure :: contains => framed_contains           !! Is a point inside?
+      procedure :: contains => framed_contains           !! True for a point inside
       procedure :: bounds => framed_bounds               !! A bounding box
       procedure :: transform => framed_transform         !! Scale, rotate and translate
       procedure :: growth => framed_growth               !! Scale of local lengths
@@ -88,7 +88,7 @@ contains
    !> Scale, rotate and translate the frame.
    pure recursive subroutine framed_transform(self, scale, rotation, translate)
       class(framed_t), intent(inout) :: self
-      real(wp), intent(in) :: scale                      !! Factor above 0 [1]
+      real(wp), intent(in) :: scale                      !! Positive factor [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal, applied after the factor [1]
       real(wp), intent(in) :: translate(3)               !! Displacement, applied last [m]
       integer :: k

@@ -3,9 +3,9 @@
 !! length of the body, and each particle enters where its position passes the plane behind the body.
 !! Equations (O.6) and (O.7) of doc/theory/instruments.md.
 !!
-!! What has entered follows from the time alone, so a restart needs nothing of it. A rank holds the
-!! particles of the tiles that it has counted; those that enter are sent to the owners of their
-!! tiles.
+!! The material that has entered follows from the time alone, so checkpoints need not store it. A
+!! rank holds the particles of the tiles that it has counted; those that enter are sent to the
+!! owners of their tiles.
 module particle_inflow
    use base_kinds, only: int64, wp
    use mesh_grid, only: grid_t
@@ -34,7 +34,7 @@ module particle_inflow
       integer(int64), allocatable :: identity(:)     !! (entry) Their first identities
       real(wp), allocatable :: origin(:)             !! (entry) Positions along the axis [m]
    contains
-      procedure :: travel => inflow_travel           !! How far material has come
+      procedure :: travel => inflow_travel           !! Displacement of the flow
       procedure :: enter => inflow_enter             !! Particles that enter in a step
    end type inflow_t
 
@@ -59,9 +59,9 @@ contains
       way = self%sense*shift(self%axis)
    end function inflow_travel
 
-   !> List the particles that enter between two times by (O.7), and put them where they are at the
-   !! end of them. A step is shorter than the way through the body, so a particle enters at most
-   !! once.
+   !> List the particles that enter between two times by (O.7), and set their positions at the end
+   !! of the interval. The displacement in a step is less than the length of the body, so a particle
+   !! enters at most once.
    subroutine inflow_enter(self, grid, began, time, particle)
       class(inflow_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid

@@ -74,7 +74,7 @@ contains
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       integer, intent(in) :: first                   !! First particle
-      integer, intent(in) :: last                    !! Last one
+      integer, intent(in) :: last                    !! Last index
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
       integer, contiguous, intent(inout) :: home(:)  !! (particle) Cell before and after the move
       integer, intent(out) :: leaving                !! Particles that left the tile

@@ -77,7 +77,7 @@ contains
    !> Scale, rotate and translate the bounding box; a rotation enlarges it.
    pure recursive subroutine cloud_transform(self, scale, rotation, translate)
       class(cloud_t), intent(inout) :: self
-      real(wp), intent(in) :: scale                      !! Factor above 0 [1]
+      real(wp), intent(in) :: scale                      !! Positive factor [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)               !! Displacement [m]
       real(wp) :: middle(3), half(3)

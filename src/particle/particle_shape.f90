@@ -18,7 +18,7 @@ module particle_shape
    real(wp), parameter :: unturned(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, &
       0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
    real(wp), parameter :: unmoved(3) = 0.0_wp
-   !> Bounds of a shape that cannot hold a point: the lower corner lies above the upper one.
+   !> Bounds of an empty shape: the lower corner lies above the upper one.
    real(wp), parameter :: empty_lower = 1.0_wp, empty_upper = -1.0_wp
 
    !> A set of points.
@@ -32,7 +32,7 @@ module particle_shape
    type, public :: shape_holder_t
       class(shape_t), allocatable :: shape
    contains
-      procedure :: contains => holder_contains       !! Is a point inside?
+      procedure :: contains => holder_contains       !! True for a point inside
       procedure :: bounds => holder_bounds           !! A bounding box
       procedure :: set => holder_set                 !! Hold a copy of a shape
    end type shape_holder_t
@@ -46,7 +46,7 @@ module particle_shape
       real(wp) :: origin(3) = 0.0_wp                 !! Origin of local coordinates [m]
       real(wp) :: rotation(3, 3) = unturned          !! Columns are the local directions [1]
    contains
-      procedure :: contains => box_contains          !! Is a point inside?
+      procedure :: contains => box_contains          !! True for a point inside
       procedure :: bounds => box_bounds              !! A bounding box
       procedure :: transform => box_transform        !! Scale, rotate and translate
    end type box_t
@@ -57,7 +57,7 @@ module particle_shape
       real(wp) :: centre(3) = 0.0_wp                 !! Centre [m]
       real(wp) :: radius = 0.0_wp                    !! Radius [m]
    contains
-      procedure :: contains => sphere_contains       !! Is a point inside?
+      procedure :: contains => sphere_contains       !! True for a point inside
       procedure :: bounds => sphere_bounds           !! A bounding box
       procedure :: transform => sphere_transform     !! Scale, rotate and translate
    end type sphere_t
@@ -70,7 +70,7 @@ module particle_shape
       real(wp) :: radius = 0.0_wp                    !! Radius [m]
       real(wp) :: height = 0.0_wp                    !! Length of the axis [m]
    contains
-      procedure :: contains => cylinder_contains     !! Is a point inside?
+      procedure :: contains => cylinder_contains     !! True for a point inside
       procedure :: bounds => cylinder_bounds         !! A bounding box
       procedure :: transform => cylinder_transform   !! Scale, rotate and translate
    end type cylinder_t
@@ -81,7 +81,7 @@ module particle_shape
       integer :: kind = set_union                    !! One of the constants above
       type(shape_holder_t), allocatable :: operand(:)
    contains
-      procedure :: contains => combination_contains  !! Is a point inside?
+      procedure :: contains => combination_contains  !! True for a point inside
       procedure :: bounds => combination_bounds      !! A bounding box
       procedure :: transform => combination_transform !! Scale, rotate and translate
    end type combination_t
@@ -91,7 +91,7 @@ module particle_shape
          import :: shape_t, wp
          implicit none
          class(shape_t), intent(inout) :: self
-         real(wp), intent(in) :: scale               !! Factor above 0 [1]
+         real(wp), intent(in) :: scale               !! Positive factor [1]
          real(wp), intent(in) :: rotation(3, 3)      !! Orthogonal, applied after the factor [1]
          real(wp), intent(in) :: translate(3)        !! Displacement, applied last [m]
       end subroutine transform_i
@@ -153,7 +153,7 @@ contains
    !! translate.
    pure subroutine shape_place(self, scale, rotate, translate)
       class(shape_t), intent(inout) :: self
-      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: scale                  !! Positive factor [1]
       real(wp), intent(in) :: rotate(3)              !! Angles about the axes x, y, z [deg]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
       real(wp) :: rotation(3, 3)
@@ -247,7 +247,7 @@ contains
       if (allocated(self%shape)) call self%shape%bounds(lo, hi)
    end subroutine holder_bounds
 
-   !> Hold a copy of a shape instead of what was held.
+   !> Store a copy of a shape.
    subroutine holder_set(self, shape)
       class(shape_holder_t), intent(inout) :: self
       class(shape_t), intent(in) :: shape
@@ -309,7 +309,7 @@ contains
    !! gap.
    pure recursive subroutine box_transform(self, scale, rotation, translate)
       class(box_t), intent(inout) :: self
-      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: scale                  !! Positive factor [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
       real(wp) :: first(3), last(3)
@@ -356,7 +356,7 @@ contains
    !> Scale, rotate and translate the ball.
    pure recursive subroutine sphere_transform(self, scale, rotation, translate)
       class(sphere_t), intent(inout) :: self
-      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: scale                  !! Positive factor [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
 
@@ -396,7 +396,7 @@ contains
    !> Scale, rotate and translate the cylinder.
    pure recursive subroutine cylinder_transform(self, scale, rotation, translate)
       class(cylinder_t), intent(inout) :: self
-      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: scale                  !! Positive factor [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
 
@@ -457,7 +457,7 @@ contains
    !> Scale, rotate and translate all operands.
    pure recursive subroutine combination_transform(self, scale, rotation, translate)
       class(combination_t), intent(inout) :: self
-      real(wp), intent(in) :: scale                  !! Factor above 0 [1]
+      real(wp), intent(in) :: scale                  !! Positive factor [1]
       real(wp), intent(in) :: rotation(3, 3)         !! Orthogonal [1]
       real(wp), intent(in) :: translate(3)           !! Displacement [m]
       integer :: number

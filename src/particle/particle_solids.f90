@@ -21,7 +21,7 @@ module particle_solids
       real(wp) :: frame(3, 3) = straight                 !! Columns are the local directions [1]
       real(wp) :: size(3) = 0.0_wp !! Lengths as the procedures below set them [m]
    contains
-      procedure :: contains => solid_contains            !! Is a point inside?
+      procedure :: contains => solid_contains            !! True for a point inside
       procedure :: bounds => solid_bounds                !! A bounding box
       procedure :: transform => solid_transform          !! Scale, rotate and translate
    end type solid_t
@@ -149,7 +149,7 @@ contains
    !> Scale, rotate and translate the solid.
    pure recursive subroutine solid_transform(self, scale, rotation, translate)
       class(solid_t), intent(inout) :: self
-      real(wp), intent(in) :: scale                      !! Factor above 0 [1]
+      real(wp), intent(in) :: scale                      !! Positive factor [1]
       real(wp), intent(in) :: rotation(3, 3)             !! Orthogonal, applied after the factor [1]
       real(wp), intent(in) :: translate(3)               !! Displacement, applied last [m]
       integer :: k

@@ -127,7 +127,8 @@ contains
       start(ubound(start, 1)) = number
    end subroutine order_by_cell
 
-   !> Sort the sources of one cell by identity, by insertion, as they are few and nearly sorted.
+   !> Sort the sources of one cell by identity, by insertion, because they are few and nearly
+   !! sorted.
    pure subroutine order_by_identity(store, sorter, first, last, identity_word)
       type(store_t), intent(in) :: store
       class(tile_sorter_t), intent(inout) :: sorter      !! Holds the sources

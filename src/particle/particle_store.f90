@@ -91,7 +91,7 @@ contains
       class(store_t), intent(inout) :: self
       character(len=*), intent(in) :: name            !! Name of the material
       integer, intent(in) :: cells                    !! Cells of a tile
-      type(traits_t), intent(in) :: traits            !! Fields besides those of the material
+      type(traits_t), intent(in) :: traits            !! Fields other than those of the material
 
       self%name = name
       allocate (self%identity(0), self%position(0, 3), self%velocity(0, 3), self%home(0))
@@ -106,7 +106,7 @@ contains
       call self%clear(cells)
    end subroutine store_start
 
-   !> Mark all particles as having left their tiles, as those just read lie in one range.
+   !> Mark all particles as having left their tiles, because those just read are in one range.
    pure subroutine store_mark_all_leaving(self, cells)
       class(store_t), intent(inout) :: self
       integer, intent(in) :: cells                    !! Cells of a tile
@@ -125,7 +125,7 @@ contains
    !> Pass every allocated field to a worker, always in the same order.
    subroutine store_walk(self, worker)
       class(store_t), intent(inout) :: self
-      class(field_worker_t), intent(inout) :: worker  !! What is done with each field
+      class(field_worker_t), intent(inout) :: worker  !! Worker that visits each field
 
       call worker%whole("identity", "1", self%identity)
       if (allocated(self%body)) call worker%whole("body", "1", self%body)

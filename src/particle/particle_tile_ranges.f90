@@ -2,8 +2,8 @@
 !> Ranges of the particles of each tile in the arrays of a store.
 !!
 !! The particles of a tile are contiguous, followed by spare capacity. A tile that outgrows its
-!! range
-!! gets a new one at the end of the arrays; when these are full, all ranges are laid out anew.
+!! range gets a new one at the end of the arrays; when these are full, all ranges are laid out
+!! again.
 module particle_tile_ranges
    implicit none
    private

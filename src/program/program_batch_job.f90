@@ -15,8 +15,8 @@ module program_batch_job
 
    public :: job_text, quoted, resume_command
 
-   real(wp), parameter :: particles_of_rank = 1.0e6_wp !! doc/developer/scaling.md says why
-   integer, parameter :: usual_threads = 4           !! Of a rank, where there are tiles for them
+   real(wp), parameter :: particles_of_rank = 1.0e6_wp !! reason: doc/developer/scaling.md
+   integer, parameter :: usual_threads = 4           !! Threads per rank, if there are enough tiles
    character(len=*), parameter :: usual_time = "04:00:00" !! Of a job
    integer, parameter :: usual_notice = 300, least_notice = 60 !! Before the end of a job [s]
    character(len=*), parameter :: newline = new_line("a")
@@ -111,7 +111,7 @@ contains
    !> Comments of the script on size and wall time.
    function hints_text(setup, job) result(text)
       class(run_setup_t), intent(in) :: setup
-      type(job_t), intent(in) :: job                 !! Its numbers
+      type(job_t), intent(in) :: job                 !! Content
       character(len=:), allocatable :: text
 
       text = "# "//number(setup%survey%particles)//" particles in "// &
@@ -225,7 +225,7 @@ contains
    pure subroutine add_word(word, after, text)
       character(len=*), intent(in) :: word           !! From the command line
       logical, intent(inout) :: after                !! Was the previous word --restart?
-      character(len=:), allocatable, intent(inout) :: text !! Grows
+      character(len=:), allocatable, intent(inout) :: text !! Extended
       logical :: file
 
       file = after .and. len(word) > 3 .and. index(word, ".h5", back=.true.) == len(word) - 2
@@ -246,7 +246,7 @@ contains
 
    !> A word in the quotes that the shell needs.
    pure function quoted(word) result(text)
-      character(len=*), intent(in) :: word           !! Any text
+      character(len=*), intent(in) :: word           !! Text
       character(len=:), allocatable :: text
       character(len=*), parameter :: plain = "abcdefghijklmnopqrstuvwxyz"// &
          "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=:,@%"

@@ -117,7 +117,7 @@ contains
    !> Parse and check the arguments.
    subroutine parse_command_line(arguments, command, error)
       type(text_t), intent(in) :: arguments(:)           !! From `program_arguments`
-      type(command_t), intent(out) :: command            !! Their content
+      type(command_t), intent(out) :: command            !! Content
       type(error_t), allocatable, intent(out) :: error   !! Unknown or conflicting options
       logical :: options_end
       integer :: next
@@ -166,7 +166,7 @@ contains
    subroutine parse_long(arguments, next, command, error)
       type(text_t), intent(in) :: arguments(:)           !! All arguments
       integer, intent(inout) :: next                     !! Index of this one, then of the next
-      type(command_t), intent(inout) :: command          !! Gets what it says
+      type(command_t), intent(inout) :: command          !! Receives the options
       type(error_t), allocatable, intent(out) :: error   !! Unknown, or its value is wrong
       character(len=:), allocatable :: name, near, value
       type(text_t), allocatable :: names(:)
@@ -200,7 +200,7 @@ contains
    subroutine parse_short(arguments, next, command, error)
       type(text_t), intent(in) :: arguments(:)           !! All arguments
       integer, intent(inout) :: next                     !! Index of this one, then of the next
-      type(command_t), intent(inout) :: command          !! Gets what they say
+      type(command_t), intent(inout) :: command          !! Receives the options
       type(error_t), allocatable, intent(out) :: error   !! Unknown, or its value is wrong
       character(len=:), allocatable :: letters, value
       integer :: at, which
@@ -260,7 +260,7 @@ contains
       type(text_t), intent(in) :: arguments(:)           !! All arguments
       integer, intent(inout) :: next                     !! Index of the one after the option
       type(option_t), intent(in) :: option
-      character(len=:), allocatable, intent(inout) :: value !! Its value
+      character(len=:), allocatable, intent(inout) :: value !! Value
       integer :: last
 
       if (allocated(value) .or. option%takes == nothing .or. next > size(arguments)) return
@@ -276,8 +276,8 @@ contains
    !> Store an option in the command.
    subroutine apply_option(option, value, command, error)
       type(option_t), intent(in) :: option
-      character(len=:), allocatable, intent(in) :: value !! Its value
-      type(command_t), intent(inout) :: command          !! Gets what it says
+      character(len=:), allocatable, intent(in) :: value !! Value
+      type(command_t), intent(inout) :: command          !! Receives the options
       type(error_t), allocatable, intent(out) :: error   !! The value is missing
 
       if (option%name == "list" .and. .not. allocated(value)) then
@@ -338,7 +338,7 @@ contains
    !> Refuse an option without the value that it takes.
    subroutine require_value(option, value, error)
       type(option_t), intent(in) :: option
-      character(len=:), allocatable, intent(in) :: value !! Its value
+      character(len=:), allocatable, intent(in) :: value !! Value
       type(error_t), allocatable, intent(out) :: error   !! The value is missing
 
       if (option%takes /= a_value) return
@@ -352,8 +352,8 @@ contains
    !> Store an option of the job script in the command.
    subroutine apply_job_option(option, value, command, error)
       type(option_t), intent(in) :: option
-      character(len=*), intent(in) :: value              !! Its value
-      type(command_t), intent(inout) :: command          !! Gets what it says
+      character(len=*), intent(in) :: value              !! Value
+      type(command_t), intent(inout) :: command          !! Receives the options
       type(error_t), allocatable, intent(out) :: error   !! The value is not valid
       logical :: right
 
@@ -378,7 +378,7 @@ contains
    !> Read an integer above 0.
    subroutine read_count(option, value, count, error)
       type(option_t), intent(in) :: option
-      character(len=*), intent(in) :: value              !! Its value
+      character(len=*), intent(in) :: value              !! Value
       integer, intent(out) :: count                      !! Value of the option
       type(error_t), allocatable, intent(out) :: error   !! Not an integer above 0
       integer, parameter :: most_digits = 8
@@ -478,7 +478,7 @@ contains
    !> Make an error of the command line.
    subroutine command_line_error(error, message)
       type(error_t), allocatable, intent(out) :: error   !! Allocated on return
-      character(len=*), intent(in) :: message            !! What is wrong
+      character(len=*), intent(in) :: message            !! Error message
 
       call fail(error, exit_input, "command line: error: "//message)
    end subroutine command_line_error

@@ -50,7 +50,7 @@ contains
          //"step       first dt "//four_digits(dt)//" s"//cause//"; about "// &
          number(nint(steps, int64))//" steps"// &
          new_line("a")//bulk_modulus_advice(simulation, bodies, limits)// &
-         "memory     "//size_text(bytes)//" for particle and node fields, on all ranks together"// &
+         "memory     "//size_text(bytes)//" for particle and node fields, total of all ranks"// &
          new_line("a")// &
          "output     "//number(snapshots)//" snapshots, about "//size_text(real(snapshots, wp) &
          *real(survey%particles, wp)*snapshot_bytes)//"; a checkpoint "// &
@@ -79,7 +79,7 @@ contains
       character(len=:), allocatable :: text
       integer :: n
 
-      text = "points     "//number(survey%particles)//" in "//number(size(bodies)) &
+      text = "particles  "//number(survey%particles)//" in "//number(size(bodies)) &
          //" bodies"
       do n = 1, size(bodies)
          text = text//merge(": ", ", ", n == 1)//bodies(n)%name//" "//number(survey%body(n))
@@ -96,8 +96,8 @@ contains
       integer :: n, first, last
 
       text = "fields     "//number(base_bytes(simulation))// &
-         " bytes a particle for identity, position, velocity, cell"
-      if (allocated(simulation%stores(1)%body)) text = text//", body (there are several)"
+         " bytes per particle for identity, position, velocity, cell"
+      if (allocated(simulation%stores(1)%body)) text = text//", body (several bodies)"
       if (allocated(simulation%effects%exact)) text = text//", reference (exact solution)"
       text = text//new_line("a")
       do n = 1, size(simulation%materials)
@@ -117,7 +117,7 @@ contains
          end do
       end do
       text = text//"           "//number(nint(particle_bytes(simulation, survey), int64))// &
-         " bytes a particle, "//number(nint(memory_bytes(simulation, survey) &
+         " bytes per particle, "//number(nint(memory_bytes(simulation, survey) &
          /real(max(survey%particles, 1_int64), wp), &
          int64))//" with node fields and spare capacity"// &
          new_line("a")
@@ -213,7 +213,7 @@ contains
 
    !> A number with four digits.
    pure function four_digits(value) result(text)
-      real(wp), intent(in) :: value                  !! Any
+      real(wp), intent(in) :: value                  !! Value
       character(len=:), allocatable :: text
       character(len=24) :: line
 

@@ -28,7 +28,7 @@ contains
 
    !> Find the folder of the examples from that of the program.
    subroutine find_examples(folder, error)
-      character(len=:), allocatable, intent(out) :: folder !! Where they are
+      character(len=:), allocatable, intent(out) :: folder !! Folder of the examples
       type(error_t), allocatable, intent(out) :: error !! Not found
       character(len=:), allocatable :: home
 
@@ -44,7 +44,7 @@ contains
 
    !> List the examples: folders with a scene.
    subroutine list_examples(folder, names, error)
-      character(len=*), intent(in) :: folder         !! Where they are
+      character(len=*), intent(in) :: folder         !! Folder of the examples
       type(text_t), allocatable, intent(out) :: names(:) !! In alphabetical order
       type(error_t), allocatable, intent(out) :: error !! The folder cannot be read
       character(len=longest_name), allocatable :: entries(:)
@@ -87,7 +87,7 @@ contains
    subroutine copy_example(name, target_folder, copied, error)
       character(len=*), intent(in) :: name           !! Name of the example
       character(len=*), intent(in) :: target_folder  !! Where to
-      type(copied_t), intent(out) :: copied          !! What was copied
+      type(copied_t), intent(out) :: copied          !! Copied files
       type(error_t), allocatable, intent(out) :: error !! No such example, or not writable
       character(len=:), allocatable :: near, folder, text
       character(len=longest_name), allocatable :: entries(:)
@@ -145,10 +145,10 @@ contains
 
    !> Copy one file; paths in the README become those of the copy.
    subroutine copy_file(folder, name, example, copied, error)
-      character(len=*), intent(in) :: folder         !! Where it is
-      character(len=*), intent(in) :: name           !! Its name
+      character(len=*), intent(in) :: folder         !! Folder of the file
+      character(len=*), intent(in) :: name           !! Name
       character(len=*), intent(in) :: example        !! Name of the example
-      type(copied_t), intent(inout) :: copied        !! Gets the file
+      type(copied_t), intent(inout) :: copied        !! Receives the file name
       type(error_t), allocatable, intent(out) :: error !! Not readable or not writable
       character(len=:), allocatable :: text, new_name
 
@@ -200,7 +200,7 @@ contains
 
    !> A text with all occurrences of one word replaced by another that does not contain it.
    pure function replaced(text, old, new) result(changed)
-      character(len=*), intent(in) :: text           !! Any text
+      character(len=*), intent(in) :: text           !! Text
       character(len=*), intent(in) :: old            !! Word to replace
       character(len=*), intent(in) :: new            !! Its replacement
       character(len=:), allocatable :: changed
@@ -219,7 +219,7 @@ contains
 
    !> Commands for the next steps of the user.
    function next_steps(copied) result(text)
-      type(copied_t), intent(in) :: copied           !! What was copied
+      type(copied_t), intent(in) :: copied           !! Copied files
       character(len=:), allocatable :: text
       character(len=:), allocatable :: program
 

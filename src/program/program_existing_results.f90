@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Protects the results of a previous run in the same folder: a new run is refused, continues it, or
-!! removes it, as the command line says.
+!! removes it, depending on the command line.
 module program_existing_results
    use base_agreement, only: agree
    use base_error, only: error_t, exit_file, fail
@@ -62,7 +62,7 @@ contains
          "' already"
    end function location_text
 
-   !> What the user can do with existing results.
+   !> Options of the user for existing results.
    pure function options_text(former) result(text)
       type(former_run_t), intent(in) :: former
       character(len=:), allocatable :: text

@@ -94,13 +94,13 @@ contains
    end subroutine find_impacts
 
    !> Bodies that touch or meet slowly and have no contact: they move with one velocity there, so
-   !! they stick. In an impact at a speed near that of sound this hardly matters.
+   !! they stick. In an impact near the speed of sound this has little effect.
    function meetings_text(simulation, bodies, time_end) result(text)
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
       real(wp), intent(in) :: time_end               !! [s]
       character(len=:), allocatable :: text
-      real(wp), parameter :: slow = 0.5_wp           ! share of the speed of sound
+      real(wp), parameter :: slow = 0.5_wp           ! fraction of the speed of sound
       type(flight_t) :: flight
       type(meeting_t) :: meeting
       real(wp) :: sound
@@ -117,8 +117,8 @@ contains
                shocked_sound(simulation%materials(bodies(other)%store), 0.0_wp))
             if (meeting%speed > slow*sound) cycle
             text = "contact    '"//bodies(one)%name//"' and '"//bodies(other)%name// &
-               "' may meet at "//brief(meeting%time)//" s and would stick together; "// &
-               "&effects contact = .true. lets bodies slide and part"//new_line("a")
+               "' may meet at "//brief(meeting%time)//" s and would then move as one; with "// &
+               "&effects contact = .true. they can slide and separate"//new_line("a")
             return
          end do
       end do
@@ -370,7 +370,7 @@ contains
       type(body_t), intent(in) :: bodies(:)
       type(limits_t), intent(in) :: limits           !! Bounds of the step
       real(wp), intent(out) :: dt                    !! [s]
-      !> What limits it, empty for the wave speed
+      !> Limit of the step, empty for the wave speed
       character(len=:), allocatable, intent(out) :: cause
 
       call find_stable_step(simulation, bodies, dt, cause)
@@ -383,7 +383,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
       real(wp), intent(out) :: dt                    !! [s]
-      !> What limits it, empty for the wave speed
+      !> Limit of the step, empty for the wave speed
       character(len=:), allocatable, intent(out) :: cause
       type(material_state_t) :: state
       real(wp) :: fastest, diffusivity, longest

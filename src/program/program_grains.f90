@@ -39,7 +39,7 @@ module program_grains
 
 contains
 
-   !> Read the cell, check it, and run it if the command line does not say --check.
+   !> Read the cell, check it, and run it unless --check is given.
    subroutine run_grains(setup, log, code, error)
       class(run_setup_t), intent(inout) :: setup     !! With the deck
       type(log_t), intent(inout) :: log
@@ -122,7 +122,7 @@ contains
       end associate
    end subroutine describe_run
 
-   !> What the run will do and cost: stages with their steps.
+   !> Stages with their steps, and the expected cost.
    function cost_text(run) result(text)
       type(grains_run_t), intent(in) :: run
       character(len=:), allocatable :: text
@@ -148,7 +148,7 @@ contains
       write (line, "(a, es9.2, a, f8.1, a)") "total  ", real(steps, wp) &
          *real(run%cell%grains%count, wp), " grain steps, about", real(steps, wp) &
          *real(run%cell%grains%count, wp)/grain_steps_per_second/60.0_wp, &
-         " minutes at 5 million a second on one core"
+         " minutes at 5 million/s on one core"
       text = text//trim(line)
    end function cost_text
 
@@ -212,7 +212,7 @@ contains
          energy%total - run%output%energy_at_start - energy%work
       call log%info(trim(line)//" J")
       write (line, "(a, f8.2, a, i0, a, i0, a)") "speed     ", rate*1.0e-6_wp, &
-         " million grain steps/s   pairs found ", run%cell%searches, " times in ", run%cell%step, &
+         " million grain steps/s   neighbour searches ", run%cell%searches, " in ", run%cell%step, &
          " steps"
       call log%info(trim(line))
       call log%info(with_code("ended     "//run%reason))

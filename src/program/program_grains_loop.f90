@@ -38,7 +38,7 @@ module program_grains_loop
       type(limits_t) :: limits                       !! Wall time, signals, checkpoints
       type(grains_output_t) :: output
       type(checkpoint_place_t) :: place
-      character(len=:), allocatable :: reason        !! Why it ended
+      character(len=:), allocatable :: reason        !! Reason of the end
       character(len=:), allocatable :: note          !! Of a restart, for the log
       integer(int64) :: first_step = 0               !! Of this process
       real(wp) :: steps_wall = 0.0_wp                !! Wall time of the steps [s]
@@ -62,7 +62,7 @@ contains
       run%output%energy_at_start = energy%total
    end subroutine start_run
 
-   !> Set what the present stage says.
+   !> Apply the settings of the current stage.
    subroutine enter_stage(run)
       type(grains_run_t), intent(inout) :: run
       real(wp) :: height(3)
@@ -94,7 +94,7 @@ contains
       end associate
    end subroutine set_stage
 
-   !> Go on from a checkpoint. Collective.
+   !> Continue from a checkpoint. Collective.
    subroutine restart_cell(setup, run, error)
       class(run_setup_t), intent(in) :: setup
       type(grains_run_t), intent(inout) :: run
@@ -158,7 +158,7 @@ contains
          code = error%code
          run%reason = error%message
       else if (code == exit_success) then
-         run%reason = "last stage done"
+         run%reason = "last stage finished"
          call write_checkpoint(run, log, error)
       else
          call write_checkpoint(run, log, error)

@@ -29,8 +29,8 @@ module program_job_time
       function c_popen(command, mode) bind(c, name="popen") result(stream)
          import :: c_char, c_ptr
          implicit none
-         character(kind=c_char), intent(in) :: command(*) !! Null terminated
-         character(kind=c_char), intent(in) :: mode(*)    !! Null terminated
+         character(kind=c_char), intent(in) :: command(*) !! Null-terminated
+         character(kind=c_char), intent(in) :: mode(*)    !! Null-terminated
          type(c_ptr) :: stream
       end function c_popen
 

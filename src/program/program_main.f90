@@ -118,7 +118,7 @@ contains
       write (output_unit, "(a)", advance="no") next_steps(copied)
    end subroutine create_example_folder
 
-   !> Read the deck and do what the command line says with it: check, preview, job script, run.
+   !> Read the deck and do what the command line requests: check, preview, job script, run.
    subroutine process_deck(session, code, error)
       type(session_t), intent(inout) :: session
       integer, intent(out) :: code                   !! Exit code without an error

@@ -22,8 +22,8 @@ contains
    subroutine declare_point(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%group("point", "path of one material point, for scree --point; a run of the "// &
-         "scene ignores it")
+      call schema%group("point", &
+         "path of one material point, for scree --point; simulations ignore it")
       call schema%text("point", "material", "name of the material; default: the first one")
       call schema%text("point", "path", "uniaxial_strain along x, shear of x along y, "// &
          "triaxial with a lateral pressure, hydrostatic, hugoniot: states behind "// &
@@ -32,14 +32,14 @@ contains
          "shear triaxial hydrostatic hugoniot free")
       call schema%real("point", "rate", "strain rate", unit="1/s", default="1", range="> 0", &
          owner="path = uniaxial_strain shear triaxial hydrostatic free")
-      call schema%real("point", "strain", "strain at the end: logarithmic, volumetric or "// &
-         "shear strain; negative in compression", default="-0.1", &
+      call schema%real("point", "strain", &
+         "final strain: logarithmic, volumetric or shear strain; negative in compression", &
+         default="-0.1", owner="path = uniaxial_strain shear triaxial hydrostatic free")
+      call schema%logical("point", "returns", &
+         "return to the initial state in the same number of steps", default=".false.", &
          owner="path = uniaxial_strain shear triaxial hydrostatic free")
-      call schema%logical("point", "returns", "return to the start in the same number of steps", &
-         default=".false.", &
-         owner="path = uniaxial_strain shear triaxial hydrostatic free")
-      call schema%integer("point", "steps", "steps from the start to the end", default="1000", &
-         range="> 0 <= 100000000")
+      call schema%integer("point", "steps", "number of steps from the start to the end", &
+         default="1000", range="> 0 <= 100000000")
       call schema%real("point", "confinement", "lateral pressure", unit="Pa", &
          default="0", range=">= 0", owner="path = triaxial")
       call schema%real("point", "velocity_gradient(9)", "du_x/dx du_y/dx du_z/dx du_x/dy ... "// &
@@ -48,8 +48,8 @@ contains
          owner="path = hugoniot")
       call schema%real("point", "temperature", "initial temperature", unit="K", default="293", &
          range="> 0")
-      call schema%real("point", "volume", "initial volume, for the flaws of brittle materials", &
-         unit="m3", &
+      call schema%real("point", "volume", &
+         "initial volume, for the number of flaws in brittle materials", unit="m3", &
          default="1.0e-9", range="> 0")
       call schema%require("point", "velocity_gradient speed")
    end subroutine declare_point

@@ -17,7 +17,7 @@ contains
 
    !> Choose the length of the next step. Collective if it fails.
    subroutine choose_step(simulation, limits, dt, error)
-      type(simulation_t), intent(inout) :: simulation !! Counts what limits the step
+      type(simulation_t), intent(inout) :: simulation !! Counts the limits of steps
       type(limits_t), intent(in) :: limits           !! Bounds of the step
       real(wp), intent(out) :: dt                    !! [s]
       type(error_t), allocatable, intent(out) :: error !! The stable step is too short

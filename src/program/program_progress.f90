@@ -62,7 +62,7 @@ contains
          cell%logged = stage
          write (time, "(es12.5)") simulation%clock%time
          if (stage > size(cell%legs)) then
-            call log%info("  all stages are done  t = "//trim(adjustl(time))//" s")
+            call log%info("  all stages finished  t = "//trim(adjustl(time))//" s")
          else
             call log%info("  stage "//number(stage)//" "//cell%legs(stage)%name//"  t = "// &
                trim(adjustl(time))//" s")

@@ -53,7 +53,7 @@ contains
 
    !> Declare all keys of a deck.
    subroutine declare_deck_keys(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call declare_deck(schema)
       call declare_output_groups(schema)
@@ -84,7 +84,8 @@ contains
       end associate
    end subroutine read_setup
 
-   !> Build the simulation without particles, and check what depends on several groups of the deck.
+   !> Build the simulation without particles, and check conditions that involve several groups of
+   !! the deck.
    subroutine build_setup(setup, error)
       class(run_setup_t), intent(inout) :: setup           !! With the deck
       type(error_t), allocatable, intent(out) :: error !! Errors in the deck

@@ -72,7 +72,7 @@ contains
    pure real(wp) function wall_share(wall, processor, threads) result(share)
       real(wp), intent(in) :: wall                   !! Of the first steps [s]
       real(wp), intent(in) :: processor              !! The same of all threads [s]
-      integer, intent(in) :: threads                 !! How many
+      integer, intent(in) :: threads                 !! Number of threads
       real(wp), parameter :: most = 1.5_wp           ! times the ratio without waiting
 
       share = 1.0_wp/real(threads, wp)
@@ -96,7 +96,7 @@ contains
          /real(trial%last%steps - trial%first%steps, wp)
       left = (setup%limits%time_end - trial%last%time)/(trial%last%time - trial%first%time)
       more = left*real(trial%last%steps - trial%first%steps, wp)
-      basis = "if all others cost the same"
+      basis = "assuming that the remaining steps cost the same"
       coarser = cell_size_ratio(setup%simulation%space%grid, &
          more*cost/real(omp_get_max_threads(), wp))
       do
@@ -106,8 +106,8 @@ contains
          coarser = max(coarser/2, 2)
       end do
       if (found) then
-         basis = "and a copy with cells "//number(coarser)//" times as large"
-         if (.not. copy%whole) basis = basis//", not run to its end"
+         basis = "and from a coarser copy, with cells "//number(coarser)//" times as large"
+         if (.not. copy%whole) basis = basis//", stopped early"
          more = steps_left(setup, trial, copy, coarser)
          if (copy%last%steps > copy%clocked%steps) &
             cost = cost*(copy%last%processor - copy%clocked%processor) &

@@ -64,7 +64,7 @@ contains
       number = caught
    end function caught_signal
 
-   !> Name of a signal that `watch_signal` knows.
+   !> Name of a signal accepted by `watch_signal`.
    pure function signal_name(number) result(name)
       integer, intent(in) :: number                    !! From `caught_signal`
       character(len=:), allocatable :: name

@@ -20,7 +20,7 @@ contains
 
    !> Set the dashpots of absorbing boundaries, if there are some.
    subroutine read_absorbing(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! The run, its faces are read
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
       integer :: n, face, refused
@@ -40,13 +40,13 @@ contains
       end do
    end subroutine read_absorbing
 
-   !> Find what lies beyond an absorbing boundary and how fast it slows its nodes. Equations (R.6)
-   !! and (R.7) of doc/theory/rigid.md.
+   !> Find the material beyond an absorbing boundary and the damping rate of its nodes. Equations
+   !! (R.6) and (R.7) of doc/theory/rigid.md.
    subroutine set_dashpots(simulation, bodies, face, absorbing, refused)
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)          !! Its bodies
       integer, intent(in) :: face                    !! 1 to 6
-      type(boundary_absorbing_t), intent(inout) :: absorbing !! Gets them
+      type(boundary_absorbing_t), intent(inout) :: absorbing !! Receives them
       integer, intent(out) :: refused                !! Material without a wave speed, 0 = none
       real(wp) :: share
       integer :: n
@@ -108,8 +108,8 @@ contains
       end associate
    end function share_of_face
 
-   !> Indices of the materials that reach the nodes of a boundary at the start: those of the cells
-   !! beside it; 0 where there is none.
+   !> Indices of the materials that reach the nodes of a boundary at the start: those of the
+   !! adjacent cells; 0 where there is none.
    subroutine find_beyond(grid, bodies, face, beyond)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
@@ -145,7 +145,8 @@ contains
       if (node == 0) node = number
    end subroutine set_missing
 
-   !> Mark the cells beside a boundary whose middle is in a body, or that hold a particle of a list.
+   !> Mark the cells adjacent to a boundary whose middle is in a body, or that contain a particle of
+   !! a list.
    subroutine find_beside(grid, body, face, beside)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body

@@ -26,45 +26,46 @@ contains
    subroutine declare_body(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
-      call schema%group("body", "material points", many=.true.)
-      call schema%text("body", "name", "name in outputs")
-      call schema%text("body", "region", "where it is")
-      call schema%text("body", "material", "what it is made of")
-      call schema%integer("body", "ppc(3)", "points per cell along x, y, z", default="2 2 2", &
+      call schema%group("body", "one body, a region filled with particles of a material", &
+         many=.true.)
+      call schema%text("body", "name", "name of the body, in outputs")
+      call schema%text("body", "region", "region that the body fills")
+      call schema%text("body", "material", "material of the body")
+      call schema%integer("body", "ppc(3)", "particles per cell along x, y, z", default="2 2 2", &
          range="> 0 <= 16")
-      call schema%text("body", "packing", &
-         "lattice: whole sites with their middles inside; cut: "// &
-         "those at the surface have the volume and centre of what is inside; jitter: a lattice "// &
-         "whose points are moved aside by chance, up to a quarter of their distance; "// &
-         "poisson_disk: points at random, none near another; file: the points of its region", &
-         default="lattice", words="lattice cut jitter poisson_disk file")
-      call schema%text("body", "initial_stress", "zero; lithostatic: that of the weight of "// &
-         "what lies above without a gap; file: that of the snapshot which its points come from", &
-         default="zero", words="zero lithostatic file")
-      call schema%real("body", "k0", "stress across gravity over that along it", default="0.5", &
-         range=">= 0", owner="initial_stress = lithostatic")
-      call schema%real("body", "velocity(3)", "velocity of its centre of mass", unit="m/s", &
-         default="0 0 0")
-      call schema%real("body", "speed", "velocity of its centre of mass along direction, in "// &
-         "the place of velocity", unit="m/s", range=">= 0")
-      call schema%real("body", "direction(3)", "direction of speed, of any length; with an "// &
-         "angle a: sind(a), 0, cosd(a) in braces")
+      call schema%text("body", "packing", "placement of particles: lattice, the lattice sites "// &
+         "inside the region; cut, a lattice whose particles at the surface have the volume and "// &
+         "centre of the part inside; jitter, a lattice with random displacements of up to a "// &
+         "quarter of the spacing; poisson_disk, random with a least distance; file, the points "// &
+         "of the region", default="lattice", words="lattice cut jitter poisson_disk file")
+      call schema%text("body", "initial_stress", "initial stress: zero; lithostatic, from the "// &
+         "weight of the material above, down to a gap; file, from the snapshot that gives the "// &
+         "particles", default="zero", words="zero lithostatic file")
+      call schema%real("body", "k0", &
+         "coefficient of lateral pressure: stress across gravity over stress along gravity", &
+         default="0.5", range=">= 0", owner="initial_stress = lithostatic")
+      call schema%real("body", "velocity(3)", "initial velocity of the centre of mass", &
+         unit="m/s", default="0 0 0")
+      call schema%real("body", "speed", &
+         "initial speed of the centre of mass along direction, instead of velocity", unit="m/s", &
+         range=">= 0")
+      call schema%real("body", "direction(3)", &
+         "direction of speed, of any length; for an angle a: sind(a), 0, cosd(a) in braces")
       call schema%text("body", "velocity_formula(3)", "components of a velocity that is added, "// &
-         "as formulas of the place x, y, z at the start, such as '100*x', '0', '-100*z'", &
-         unit="m/s")
+         "as formulas of the initial position x, y, z, such as '100*x', '0', '-100*z'", unit="m/s")
       call schema%integer("body", "repeat(3)", "number of copies along x, y, z; the copies are "// &
          "called NAME_1, NAME_2 and so on", default="1 1 1", range=">= 1 <= 10000")
       call schema%real("body", "repeat_step(3)", "distance from one copy to the next along x, "// &
          "y, z", unit="m", default="0 0 0")
-      call schema%real("body", "spin(3)", "angular velocity about its centre of mass", unit="1/s", &
-         default="0 0 0")
-      call schema%real("body", "temperature", "temperature at the start", unit="K", &
-         default="293.0", &
+      call schema%real("body", "spin(3)", "initial angular velocity about the centre of mass", &
+         unit="1/s", default="0 0 0")
+      call schema%real("body", "temperature", "initial temperature", unit="K", default="293.0", &
          range=">= 0", owner="effects.thermal")
-      call schema%real("body", "specific_energy", "internal energy per mass at the start; for "// &
-         "materials that carry it", unit="J/kg", default="0.0", range=">= 0")
-      call schema%integer("body", "field", "velocity field: bodies of the same number move as "// &
-         "one where they meet; 0 = one of its own", default="0", range=">= 0", &
+      call schema%real("body", "specific_energy", &
+         "initial internal energy per mass, for materials that have one", unit="J/kg", &
+         default="0.0", range=">= 0")
+      call schema%integer("body", "field", "velocity field: bodies with the same number move "// &
+         "as one where they meet; 0 = a field of its own", default="0", range=">= 0", &
          owner="effects.contact")
       call schema%require("body", "name region material")
       call schema%refer("body", "region", "region")
@@ -73,7 +74,7 @@ contains
 
    !> Check that there are bodies, and the velocity, spin and temperature of each.
    subroutine check_bodies(deck)
-      type(deck_t), intent(inout) :: deck                !! Gets errors
+      type(deck_t), intent(inout) :: deck                !! Collects errors
       integer :: i
 
       if (deck%count("body") == 0) call deck%complain("body", 1, &
@@ -129,7 +130,7 @@ contains
 
    !> The bodies.
    subroutine read_bodies(deck, simulation, shapes, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid
       type(named_shape_t), intent(in) :: shapes(:)
       type(body_t), allocatable, intent(out) :: bodies(:) !! In the order of the deck
@@ -169,7 +170,7 @@ contains
       end do
    end subroutine read_bodies
 
-   !> Velocity by its components, or by speed and direction, and formulas of what is added.
+   !> Velocity from components, or from speed and direction, and formulas of an added velocity.
    subroutine read_velocity(group, body)
       type(group_t), intent(in) :: group             !! The &body
       type(body_t), intent(inout) :: body            !! Gets its velocity
@@ -201,9 +202,9 @@ contains
       allocate (body%given, source=disks)
    end subroutine pack_disks
 
-   !> Particles of a list, where region and packing say so, and what they take from it.
+   !> Particles from a list, if region and packing request it, and the fields they take from it.
    subroutine read_points(deck, simulation, group, shape, body)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid
       type(group_t), intent(in) :: group             !! The &body
       type(named_shape_t), intent(in) :: shape       !! Its region
@@ -233,7 +234,7 @@ contains
 
    !> Internal energy at the start, of a material that carries it.
    subroutine read_energy(deck, group, material, body)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &body
       type(material_t), intent(in) :: material       !! Its material
       type(body_t), intent(inout) :: body            !! Gets the energy

@@ -28,7 +28,7 @@ contains
    !> Refuse bodies of too many particles or tiles. Needs no survey, whose work grows
    !! with the number of points.
    subroutine check_size(deck, grid, bodies, most_points, force)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       real(wp), intent(in) :: most_points            !! More in one body need the user's word
@@ -75,7 +75,7 @@ contains
    !> Bodies without points are errors; those that are cut, thin or on top of each other may be
    !! meant.
    subroutine check_placement(deck, simulation, bodies, survey)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: bodies(:)
       type(survey_t), intent(in) :: survey           !! Their points
@@ -98,9 +98,9 @@ contains
    end subroutine check_placement
 
    !> Warn of bodies that meet so fast that a material without yield strength or failure is strained
-   !! beyond what a law of small elastic strains can mean.
+   !! beyond the range of a law of small elastic strains.
    subroutine check_elastic(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation   !! Materials, walls
       type(body_t), intent(in) :: bodies(:)
       real(wp) :: fastest, speed
@@ -130,7 +130,7 @@ contains
 
    !> Say why a body holds no point.
    subroutine refuse_empty(deck, grid, body, place)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body
       integer, intent(in) :: place                   !! Its number in the deck
@@ -146,10 +146,10 @@ contains
       end if
    end subroutine refuse_empty
 
-   !> Warn if a part of a body lies outside the grid. What lies behind a mirror plane is the image
-   !! of what is computed and is not counted.
+   !> Warn if a part of a body lies outside the grid. Parts behind a mirror plane are images and are
+   !! not counted.
    subroutine check_outside(deck, simulation, body, place)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body
       integer, intent(in) :: place                   !! Its number in the deck
@@ -212,7 +212,7 @@ contains
    !> Warn if a body is thinner than two cells. Along a direction in which it reaches from one
    !! closed face to the other it has no thickness; at a mirror plane it has half of it.
    subroutine check_thickness(deck, simulation, body, place)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body
       integer, intent(in) :: place                   !! Its number in the deck
@@ -241,11 +241,11 @@ contains
 
    !> Warn of two bodies that overlap, with the number of points that the earlier one loses.
    subroutine check_overlap(deck, grid, bodies, pair, pairs)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: pair(2)                 !! Earlier and later body
-      integer, intent(in) :: pairs                   !! Number of pairs that share the work
+      integer, intent(in) :: pairs !! Number of pairs over which the limit is divided
       real(wp), parameter :: work = 2.0e6_wp         ! sites tested, all pairs together
       real(wp) :: low(3), high(3), other_low(3), other_high(3), point(3), edge(3), sites
       integer :: first(3), last(3), stride(3), x, y, z

@@ -31,13 +31,13 @@ contains
       character(len=:), allocatable :: meanings, walls
       integer :: n
 
-      call schema%group("boundary", &
-         "what holds on a face of the grid, on a part of it, or in a rigid region; faces "// &
-         "without one are open", many=.true.)
-      call schema%text("boundary", "face", "one face or all that have no other", words="all")
+      call schema%group("boundary", "condition at a boundary of the grid, at a part of it, or "// &
+         "in a rigid region; boundaries without one are outflow", many=.true.)
+      call schema%text("boundary", "face", &
+         "a boundary of the grid; all: every one without its own &boundary", words="all")
       call schema%words("boundary", "face", face_names)
-      call schema%text("boundary", "region", "without face: a rigid body, whose nodes have the "// &
-         "type; with face: the part of the face in it")
+      call schema%text("boundary", "region", "without face: a rigid body with this condition "// &
+         "at its nodes; with face: the part of the boundary in this region")
       meanings = ""
       walls = ""
       do n = 1, size(boundary_names)
@@ -47,21 +47,24 @@ contains
       end do
       call schema%text("boundary", "type", meanings(3:))
       call schema%words("boundary", "type", boundary_names)
-      call schema%real("boundary", "velocity(3)", "velocity of the wall; of a face only with "// &
-         "type = velocity", unit="m/s", default="0 0 0", owner="type ="//walls)
-      call schema%text("boundary", "table", "file of lines t, vx, vy, vz in the units of the "// &
-         "deck, added to velocity, straight between; path relative to the deck", &
+      call schema%real("boundary", "velocity(3)", &
+         "velocity of the wall; at a face only with type = velocity", unit="m/s", default="0 0 0", &
+         owner="type ="//walls)
+      call schema%text("boundary", "table", "file with lines t, vx, vy, vz in the units of the "// &
+         "deck, interpolated linearly and added to velocity; path relative to the deck", &
          owner="type ="//walls)
       do n = 1, size(boundary_names)
          call choose_boundary(boundary_names(n), condition)
          call condition%declare(schema)
       end do
-      call schema%real("boundary", "t_on", "time at which the wall comes, and a region begins "// &
-         "to move", unit="s", default="0.0", range=">= 0", owner="type ="//walls)
-      call schema%real("boundary", "t_off", "time at which it goes; a face is open then", &
-         unit="s", range="> 0", owner="type ="//walls)
-      call schema%real("boundary", "temperature", "temperature at which a whole face is held, "// &
-         "where heat is conducted; without it is insulated", unit="K", range=">= 0", &
+      call schema%real("boundary", "t_on", &
+         "time from which the wall acts, and from which a region moves", unit="s", default="0.0", &
+         range=">= 0", owner="type ="//walls)
+      call schema%real("boundary", "t_off", &
+         "time until which the wall acts; a face is outflow afterwards", unit="s", range="> 0", &
+         owner="type ="//walls)
+      call schema%real("boundary", "temperature", "fixed temperature of a whole face, for heat "// &
+         "conduction; without it the face is insulated", unit="K", range=">= 0", &
          owner="effects.thermal")
       call schema%require("boundary", "type")
       call schema%refer("boundary", "region", "region")
@@ -112,7 +115,7 @@ contains
       end do
    end subroutine check_boundaries
 
-   !> What a wall must have, and what does not go together.
+   !> Required keys of a wall, and contradictions.
    subroutine check_wall(deck, boundary, condition)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
@@ -336,7 +339,7 @@ contains
       call move_alloc(rigid%wall, simulation%space%rigid%wall)
    end subroutine read_walls
 
-   !> What a &boundary does, how it moves, and its region.
+   !> Condition, motion and region of a &boundary.
    subroutine read_wall(deck, simulation, shapes, group, wall)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(simulation_t), intent(in) :: simulation
@@ -410,7 +413,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       type(group_t), intent(in) :: group             !! The &boundary
-      type(motion_t), intent(inout) :: motion        !! Gets them
+      type(motion_t), intent(inout) :: motion        !! Receives them
 
       call group%get("velocity", motion%steady)
       call group%get("t_on", motion%begin)

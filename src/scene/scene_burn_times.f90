@@ -83,7 +83,7 @@ contains
    !> Widen a box by the particles of a tile.
    pure subroutine widen(store, tile, bounds)
       type(store_t), intent(in) :: store
-      integer, intent(in) :: tile                    !! Its index
+      integer, intent(in) :: tile                    !! Index
       real(wp), intent(inout) :: bounds(6)           !! Lower corner times -1, upper corner [m]
       integer :: p, k
 
@@ -95,13 +95,13 @@ contains
       end do
    end subroutine widen
 
-   !> Mark the cells of the particles of a tile; explosive wins over what is none.
+   !> Mark the cells of the particles of a tile; explosive takes precedence over inert material.
    pure subroutine mark(store, tile, map, kind, content)
       type(store_t), intent(in) :: store
-      integer, intent(in) :: tile                    !! Its index
+      integer, intent(in) :: tile                    !! Index
       type(sight_map_t), intent(in) :: map
-      integer(int64), intent(in) :: kind             !! What the particles are
-      integer(int64), intent(inout) :: content(0:)   !! (cell) What it holds
+      integer(int64), intent(in) :: kind             !! Shape data of the particles
+      integer(int64), intent(inout) :: content(0:)   !! (cell) Content
       integer :: place(3), p, n
 
       do p = store%first(tile), store%first(tile) + store%count(tile) - 1
@@ -112,8 +112,8 @@ contains
       end do
    end subroutine mark
 
-   !> Burn times of the particles of one store: straight where they see what comes first, and
-   !! around obstacles where they do not.
+   !> Burn times of the particles of one store: along straight lines of sight to the first
+   !! detonator, and around obstacles elsewhere.
    subroutine find_times(simulation, index, map)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: index                   !! Of the store

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The groups &cell and &stage of a scene: a periodic cell of particles that deforms along the
-!! stages of the deck, what they go with, and its first state. The keys are those of
-!! `scree --grains`.
+!! stages of the deck, their compatibility checks, and its first state. The keys are those of `scree
+!! --grains`.
 module scene_cell
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -28,8 +28,8 @@ contains
       has = deck%count("stage") > 0 .and. .not. grains%given("diameter")
    end function has_cell
 
-   !> Defaults of &method in a cell that deforms, and the values that it needs: what particles carry
-   !! besides a velocity is not known on the mesh of another shape.
+   !> Defaults of &method in a cell that deforms, and the values that it needs: particle fields
+   !! other than the velocity are not defined on the mesh of another shape.
    subroutine set_cell_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! Gets defaults and errors
 
@@ -80,7 +80,7 @@ contains
 
    !> Read the cell and its stages. Grid, boundaries, method and effects are read.
    subroutine read_cell(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
       type(moving_cell_t), allocatable :: cell
       type(group_t) :: group
@@ -149,8 +149,8 @@ contains
          ", after t_end; raise t_end to reach it")
    end subroutine check_end
 
-   !> A cell is periodic in all its directions, and what acts on positions or directions in space
-   !! does not know the mesh.
+   !> A cell is periodic in all its directions, and effects that use positions or directions in
+   !! space do not account for the mesh.
    subroutine check_space(deck, simulation)
       type(deck_t), intent(inout) :: deck
       type(simulation_t), intent(in) :: simulation
@@ -217,8 +217,8 @@ contains
    !> A stage has an end, directions of the scene, and a pressure if it holds one.
    subroutine check_stage(deck, n, active)
       type(deck_t), intent(inout) :: deck
-      integer, intent(in) :: n                       !! Its number
-      logical, intent(in) :: active(3)               !! Directions of the scene
+      integer, intent(in) :: n                       !! Number
+      logical, intent(in) :: active(3)               !! Active directions
       integer, parameter :: row(6) = [1, 2, 3, 1, 1, 2], column(6) = [1, 2, 3, 2, 3, 3]
       character(len=:), allocatable :: servo
       type(group_t) :: stage, cell
@@ -251,10 +251,10 @@ contains
       end do
    end subroutine check_stage
 
-   !> What is read later and does not go with a cell: walls in space, contact, exact solutions, heat
-   !! that is conducted.
+   !> Check groups that are read later and that a cell excludes: walls in space, contact, exact
+   !! solutions, heat conduction.
    subroutine refuse_effects(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! All groups are read
       character(len=:), allocatable :: what
       integer :: k

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &contact: its keys, which bodies share a velocity field, and the laws between them.
+!> The group &contact: its keys, bodies with a common velocity field, and the laws between them.
 module scene_contact
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -28,24 +28,24 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("contact", &
-         "what holds between two bodies; pairs without one slip freely", many=.true.)
-      call schema%text("contact", "bodies(:2)", "names of the two, '*' for any other; pairs of "// &
-         "names win over '*'; one name twice: parts of the body that failed material separates", &
-         default="*", owner="effects.contact")
+         "contact law of a pair of bodies; pairs without one slip without friction", many=.true.)
+      call schema%text("contact", "bodies(:2)", "names of the two bodies, '*' for any other; "// &
+         "names take precedence over '*'; the same name twice: parts of a body that failed "// &
+         "material separates", default="*", owner="effects.contact")
       call schema%text("contact", "law", "friction: Coulomb; stick: no slip while pressed "// &
-         "together; bonded: one body until the bond breaks, friction then", default="friction", &
-         words="friction stick frictionless bonded", owner="effects.contact")
-      call schema%real("contact", "friction", "coefficient of friction", default="0.0", &
-         range=">= 0", owner="effects.contact & law = friction bonded")
-      call schema%real("contact", "bond_strength", "stress that breaks the bond, by tension "// &
-         "and shear together; without it the bond holds for ever", unit="Pa", range="> 0", &
+         "together; bonded: no relative motion until the bond breaks, then friction", &
+         default="friction", words="friction stick frictionless bonded", owner="effects.contact")
+      call schema%real("contact", "friction", "friction coefficient", default="0.0", range=">= 0", &
+         owner="effects.contact & law = friction bonded")
+      call schema%real("contact", "bond_strength", "strength of the bond, for tension and "// &
+         "shear combined; without it the bond does not break", unit="Pa", range="> 0", &
          owner="effects.contact & law = bonded")
       call schema%refer("contact", "bodies", "body")
    end subroutine declare_contact
 
    !> Give the bodies their velocity fields and these their stores, if contact is on.
    subroutine read_contact(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Materials are known
       type(body_t), intent(inout) :: bodies(:)       !! Get their stores
       type(contact_t), allocatable :: contact
@@ -150,9 +150,9 @@ contains
       contact%law = contact%law(source, source)
    end subroutine share_laws
 
-   !> What does not go together with contact of a body with itself.
+   !> Check settings that self-contact excludes.
    subroutine refuse_parting(deck, simulation, bodies, contact)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and method are known
       type(body_t), intent(in) :: bodies(:)
       type(contact_t), intent(in) :: contact         !! Laws are known
@@ -187,7 +187,7 @@ contains
 
    !> Methods whose sums know one velocity of a body at a node only.
    subroutine refuse_method(deck, group, simulation, bonded)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &contact
       type(simulation_t), intent(in) :: simulation   !! Materials and method are known
       logical, intent(in) :: bonded                  !! Has the body a bond?
@@ -216,9 +216,9 @@ contains
          "contact of a body with itself does not go with "//what, "bodies")
    end subroutine refuse_method
 
-   !> What does not go together with contact.
+   !> Check settings that contact excludes.
    subroutine refuse_others(deck, group, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &effects
       type(simulation_t), intent(in) :: simulation   !! Materials are known
       type(group_t) :: exact
@@ -266,9 +266,9 @@ contains
       contact%material = kind(:stores)
    end subroutine share_out
 
-   !> Laws between bodies; what is said of named ones wins over '*'.
+   !> Laws between bodies; names take precedence over '*'.
    subroutine read_pairs(deck, bodies, contact)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(body_t), intent(in) :: bodies(:)
       type(contact_t), intent(inout) :: contact      !! Gets the laws
       type(text_t), allocatable :: names(:)
@@ -277,7 +277,7 @@ contains
       integer :: owner(size(contact%law, 1), size(contact%law, 1)), wild, index, one, other, i, j
 
       owner = 0
-      ! pairs of '*' give way to those of one, and these to those of none
+      ! pairs with two '*' are overridden by pairs with one, and these by pairs of names
       do wild = 2, 0, -1
          do index = 1, deck%count("contact")
             group = deck%group("contact", index)
@@ -299,7 +299,7 @@ contains
 
    contains
 
-      !> Set the law of two fields, either way round, unless another group of the same kind did.
+      !> Set the law of two fields, in both orders, unless another group of the same precedence did.
       subroutine set_law(a, b, index)
          integer, intent(in) :: a, b                 !! Indices of two velocity fields
          integer, intent(in) :: index                !! Of the group
@@ -371,9 +371,9 @@ contains
          call group%get("bond_strength", law%strength)
    end subroutine read_law
 
-   !> A body does not touch one that shares its velocity field.
+   !> Refuse contact between bodies with a common velocity field.
    subroutine check_pair(deck, group, field_of_body, one, other)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &contact
       integer, intent(in) :: field_of_body(:)        !! (body)
       integer, intent(in) :: one, other              !! Indices of two bodies
@@ -398,7 +398,7 @@ contains
       end do
    end subroutine bond_stores
 
-   !> Name of a store: that of its material, and where several have it, a number behind.
+   !> Name of a store: that of its material, followed by a number if several stores have it.
    pure function store_name(materials, index) result(name)
       type(material_t), intent(in) :: materials(:)   !! One a store
       integer, intent(in) :: index                   !! Index of the store
@@ -413,10 +413,10 @@ contains
       if (same > 1) name = name//"@"//number(same)
    end function store_name
 
-   !> Columns of node fields that contact needs beside those of each velocity field.
+   !> Columns of node fields that contact needs in addition to those of each velocity field.
    pure integer function contact_columns(contact, pressed) result(columns)
       type(contact_t), intent(in) :: contact
-      logical, intent(in) :: pressed                 !! Are the pushes kept for their work?
+      logical, intent(in) :: pressed !! True if contact forces are stored for their work
 
       type(node_tally_t) :: tally
       type(nodes_t) :: nodes
@@ -430,7 +430,7 @@ contains
       columns = int(tally%needed)
    end function contact_columns
 
-   !> Lines of `--check`: the velocity fields, the pairs and what they cost.
+   !> Lines of `--check`: the velocity fields, the pairs and their cost.
    function contact_text(simulation, bodies) result(text)
       type(simulation_t), intent(in) :: simulation   !! The run with contact
       type(body_t), intent(in) :: bodies(:)

@@ -26,11 +26,11 @@ contains
 
    !> Declare the groups and their keys in the order of the echo. Materials add keys to &effects.
    subroutine declare_deck(schema)
-      type(schema_t), intent(inout) :: schema            !! Gets the keys
+      type(schema_t), intent(inout) :: schema            !! Schema that receives the keys
 
       call schema%group("include", "read more groups from another file", many=.true.)
       call schema%text("include", "file", "path, relative to the file that includes it")
-      call schema%group("define", "names for numbers that expressions in braces use: {2*name}", &
+      call schema%group("define", "names for numbers, for use in expressions in braces: {2*name}", &
          many=.true.)
       call declare_run(schema)
       call declare_units(schema)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &detonation: where and when explosives are lit.
+!> The group &detonation: where and when explosives are ignited.
 module scene_detonation
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -20,21 +20,18 @@ contains
    subroutine declare_detonation(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
-      call schema%group("detonation", "where and when an explosive is lit; the earliest of "// &
-         "several counts", many=.true.)
-      call schema%text("detonation", "shape", "of what is lit at once", default="point", &
-         words="point line plane")
-      call schema%real("detonation", "point(3)", "the point; of a line where it begins, of a "// &
-         "plane any of its points", unit="m")
-      call schema%real("detonation", "point2(3)", "where a line ends", unit="m", &
-         owner="shape = line")
-      call schema%real("detonation", "normal(3)", "direction across a plane", &
-         owner="shape = plane")
-      call schema%real("detonation", "time", "at which it is lit", unit="s", default="0")
-      call schema%real("detonation", "speed", "of the detonation; without it detonation_speed "// &
-         "of the material", unit="m/s", range="> 0")
-      call schema%text("detonation", "material", "the only explosive that it lights; all "// &
-         "without it")
+      call schema%group("detonation", &
+         "where and when an explosive is ignited; the earliest arrival counts", many=.true.)
+      call schema%text("detonation", "shape", "shape of the part that is ignited at once", &
+         default="point", words="point line plane")
+      call schema%real("detonation", "point(3)", &
+         "ignition point; start of a line; any point of a plane", unit="m")
+      call schema%real("detonation", "point2(3)", "end of the line", unit="m", owner="shape = line")
+      call schema%real("detonation", "normal(3)", "normal of the plane", owner="shape = plane")
+      call schema%real("detonation", "time", "time of ignition", unit="s", default="0")
+      call schema%real("detonation", "speed", &
+         "detonation speed; default: detonation_speed of the material", unit="m/s", range="> 0")
+      call schema%text("detonation", "material", "the only explosive that is ignited; default: all")
       call schema%require("detonation", "point point2 normal")
       call schema%refer("detonation", "material", "material")
    end subroutine declare_detonation
@@ -42,7 +39,7 @@ contains
    !> Give explosives the detonations that reach them, and warn of explosives without a detonation
    !! and of detonations without an explosive.
    subroutine read_detonations(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Grid, materials and stores are known
       type(body_t), intent(in) :: bodies(:)
       type(detonator_t) :: detonator
@@ -67,7 +64,7 @@ contains
 
    !> Warn of explosives that nothing lights, and of a speed that their products do not have.
    subroutine warn_of_materials(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation
       real(wp), parameter :: most = 0.03_wp
       type(group_t) :: group
@@ -94,7 +91,7 @@ contains
    !> Speed of the Chapman-Jouguet state of the constants of a material [m/s].
    function least_speed(simulation, group) result(speed)
       type(simulation_t), intent(in) :: simulation
-      type(group_t), intent(in) :: group             !! Its &material
+      type(group_t), intent(in) :: group             !! Group &material
       character(len=:), allocatable :: name
       real(wp) :: speed
       integer :: n
@@ -111,7 +108,7 @@ contains
 
    !> One detonation. Inactive directions are 0.
    subroutine read_detonator(deck, group, grid, detonator)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &detonation
       type(grid_t), intent(in) :: grid
       type(detonator_t), intent(out) :: detonator    !! Its speed is 0 if none is given
@@ -140,7 +137,7 @@ contains
 
    !> Add a detonation to the explosives that it lights.
    subroutine share_out(deck, group, detonator, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &detonation
       type(detonator_t), intent(in) :: detonator
       type(simulation_t), intent(inout) :: simulation

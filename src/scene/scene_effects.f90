@@ -31,33 +31,33 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("effects", &
-         "physics switches; a switched-off effect costs nothing and its "// &
-         "keys are refused")
-      call schema%logical("effects", "gravity", "acceleration of all material", default=".false.")
+         "physics switches; an effect that is off costs nothing, and its keys are errors")
+      call schema%logical("effects", "gravity", &
+         "gravity or another acceleration that acts on all material", default=".false.")
       call schema%real("effects", "gravity_vector(3)", "the acceleration", unit="m/s2", &
          default="0 0 -9.80665", owner="gravity")
-      call schema%text("effects", "gravity_table", "file of lines t, gx, gy, gz in the units "// &
-         "of the deck, added to gravity_vector, straight between; path relative to the deck", &
-         owner="gravity")
-      call schema%real("effects", "damping", "rate at which motion is damped, for states at "// &
-         "rest: a force of mass times velocity times this; twice the lowest angular frequency "// &
-         "brings a body to rest fastest", unit="1/s", default="0.0", range=">= 0")
-      call schema%logical("effects", "contact", "bodies have velocities of their own, and touch", &
-         default=".false.")
+      call schema%text("effects", "gravity_table", "file with lines t, gx, gy, gz in the units "// &
+         "of the deck, interpolated linearly and added to gravity_vector; path relative to the "// &
+         "deck", owner="gravity")
+      call schema%real("effects", "damping", "damping rate for finding states at rest: the "// &
+         "force on a particle is -rate * mass * velocity; twice the lowest angular frequency "// &
+         "of a body brings it to rest fastest", unit="1/s", default="0.0", range=">= 0")
+      call schema%logical("effects", "contact", &
+         "contact between bodies: each body has its own velocity field", default=".false.")
       call schema%logical("effects", "erosion", "failed particles are removed and recorded", &
          default=".false.", owner="effects.damage")
    end subroutine declare_effects
 
-   !> Check that gravity stays in the directions of the scene.
+   !> Check that gravity has no component outside of the directions of the scene.
    subroutine check_effects(deck)
-      type(deck_t), intent(inout) :: deck                !! Gets errors
+      type(deck_t), intent(inout) :: deck                !! Collects errors
 
       call check_plane(deck, deck%group("effects"), "gravity_vector")
    end subroutine check_effects
 
    !> Read erosion and gravity. Collective.
    subroutine read_effects(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
       type(group_t) :: group
 
@@ -69,7 +69,7 @@ contains
 
    !> Read gravity, if it acts. Collective.
    subroutine read_gravity(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Gets it; its grid is read
       type(group_t) :: group
       logical :: acts
@@ -97,8 +97,9 @@ contains
       call update_gravity(simulation)
    end subroutine read_gravity
 
-   !> The effects that are on, then the models of each material, all with their reasons. What each
-   !! costs is in the guide; fields that they add are listed with their bytes elsewhere.
+   !> The effects that are on, then the models of each material, all with their reasons. Their costs
+   !! are in doc/reference/effects.md; the fields that they add are listed with their bytes
+   !! elsewhere.
    function effects_text(deck) result(text)
       type(deck_t), intent(in) :: deck               !! Read and checked
       character(len=:), allocatable :: text, named, usual
@@ -164,7 +165,7 @@ contains
       text = text//named//new_line("a")
    end function material_line
 
-   !> Has a model that the deck does not name nothing to do, as what it belongs to is off?
+   !> True if a default model has no effect, because its effect is off.
    logical function idle(model, group, effects) result(nothing)
       integer, intent(in) :: model                   !! In `model_names`
       type(group_t), intent(in) :: group             !! &material

@@ -27,11 +27,12 @@ contains
       do n = 1, size(exact_names)
          owner = owner//" "//trim(exact_names(n))
       end do
-      call schema%group("exact", "an exact solution: it gives the first state and, if it was "// &
-         "manufactured, a body force; histories get its errors")
-      call schema%text("exact", "solution", "which one", default="none", words="none")
+      call schema%group("exact", "an exact solution, which sets the initial state and, if it "// &
+         "is manufactured, a body force; histories then contain its errors")
+      call schema%text("exact", "solution", "name of the solution", default="none", words="none")
       call schema%words("exact", "solution", exact_names)
-      call schema%text("exact", "bodies(:40)", "bodies that follow it; without: all", owner=owner)
+      call schema%text("exact", "bodies(:40)", "bodies that follow the solution; default: all", &
+         owner=owner)
       call schema%refer("exact", "bodies", "body")
       call schema%real("exact", "origin(3)", "origin of the coordinates of the solution", &
          unit="m", default="0 0 0", owner=owner)
@@ -43,7 +44,7 @@ contains
 
    !> Read the solution, if there is one, and check that it fits the scene.
    subroutine read_exact(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Gets the solution
       type(body_t), intent(in) :: bodies(:)
       type(group_t) :: group
@@ -70,10 +71,10 @@ contains
       end do
    end subroutine read_exact
 
-   !> Which bodies follow the solution. They may not share a material with others, as a material is
-   !! forced and judged as a whole.
+   !> Bodies that follow the solution. Other bodies must not have their materials, because the body
+   !! force and the errors are those of whole materials.
    subroutine find_followers(deck, group, bodies, follows)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &exact
       type(body_t), intent(in) :: bodies(:)
       logical, intent(out) :: follows(:)             !! (body)
@@ -104,7 +105,7 @@ contains
 
    !> The solution in one material.
    subroutine read_solution(deck, group, name, place, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &exact
       character(len=*), intent(in) :: name           !! Of the solution
       integer, intent(in) :: place                   !! Number of the material

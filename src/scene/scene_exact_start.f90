@@ -88,7 +88,8 @@ contains
                   store, &
                   tile, 0.1_wp*simulation%space%grid%spacing &
                   /simulation%materials(index)%reference_speed())
-               ! what follows from these by the laws, such as the pressure of an equation of state
+               ! quantities that follow from these by the laws, such as the pressure of an equation
+               ! of state
                call simulation%materials(index)%find_rest_stress(store%state, store%first(tile), &
                   store%first(tile) + store%count(tile) - 1)
             end do

@@ -23,9 +23,9 @@ contains
    !> Read the facets of a region. Lengths in the file are in the unit of the deck. Collective.
    subroutine read_facets(communicator, deck, group, holder)
       type(communicator_t), intent(in) :: communicator !! The first rank reads
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
-      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      type(shape_holder_t), intent(inout) :: holder  !! Receives the shape
       character(len=:), allocatable :: path, text
       type(error_t), allocatable :: error
       real(wp), allocatable :: corner(:, :, :)
@@ -53,7 +53,7 @@ contains
 
    !> Warn of a surface that does not close.
    subroutine examine_surface(deck, group, facets)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(group_t), intent(in) :: group
       type(facets_t), intent(in) :: facets           !! Its shape
       integer :: open_edges, turned_edges, crowded_edges, flat

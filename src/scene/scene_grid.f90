@@ -25,11 +25,13 @@ contains
       call schema%group("grid", "background grid")
       call schema%real("grid", "lo(3)", "lower corner", unit="m")
       call schema%real("grid", "hi(3)", "upper corner", unit="m")
-      call schema%real("grid", "dx", "edge of a cell; (hi-lo)/dx must be whole", unit="m", &
+      call schema%real("grid", "dx", "edge length of a cell; (hi-lo)/dx must be an integer", &
+         unit="m", range="> 0")
+      call schema%integer("grid", "cells(3)", "number of cells along x, y, z, instead of dx", &
          range="> 0")
-      call schema%integer("grid", "cells(3)", "cells along x, y, z instead of dx", range="> 0")
-      call schema%integer("grid", "block", "cells along the edge of a tile, 0 = "// &
-         "automatic; at most 16 in three dimensions", default="0", range=">= 0 <= 64")
+      call schema%integer("grid", "block", &
+         "cells along the edge of a tile, 0 = automatic; at most 16 in 3-D", default="0", &
+         range=">= 0 <= 64")
       call schema%require("grid", "lo hi")
    end subroutine declare_grid
 
@@ -201,7 +203,7 @@ contains
    !> Check that shape functions with extended support do not overlap themselves across a periodic
    !! grid.
    subroutine check_periodic(deck, grid)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       integer, parameter :: least = 4                ! nodes that a particle may touch along a line
       type(group_t) :: group

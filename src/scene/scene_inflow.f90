@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &inflow: bodies whose material goes on entering the domain where they are.
-!! Equations (O.6) to (O.8) of doc/theory/instruments.md.
+!> The group &inflow: bodies whose material keeps entering the domain. Equations (O.6) to (O.8) of
+!! doc/theory/instruments.md.
 module scene_inflow
    use base_deck, only: deck_t, group_t
    use base_exact_sum, only: exact_sum_t
@@ -32,19 +32,19 @@ contains
 
    !> Declare &inflow.
    subroutine declare_inflow(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
-      call schema%group("inflow", "a body whose material goes on entering: it moves as given, "// &
-         "and more of it follows", many=.true.)
-      call schema%text("inflow", "body", "a body with the cross-section of the flow, three "// &
-         "cells long or more; it is full of material at the start")
-      call schema%real("inflow", "velocity(3)", "of the material, along x, y or z; with "// &
-         "mass_rate only its direction counts", unit="m/s")
-      call schema%real("inflow", "mass_rate", "mass that enters in a time, which gives the "// &
-         "speed; in a plane scene for its depth", unit="kg/s", range="> 0")
-      call schema%text("inflow", "table", "file of lines t, vx, vy, vz in the units of the "// &
-         "deck, added to velocity, straight between; path relative to the deck")
-      call schema%real("inflow", "t_off", "time at which it ends, and the body moves freely", &
+      call schema%group("inflow", &
+         "a body that enters with a prescribed velocity; new material follows", many=.true.)
+      call schema%text("inflow", "body", "body with the cross-section of the flow, at least "// &
+         "three cells long and full of material at the start")
+      call schema%real("inflow", "velocity(3)", "velocity of the entering material, along x, y "// &
+         "or z; with mass_rate only its direction is used", unit="m/s")
+      call schema%real("inflow", "mass_rate", "mass per time that enters; it determines the "// &
+         "speed; in a plane scene, for the depth of the scene", unit="kg/s", range="> 0")
+      call schema%text("inflow", "table", "file with lines t, vx, vy, vz in the units of the "// &
+         "deck, interpolated linearly and added to velocity; path relative to the deck")
+      call schema%real("inflow", "t_off", "end of the inflow; afterwards the body moves freely", &
          unit="s", range="> 0")
       call schema%require("inflow", "body velocity")
       call schema%refer("inflow", "body", "body")
@@ -53,7 +53,7 @@ contains
    !> Read the inflows, give their bodies their velocities, and hold the nodes around them.
    !! Collective.
    subroutine read_inflows(deck, simulation, bodies)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Gets inflows and rigid regions
       type(body_t), intent(inout) :: bodies(:)
       type(inflow_t), allocatable :: inflows(:)
@@ -79,7 +79,7 @@ contains
 
    !> Read one inflow.
    subroutine read_one(deck, group, simulation, bodies, taken, inflow)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &inflow
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
@@ -111,7 +111,7 @@ contains
    !> Bodies whose first state is not the same all over, or that do not begin at rest in themselves,
    !! do not follow each other without a seam.
    subroutine refuse_body(deck, group, simulation, body)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &inflow
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: body
@@ -130,7 +130,7 @@ contains
 
    !> The direction of the flow, which is that of all entries of the table.
    subroutine find_axis(deck, group, grid, inflow)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &inflow
       type(grid_t), intent(in) :: grid
       type(inflow_t), intent(inout) :: inflow        !! Gets axis and sense
@@ -163,8 +163,8 @@ contains
          "velocity")
    end subroutine find_axis
 
-   !> Hold the nodes around the body at the velocity of the flow: as far as its particles reach at
-   !! its sides and behind it, and to its front, (O.8).
+   !> Prescribe the velocity of the flow at the nodes around the body: as far as its particles reach
+   !! at its sides and behind it, and up to its front, (O.8).
    subroutine hold_nodes(grid, body, inflow, simulation)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body
@@ -200,7 +200,7 @@ contains
    !> Make the particles of the bodies that inflows repeat, and the speeds that follow from rates.
    !! Collective.
    subroutine start_inflows(deck, simulation, bodies, keys)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! With empty stores
       type(body_t), intent(inout) :: bodies(:)       !! Get their identities, and these speeds
       integer(int64), intent(in) :: keys(:)          !! Tiles that this rank has counted
@@ -231,7 +231,7 @@ contains
 
    !> Halves have a part of each identity for themselves, so those of all copies must leave it free.
    subroutine check_identities(deck, group, simulation, inflow)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &inflow
       type(simulation_t), intent(in) :: simulation
       type(inflow_t), intent(in) :: inflow           !! With its length
@@ -292,7 +292,7 @@ contains
    !> Where material enters, the length of the body, and its mass. Each layer of particles across
    !! the flow must have the same mass.
    subroutine measure_pattern(deck, group, simulation, body, inflow, mass)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &inflow
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: body

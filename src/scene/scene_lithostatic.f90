@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Stress of bodies at rest under their weight (`initial_stress = 'lithostatic'`).
 !!
-!! Along gravity the stress is the weight of what lies above without a gap, across it a share of
-!! that. Material whose pressure follows from its density has the density of its pressure: its
+!! Along gravity the stress is the weight of the material above, down to a gap; across it a fraction
+!! of that. Material whose pressure follows from its density has the density of its pressure: its
 !! particles keep their positions and volumes and become heavier.
 module scene_lithostatic
    use base_constants, only: xx, xy, xz, yy, yz, zz
@@ -22,9 +22,9 @@ module scene_lithostatic
 
 contains
 
-   !> Read whether a body begins with the stress of its weight, and refuse what cannot.
+   !> Read whether a body starts with the stress of its weight, and refuse bodies that cannot.
    subroutine read_lithostatic(deck, simulation, group, body)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and gravity
       type(group_t), intent(in) :: group             !! The &body
       type(body_t), intent(inout) :: body            !! Its particles are known; gets the ratio

@@ -20,27 +20,28 @@ contains
 
    !> Declare &load.
    subroutine declare_load(schema)
-      type(schema_t), intent(inout) :: schema        !! Gets the keys
+      type(schema_t), intent(inout) :: schema        !! Schema that receives the keys
 
       call schema%group("load", "a pressure or traction on the surface of bodies", many=.true.)
       call schema%text("load", "name", "name of the load, for messages")
-      call schema%text("load", "bodies(:20)", "bodies on whose surface it acts; default: all")
-      call schema%text("load", "region", "it acts on surfaces in this region, whose edge "// &
-         "should lie inside the material or in the void, not along a surface; default: everywhere")
-      call schema%real("load", "pressure", "on the surface, positive: pushes inwards", unit="Pa")
-      call schema%real("load", "traction(3)", "force on an area of a flat surface with the "// &
-         "direction normal", unit="Pa")
-      call schema%real("load", "normal(3)", "direction of that surface, out of the body")
+      call schema%text("load", "bodies(:20)", "bodies whose surface is loaded; default: all")
+      call schema%text("load", "region", "region in which surfaces are loaded; its edge should "// &
+         "lie inside the material or in the void, not along a surface; default: everywhere")
+      call schema%real("load", "pressure", "pressure on the surface; positive pushes inwards", &
+         unit="Pa")
+      call schema%real("load", "traction(3)", &
+         "force per area on a flat surface, whose direction is normal", unit="Pa")
+      call schema%real("load", "normal(3)", "outward normal of the flat surface")
       call schema%real("load", "times(:50)", "times of factors, ascending", unit="s")
-      call schema%real("load", "factors(:50)", "factors of pressure and traction at these "// &
-         "times, straight between, constant before and after; default: 1 at all times")
+      call schema%real("load", "factors(:50)", "factors on pressure and traction at these "// &
+         "times, interpolated linearly, constant before and after; default: 1 at all times")
       call schema%refer("load", "bodies", "body")
       call schema%refer("load", "region", "region")
    end subroutine declare_load
 
    !> Read all loads.
    subroutine read_loads(deck, simulation, bodies, shapes)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Gets the loads
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
@@ -59,7 +60,7 @@ contains
 
    !> Read one load.
    subroutine read_one(deck, group, bodies, shapes, load)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &load
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
@@ -112,7 +113,7 @@ contains
 
    !> The stress T of pressure and traction: T n = t, and no other traction on surfaces across n.
    subroutine read_stress(deck, group, stress)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &load
       real(wp), intent(out) :: stress(6)             !! [Pa]
       real(wp) :: normal(3), pressure, traction(3)
@@ -149,7 +150,7 @@ contains
 
    !> The table of time.
    subroutine read_course(deck, group, load)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &load
       type(surface_load_t), intent(inout) :: load            !! Gets it
       type(motion_t) :: course

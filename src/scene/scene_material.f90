@@ -17,7 +17,7 @@ contains
 
    !> Read a material from its &material. The first rank alone reads the file. Collective.
    subroutine read_material(deck, communicator, place, material)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       integer, intent(in) :: place                   !! Number among the &material of the deck
       type(material_t), intent(inout) :: material

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &method: its keys and what they choose.
+!> The group &method: its keys and the method that they select.
 module scene_method
    use base_deck, only: deck_t, group_t
    use base_schema, only: schema_t
@@ -27,70 +27,72 @@ contains
       call schema%group("method", "numerical method")
       call schema%text("method", "basis", "shape functions; ddmp needs linear", default="linear")
       call schema%words("method", "basis", basis_names)
-      call schema%text("method", "transfer", "how velocities go between particles and nodes; "// &
-         "default rflip with ddmp, flip with mpm", default="rflip")
+      call schema%text("method", "transfer", "transfer of velocity between particles and "// &
+         "nodes; default: rflip with ddmp, flip with mpm", default="rflip")
       call schema%words("method", "transfer", velocity_names)
       do n = 1, size(velocity_names)
          call choose_velocity(velocity_names(n), transfer)
          call transfer%declare(schema)
       end do
-      call schema%logical("method", "paper", "the scheme of LA-UR-11-06616 (2011); it fixes "// &
-         "the other keys of the scheme", default=".false.", owner="run.method = ddmp")
-      call schema%text("method", "alpha", "share of the own cell in the gradient: one bubble a "// &
-         "direction, their product, or its square", default="split", owner="run.method = ddmp")
+      call schema%logical("method", "paper", &
+         "use the scheme of LA-UR-11-06616 (2011); it fixes the other keys of the scheme", &
+         default=".false.", owner="run.method = ddmp")
+      call schema%text("method", "alpha", "weight alpha of the gradient in the own cell: "// &
+         "split, one bubble function per direction; product, their product; bubble_squared, "// &
+         "the square of the product", default="split", owner="run.method = ddmp")
       call schema%words("method", "alpha", alpha_names)
       call schema%real("method", "alpha_0", "alpha at the centre of a cell", default="1.0", &
          range=">= 0 <= 1", owner="run.method = ddmp")
-      call schema%text("method", "blend", "how the node gradient is interpolated: smooth has "// &
-         "no kinks; default smooth with alpha = 'split', linear with others and in axisymmetry", &
+      call schema%text("method", "blend", "interpolation of the node gradient; smooth has no "// &
+         "kinks; default: smooth with alpha = 'split', linear with others and in axisymmetry", &
          words="smooth linear", owner="run.method = ddmp")
-      call schema%text("method", "free_surface", &
-         "cell weights of the dual gradient: least fill "// &
-         "of the nodes; 1 in cells without an empty node; 1 everywhere", default="fill", &
-         owner="run.method = ddmp")
+      call schema%text("method", "free_surface", "cell weights of the dual gradient: fill, the "// &
+         "least fill of the nodes; cells, 1 in cells without an empty node; none, 1 everywhere", &
+         default="fill", owner="run.method = ddmp")
       call schema%words("method", "free_surface", surface_names)
-      call schema%text("method", "quadrature", "where the dual gradient is taken", &
+      call schema%text("method", "quadrature", "where the dual gradient is evaluated", &
          default="point", owner="run.method = ddmp")
       call schema%words("method", "quadrature", quadrature_names)
-      call schema%text("method", "normalise", "whose sums over particles are divided by the "// &
-         "sums of their weights, so that uniform pressure makes no force: material without "// &
-         "strength that carries an internal energy, all without strength, none, all; default "// &
-         "none where the rule of the dual gradient forbids it", &
+      call schema%text("method", "normalise", "divide sums over particles by the sums of their "// &
+         "weights, so that uniform pressure exerts no force: gases, in material without "// &
+         "strength that has an internal energy; fluids, in all material without strength; "// &
+         "none; all; default: none where the quadrature of the dual gradient forbids it", &
          words="gases fluids none all", default="gases", owner="run.method = ddmp")
       call declare_strain(schema)
-      call schema%text("method", "antilock", "cure of volumetric locking: the particles of a "// &
-         "material in a cell share their mean dilatation and pressure", default="none", &
-         words="none bbar")
+      call schema%text("method", "antilock", "treatment of volumetric locking; bbar: the "// &
+         "particles of a material in a cell have a common mean dilatation and pressure", &
+         default="none", words="none bbar")
       call declare_shocks(schema)
-      call schema%logical("method", "split", "particles that have become long are halved, so "// &
-         "that stretched material stays in one piece; default .true. where all material is "// &
-         "gas with normalised sums, and for gases where there are some", default=".false.")
-      call schema%text("method", "split_what", "which particles are halved: of all material, "// &
-         "or of gases and products of explosives alone", default="all", words="all gases", &
-         owner="split")
-      call schema%real("method", "split_at", "edge of a particle in cells at which it is halved", &
-         default="0.55", range="> 0 <= 2", owner="split")
-      call schema%integer("method", "split_max", "times that a particle and its parts are "// &
-         "halved", default="10", range="> 0 <= 20", owner="split")
+      call schema%logical("method", "split", "halve particles that have become long, so that "// &
+         "stretched material stays connected; default: .true. where all material is gas with "// &
+         "normalised sums, and for gases alone where a scene has gases and other material", &
+         default=".false.")
+      call schema%text("method", "split_what", "which particles are halved: all, those of "// &
+         "every material; gases, those of gases and products of explosives", default="all", &
+         words="all gases", owner="split")
+      call schema%real("method", "split_at", &
+         "edge length of a particle, in cells, at which it is halved", default="0.55", &
+         range="> 0 <= 2", owner="split")
+      call schema%integer("method", "split_max", &
+         "greatest number of times that a particle and its parts are halved", default="10", &
+         range="> 0 <= 20", owner="split")
    end subroutine declare_method
 
-   !> Declare what strains the particles, and whose rotation they carry.
+   !> Declare the keys of the strain update and of the rotation of particles.
    subroutine declare_strain(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%text("method", "stress_update", &
-         "after the step, before it, or after mapping the "// &
-         "new velocities; or with the average of both maps, which keeps energy; default usl "// &
-         "with ddmp, musl with mpm and where elastic bodies have contact", &
-         words="usl usf musl usavg")
-      call schema%real("method", "unseen_strain", "share of what nodes gain and particles do "// &
-         "not take that strains with stress_update = 'usavg': damps differences of pressure "// &
-         "between particles; default 0 where all material is elastic", &
-            default=brief(unseen_usual), &
-         range=">= 0 <= 1")
-      call schema%text("method", "turn_from", "rotation that a particle carries: of the "// &
-         "velocity around it, or the mean of the material of the tiles around, which keeps the "// &
-         "energy of thin bodies", default="point", words="point tiles", &
+      call schema%text("method", "stress_update", "when the stress is updated: usl after the "// &
+         "step, usf before it, musl after mapping the new velocities; usavg uses the average "// &
+         "of both maps, which conserves energy; default: usl with ddmp, musl with mpm and "// &
+         "where elastic bodies have contact", words="usl usf musl usavg")
+      call schema%real("method", "unseen_strain", "fraction of the velocity change that nodes "// &
+         "gain and particles do not receive that is used in the strain, with stress_update = "// &
+         "'usavg'; damps pressure differences between particles; default: 0 where all material "// &
+         "is elastic", default=brief(unseen_usual), range=">= 0 <= 1")
+      call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
+         "velocity around the particle; tiles, the mean of the material in the tiles around "// &
+         "it, which conserves the energy of thin bodies", default="point", words="point tiles", &
          owner="transfer = rflip")
    end subroutine declare_strain
 
@@ -98,13 +100,14 @@ contains
    subroutine declare_shocks(schema)
       type(schema_t), intent(inout) :: schema        !! Keys of the deck
 
-      call schema%text("method", "viscosity_limiter", "what artificial viscosity resists: "// &
-         "smooth, compression less what the node gradients around predict, so that flow which "// &
-         "converges evenly is not heated; none, all compression", default="none", &
-         words="none smooth", owner="effects.artificial_viscosity & run.method = ddmp")
-      call schema%real("method", "heat_flux", "coefficient of an artificial heat flux in "// &
-         "shocks, against walls that are too hot; about 2", default="0", range=">= 0 <= 100", &
-         owner="effects.artificial_viscosity")
+      call schema%text("method", "viscosity_limiter", "part of the compression that artificial "// &
+         "viscosity resists: smooth, the compression less the part that the surrounding node "// &
+         "gradients predict, so that smoothly converging flow is not heated; none, all of it", &
+         default="none", words="none smooth", &
+         owner="effects.artificial_viscosity & run.method = ddmp")
+      call schema%real("method", "heat_flux", &
+         "coefficient of an artificial heat flux in shocks, about 2, against wall heating", &
+         default="0", range=">= 0 <= 100", owner="effects.artificial_viscosity")
    end subroutine declare_shocks
 
    !> Make the method from the deck.
@@ -167,7 +170,7 @@ contains
       call group%get("split_max", method%splitting%generations)
    end subroutine read_splitting
 
-   !> What belongs to the dual domain gradient.
+   !> Check the keys of the dual domain gradient.
    subroutine read_dual(method, deck, group)
       type(method_t), intent(inout) :: method        !! The method with its rule chosen
       type(deck_t), intent(inout) :: deck            !! Collects complaints
@@ -190,8 +193,8 @@ contains
       method%leapfrog = .not. paper
    end subroutine read_dual
 
-   !> Refuse rules that know nothing of the hoop stress: what they take out of the particles they
-   !! give back without it.
+   !> Refuse quadratures without hoop stress: the stress that they subtract from the particles would
+   !! be restored without it.
    subroutine refuse_axis(deck, group, quadrature)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group             !! &method

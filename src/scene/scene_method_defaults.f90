@@ -66,9 +66,10 @@ contains
          call deck%set_default("method", 1, "stress_update", trim(stress_names(stress_after)))
    end subroutine set_dependent_defaults
 
-   !> Elastic bodies that push each other are strained with what their particles got: straining with
-   !! the nodes takes 3 to 5 % of their energy in a collision. Transfers that filter the velocities
-   !! lose more by it. Equation (C.8) of doc/theory/contact.md.
+   !> In contact, elastic bodies are strained with the velocities of their particles (musl):
+   !! straining with the node velocities dissipates 3 to 5 % of their energy in a collision.
+   !! Transfers that filter the velocities dissipate more with it. Equation (C.8) of
+   !! doc/theory/contact.md.
    subroutine set_contact_default(deck)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
       character(len=:), allocatable :: transfer
@@ -86,7 +87,7 @@ contains
          trim(stress_names(stress_remapped)))
    end subroutine set_contact_default
 
-   !> With two velocities elastic material keeps all of its energy unless the deck says otherwise.
+   !> With two velocities (usavg) elastic material conserves all of its energy by default.
    subroutine set_elastic_defaults(deck)
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: update
@@ -120,8 +121,8 @@ contains
          "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
    end subroutine set_turn_default
 
-   !> Gas expands without bound, and cells from which all particles have gone hold no volume. An
-   !! exact solution needs whole particles.
+   !> Gas expands without bound, and cells without particles have no volume. An exact solution needs
+   !! undivided particles.
    subroutine set_split_default(deck, gases)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
       logical, intent(in) :: gases                   !! Is all material a gas?
@@ -138,9 +139,9 @@ contains
       if (.not. gases) call deck%set_default("method", 1, "split_what", "gases")
    end subroutine set_split_default
 
-   !> Refuse a share of unseen velocities where no strain takes it.
+   !> Refuse unseen_strain where no strain uses it.
    subroutine check_unseen(deck)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       character(len=:), allocatable :: update
       real(wp) :: share
       type(group_t) :: group
@@ -158,7 +159,7 @@ contains
 
    !> Refuse normalised sums where the rule of the dual gradient does not allow them.
    subroutine check_normalise(deck)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       character(len=:), allocatable :: method, word
       logical :: may
       type(group_t) :: run, group

@@ -19,11 +19,11 @@ contains
 
    !> Read the table of a key into a motion; its file is relative to the deck. Collective.
    subroutine read_motion_table(deck, communicator, group, key, meaning, unit_text, motion)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(communicator_t), intent(in) :: communicator !! The first rank reads
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: key            !! Its key that names the file
-      type(meaning_t), intent(in) :: meaning         !! What the table holds
+      type(meaning_t), intent(in) :: meaning         !! Description of the table
       character(len=*), intent(in) :: unit_text      !! Unit of the components in SI
       type(motion_t), intent(inout) :: motion        !! Gets times and values in SI
       character(len=:), allocatable :: name, path, text

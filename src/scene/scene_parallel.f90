@@ -15,13 +15,14 @@ contains
    subroutine declare_parallel(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
-      call schema%group("parallel", "distribution over ranks; results do not depend on it")
-      call schema%text("parallel", "balance", "move tiles between ranks", default="auto", &
-         words="auto never")
+      call schema%group("parallel", &
+         "distribution over ranks (load balancing); results do not depend on it")
+      call schema%text("parallel", "balance", "load balancing: move tiles between ranks", &
+         default="auto", words="auto never")
       call schema%integer("parallel", "balance_every", &
-         "steps between two comparisons of the work of ranks", &
-         default="25", range="> 0", owner="balance = auto")
-      call schema%real("parallel", "imbalance", "greatest over mean work that moves tiles", &
+         "steps between two comparisons of the load of the ranks", default="25", range="> 0", &
+         owner="balance = auto")
+      call schema%real("parallel", "imbalance", "greatest over mean load above which tiles move", &
          default="1.1", range=">= 1", owner="balance = auto")
    end subroutine declare_parallel
 

@@ -30,13 +30,13 @@ module scene_particles
    public :: body_of, distribute_particles, fill_simulation, fill_store, first_step, make_stores, &
       number_bodies, prepare_simulation, spin_bodies, survey_t, take_survey
 
-   !> What the bodies will fill, known before there are particles.
+   !> Counts of particles that the bodies will have, found before particles exist.
    type :: survey_t
       integer(int64) :: particles = 0                !! In all bodies
       integer(int64) :: tiles = 0                    !! Tiles that hold some, on all ranks
       integer(int64), allocatable :: body(:)         !! (body) Particles
-      !> (tile) Tiles with particles that this rank has counted, ascending. They lie anywhere; each
-      !! tile is on the list of one rank.
+      !> (tile) Tiles with particles that this rank has counted, ascending. They can be anywhere;
+      !! each tile is on the list of one rank.
       integer(int64), allocatable :: key(:)
       integer(int64), allocatable :: particles_of(:) !! (tile) Their particles
    end type survey_t
@@ -130,7 +130,7 @@ contains
       if (allocated(simulation%effects%contact)) call bond_stores(simulation)
    end subroutine make_stores
 
-   !> Count the particles of bodies and tiles, and find the volumes of those that lie at random.
+   !> Count the particles of bodies and tiles, and find the volumes of randomly placed ones.
    subroutine take_survey(simulation, bodies, survey)
       type(simulation_t), intent(in) :: simulation   !! The run without particles
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get factors of volumes
@@ -345,8 +345,8 @@ contains
       end do
    end function body_of
 
-   !> Share the particles out among the ranks anew and bring each to its tile; what tiles there were
-   !! is forgotten. For particles that were just read, each store in one range.
+   !> Redistribute the particles over the ranks and sort each into its tile; the old tiles are
+   !! discarded. For particles that were just read, each store in one range.
    subroutine distribute_particles(simulation)
       type(simulation_t), intent(inout) :: simulation
       integer(int64), allocatable :: key(:), particles(:), border(:)

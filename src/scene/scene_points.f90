@@ -33,7 +33,7 @@ module scene_points
    type :: point_region_t
       type(point_list_t) :: list                     !! Lengths, velocities and volumes in SI
       character(len=:), allocatable :: path
-      character(len=:), allocatable :: body          !! Whose rows are meant, or empty
+      character(len=:), allocatable :: body          !! Body whose rows are used, or empty
       logical :: snapshot = .false.                  !! Is it one of another run?
       type(placing_t) :: placing                     !! Where the list has been moved to
    end type point_region_t
@@ -44,11 +44,11 @@ contains
    !! reads a snapshot. Collective.
    subroutine read_point_region(communicator, deck, grid, group, points, holder)
       type(communicator_t), intent(in) :: communicator !! The first rank reads
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       type(point_region_t), allocatable, intent(out) :: points
-      type(shape_holder_t), intent(inout) :: holder  !! Gets the cloud that they are
+      type(shape_holder_t), intent(inout) :: holder  !! Receives the particles
       type(error_t), allocatable :: error
       character(len=:), allocatable :: text
       type(hdf5_source_t) :: source
@@ -101,7 +101,7 @@ contains
 
    contains
 
-      !> What one of the deck is in SI.
+      !> Conversion from the unit of the deck to SI.
       real(wp) function factor(text) result(value)
          character(len=*), intent(in) :: text        !! Unit of SI
          type(unit_t) :: unit
@@ -114,7 +114,7 @@ contains
 
    !> Volumes of points whose file has none.
    subroutine find_volumes(deck, group, list)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
       type(point_list_t), intent(inout) :: list      !! Gets volumes
       real(wp) :: volume
@@ -134,7 +134,7 @@ contains
 
    !> Make a body of the points of a region that are meant for it.
    subroutine pack_points(deck, grid, boundary, group, points, body)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
       type(group_t), intent(in) :: group
@@ -168,7 +168,7 @@ contains
 
    !> Of a list that names materials a body takes the points of its own.
    subroutine choose_material(deck, group, list, meant)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
       type(point_list_t), intent(in) :: list
       logical, intent(inout) :: meant(:)             !! (row) Changed
@@ -189,7 +189,7 @@ contains
 
    !> Of a snapshot a region may mean the points of one body.
    subroutine choose_body(deck, group, points, meant)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
       type(point_region_t), intent(in) :: points
       logical, intent(inout) :: meant(:)             !! (row) Changed
@@ -228,9 +228,9 @@ contains
    end function where_text
 
    !> Refuse points outside of the grid and two at one position. Material moves a little into closed
-   !! faces, so points of a snapshot may lie behind one.
+   !! faces, so points of a snapshot may be behind one.
    subroutine check_positions(deck, grid, boundary, group, points, place)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its faces
       type(group_t), intent(in) :: group
@@ -302,7 +302,7 @@ contains
 
    !> Warn of points that are larger than a cell: their neighbours lose sight of them.
    subroutine check_sizes(deck, grid, group, list, place)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(grid_t), intent(in) :: grid
       type(group_t), intent(in) :: group
       type(point_list_t), intent(in) :: list
@@ -321,8 +321,8 @@ contains
          " points are larger than a cell: the material has gaps; use larger cells or more "// &
          "points", "region")
    end subroutine check_sizes
-   !> True for fields that particles take from a snapshot besides place and volume. Who they are is
-   !! decided anew.
+   !> True for fields that particles take from a snapshot in addition to position and volume. They
+   !! get new identities.
    pure logical function comes_from_file(name, stress) result(yes)
       character(len=*), intent(in) :: name           !! Of the field
       logical, intent(in) :: stress                  !! Is the stress wanted?
@@ -340,10 +340,10 @@ contains
 
    !> Report the fields of the particles that a snapshot lacks.
    subroutine compare_fields(deck, group, material, traits, points, stress)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
       type(material_t), intent(in) :: material       !! Its material
-      type(traits_t), intent(in) :: traits           !! What the method wants of particles
+      type(traits_t), intent(in) :: traits           !! Particle fields that the method needs
       type(point_region_t), intent(in) :: points
       logical, intent(in) :: stress                  !! Is the stress wanted?
       type(field_requests_t) :: requests
@@ -379,7 +379,7 @@ contains
 
    contains
 
-      !> True if the method wants a field.
+      !> True if the method needs a field.
       pure logical function of_method(name) result(yes)
          character(len=*), intent(in) :: name        !! Of the field
 

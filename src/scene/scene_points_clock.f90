@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Begins the time steps of a run where those of the run that wrote its points ended.
+!> Starts the time steps of a run where those of the run that wrote its points ended.
 !!
 !! Velocities of a snapshot are half of the last step behind its positions. The first forces must
 !! lead from there to the middle of the first step: half a step alone, as at the start of other
-!! runs, would leave the velocities behind by half a kick for ever.
+!! runs, would leave the velocities behind by half a kick for the whole run.
 module scene_points_clock
    use base_deck, only: deck_t
    use base_kinds, only: wp
@@ -37,7 +37,7 @@ contains
 
    !> Warn of a snapshot whose velocities are of another time than the first step expects.
    subroutine check_clocks(deck, simulation, bodies, shapes)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation   !! Its method
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)

@@ -25,11 +25,11 @@ module scene_points_fields
    type, extends(field_worker_t) :: putter_t
       character(len=:), allocatable :: name
       integer :: count = 0                           !! Particles of the body
-      integer, allocatable :: particle(:)            !! Which they are
+      integer, allocatable :: particle(:)            !! Selected fields
       integer(int64), allocatable :: row(:)          !! Their rows in the file, from 1
       integer(int64) :: before = 0                   !! Rows before those below
       real(wp), allocatable :: reals(:, :)           !! (component, row)
-      logical :: adds = .false.                      !! Add to what is there?
+      logical :: adds = .false.                      !! True to add to existing values
    contains
       procedure :: scalar => put_scalar              !! A field of numbers
       procedure :: vector => put_vector              !! A field of vectors or tensors
@@ -38,7 +38,7 @@ module scene_points_fields
 
 contains
 
-   !> Give the particles of bodies from files what the files say of them. Collective.
+   !> Give the particles of bodies from files the fields in the files. Collective.
    subroutine read_point_fields(simulation, bodies, shapes, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)
@@ -93,9 +93,9 @@ contains
    !> Read the fields of a snapshot that the particles carry, a piece at a time.
    subroutine take_snapshot(simulation, points, body, putter, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
-      type(point_region_t), intent(in) :: points     !! Where it is, and its fields
+      type(point_region_t), intent(in) :: points     !! Position of the file, and its fields
       type(body_t), intent(in) :: body
-      type(putter_t), intent(inout) :: putter        !! Knows the particles
+      type(putter_t), intent(inout) :: putter        !! Maps particles to rows
       type(error_t), allocatable, intent(out) :: error !! It cannot be read any more
       type(hdf5_source_t) :: source
       integer :: n, tile
@@ -125,7 +125,7 @@ contains
       type(hdf5_source_t), intent(in) :: source      !! The open file
       type(placing_t), intent(in) :: placing         !! Where the points have been moved to
       type(store_t), intent(inout) :: store
-      type(putter_t), intent(inout) :: putter        !! Knows which field
+      type(putter_t), intent(inout) :: putter        !! Selects the field
       type(error_t), allocatable, intent(out) :: error !! It cannot be read
       type(data_info_t) :: info
       character(len=:), allocatable :: name

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Scales, turns and moves points of a file with all that their file says of them, as if the run
-!! that wrote it had been scaled, turned and moved as a whole.
+!> Scales, rotates and translates points of a file with all their fields, as if the run that wrote
+!! it had been scaled, turned and moved as a whole.
 !!
-!! Velocities, stresses and densities stay under the factor, so masses grow with volumes, times with
-!! lengths, and rates fall.
+!! Scaling does not change velocities, stresses and densities, so masses grow with volumes, times
+!! with lengths, and rates fall.
 module scene_points_placing
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -18,7 +18,7 @@ module scene_points_placing
    !> Where the points of a region go.
    type :: placing_t
       real(wp) :: scale = 1.0_wp                     !! Factor, applied first [1]
-      real(wp) :: volume_scale = 1.0_wp              !! What it makes of volumes [1]
+      real(wp) :: volume_scale = 1.0_wp              !! Factor of volumes [1]
       real(wp) :: rotation(3, 3) = 0.0_wp            !! Orthogonal, applied after the factor [1]
       real(wp) :: translate(3) = 0.0_wp              !! Applied last [m]
       logical :: changes = .false.                   !! Are there a factor or angles?
@@ -32,8 +32,8 @@ contains
 
    !> Read it. A turn out of the plane or line of the scene is refused.
    subroutine read_placing(deck, grid, group, placing)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! Directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(grid_t), intent(in) :: grid               !! Active directions
       type(group_t), intent(in) :: group
       type(placing_t), intent(out) :: placing
       real(wp), parameter :: little = 1.0e-12_wp
@@ -74,7 +74,7 @@ contains
    !> Move the points of a list to their positions.
    pure subroutine placing_move(self, grid, list)
       class(placing_t), intent(in) :: self           !! Where points go
-      type(grid_t), intent(in) :: grid               !! Directions of the scene
+      type(grid_t), intent(in) :: grid               !! Active directions
       type(point_list_t), intent(inout) :: list      !! Changed
       real(wp) :: middle(3)
       integer :: n

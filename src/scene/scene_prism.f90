@@ -16,10 +16,10 @@ contains
 
    !> A prism. In a plane scene it is unbounded along y.
    subroutine build_prism(deck, grid, group, holder)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
-      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      type(shape_holder_t), intent(inout) :: holder  !! Receives the shape
       real(wp), allocatable :: corner(:, :)
       real(wp) :: span(2)
       integer :: axis
@@ -32,8 +32,8 @@ contains
 
    !> Direction of the axis.
    subroutine find_axis(deck, grid, group, axis)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       integer, intent(out) :: axis                   !! 1 to 3
       real(wp) :: direction(3)
@@ -52,8 +52,8 @@ contains
 
    !> Where it begins and ends.
    subroutine find_span(deck, grid, group, span)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       real(wp), intent(out) :: span(2)               !! [m]
       real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
@@ -74,7 +74,7 @@ contains
 
    !> Corners of the polygon; a last one that repeats the first is left out.
    subroutine find_corners(deck, group, corner)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
       real(wp), allocatable, intent(out) :: corner(:, :) !! (2, corner) [m]
       real(wp), allocatable :: values(:)

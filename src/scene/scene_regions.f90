@@ -29,7 +29,7 @@ module scene_regions
    !> A region.
    type :: named_shape_t
       character(len=:), allocatable :: name          !! Name in the deck
-      type(shape_holder_t) :: shape                  !! Where it is
+      type(shape_holder_t) :: shape                  !! Position in the deck
       type(point_region_t), allocatable :: points    !! Its points, if it is a list of them
       logical :: ready = .false.                     !! Is the shape built?
       logical :: in_progress = .false.               !! Is it being built?
@@ -42,51 +42,55 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("region", "a shape, or a set operation on shapes", many=.true.)
-      call schema%text("region", "name", "what bodies and other regions refer to")
+      call schema%text("region", "name", "name of the region, for bodies and other regions")
       call schema%text("region", "shape", "kind of shape", &
          words="box sphere cylinder cone ellipsoid torus halfspace prism stl voxel points "// &
          "union difference intersection")
       call schema%real("region", "lo(3)", "lower corner of a box", unit="m", owner="shape = box")
       call schema%real("region", "hi(3)", "upper corner of a box", unit="m", owner="shape = box")
       call schema%real("region", "centre(3)", "centre; of a cylinder or cone the middle of its "// &
-         "axis, of a halfspace a point of its plane", unit="m", owner=solids)
-      call schema%real("region", "radius", "radius; of a cone where its axis begins, of a "// &
-         "torus of the circle in its middle", unit="m", range="> 0", owner=round)
-      call schema%real("region", "radius2", "of a cone at the end of its axis, 0 = a tip; of a "// &
-         "torus that of its section", unit="m", range=">= 0", owner="shape = cone torus")
-      call schema%real("region", "semi_axes(3)", "half the axes, along x, y and z", unit="m", &
+         "axis, of a halfspace a point on its plane", unit="m", owner=solids)
+      call schema%real("region", "radius", &
+         "radius; of a cone at the start of its axis, of a torus that of its centre line", &
+         unit="m", range="> 0", owner=round)
+      call schema%real("region", "radius2", "radius of a cone at the end of its axis, 0 = a "// &
+         "tip; of a torus that of its cross-section", unit="m", range=">= 0", &
+         owner="shape = cone torus")
+      call schema%real("region", "semi_axes(3)", "semi-axes along x, y and z", unit="m", &
          range="> 0", owner="shape = ellipsoid")
-      call schema%real("region", "axis(3)", "direction of the axis; of a prism one of the "// &
-         "coordinates, in a plane scene y", default="0 0 1", &
-         owner="shape = cylinder cone torus prism")
-      call schema%real("region", "normal(3)", "direction out of the halfspace", &
+      call schema%real("region", "axis(3)", &
+         "direction of the axis; of a prism one of the coordinate axes, in a plane scene y", &
+         default="0 0 1", owner="shape = cylinder cone torus prism")
+      call schema%real("region", "normal(3)", "outward normal of the halfspace", &
          owner="shape = halfspace")
-      call schema%real("region", "polygon(:400)", "corners of a prism in turn, two numbers "// &
-         "each: in a plane scene x and z, in space the two coordinates other than its axis", &
+      call schema%real("region", "polygon(:400)", "corners of a prism in order, two numbers "// &
+         "each: in a plane scene x and z, in 3-D the two coordinates across its axis", unit="m", &
+         owner="shape = prism")
+      call schema%real("region", "span(2)", "start and end of a prism along its axis; 3-D only", &
          unit="m", owner="shape = prism")
-      call schema%real("region", "span(2)", "where a prism begins and ends along its axis; in "// &
-         "space only", unit="m", owner="shape = prism")
-      call schema%text("region", "file", "of stl: facets; of voxel: HDF5, or MetaImage (.mhd, "// &
-         ".mha); of points: CSV, or a snapshot (.hdf, .h5); lengths in the unit of the deck; "// &
-         "path relative to the deck", owner="shape = stl voxel points")
-      call schema%real("region", "point_volume", "volume of each point, where the file has none", &
+      call schema%text("region", "file", "input file: of stl facets; of voxel HDF5 or "// &
+         "MetaImage (.mhd, .mha); of points CSV or a snapshot (.hdf, .h5); lengths in the unit "// &
+         "of the deck; path relative to the deck", owner="shape = stl voxel points")
+      call schema%real("region", "point_volume", "volume of each particle, if the file has none", &
          unit="m3", range="> 0", owner="shape = points")
-      call schema%text("region", "from_body", "body of a snapshot whose points are taken; "// &
-         "without it those of all bodies of the material", owner="shape = points")
+      call schema%text("region", "from_body", &
+         "body of a snapshot whose particles are used; default: all bodies of the material", &
+         owner="shape = points")
       call schema%text("region", "dataset", "name of the voxels in an HDF5 file", &
          default="/voxels", owner="shape = voxel")
-      call schema%integer("region", "voxel_value", "which voxels belong to it: those of this "// &
-         "value, or nearest to it", default="1", owner="shape = voxel")
+      call schema%integer("region", "voxel_value", "voxel value of the material: voxels of "// &
+         "this value belong to the region; of real voxels the nearest", default="1", &
+         owner="shape = voxel")
       call schema%real("region", "height", "length along the axis", unit="m", range="> 0", &
          owner="shape = cylinder cone")
       call schema%text("region", "of(:8)", &
-         "regions that the set operation takes; difference: the "// &
-         "first without the others", owner=sets)
-      call schema%real("region", "scale", "factor, applied first", default="1.0", range="> 0")
-      call schema%real("region", "rotate(3)", "angles about x, then y, then z, applied second", &
-         unit="deg", default="0 0 0")
-      call schema%text("region", "rotate_about", "what rotate keeps in its place: the origin, "// &
-         "or the centre of the box around the shape", default="origin", words="origin centre")
+         "regions of the set operation; difference: the first without the others", owner=sets)
+      call schema%real("region", "scale", "scale factor, applied first", default="1.0", range="> 0")
+      call schema%real("region", "rotate(3)", &
+         "rotation angles about x, then y, then z, applied second", unit="deg", default="0 0 0")
+      call schema%text("region", "rotate_about", &
+         "centre of the rotation: the origin, or the centre of the bounding box of the shape", &
+         default="origin", words="origin centre")
       call schema%real("region", "translate(3)", "displacement, applied last", unit="m", &
          default="0 0 0")
       call schema%require("region", "name shape lo hi centre radius radius2 semi_axes "// &
@@ -175,9 +179,9 @@ contains
 
    !> Build all regions.
    subroutine read_shapes(deck, communicator, grid, shapes)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(communicator_t), intent(in) :: communicator !! Broadcasts the data of files
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), allocatable, intent(out) :: shapes(:)
       type(group_t) :: group
       integer :: index
@@ -194,9 +198,9 @@ contains
 
    !> Build one region and those that it is made of.
    recursive subroutine build(deck, communicator, grid, shapes, index)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(communicator_t), intent(in) :: communicator !! Broadcasts the data of files
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Index of the region
       type(group_t) :: group
@@ -246,7 +250,7 @@ contains
       shapes(index)%ready = .true.
    end subroutine build
 
-   !> Add to a displacement what keeps the centre of a shape in its place while it is rotated.
+   !> Add to a displacement the part that keeps the centre of a shape fixed during its rotation.
    pure subroutine keep_centre(holder, scale, rotate, translate)
       type(shape_holder_t), intent(in) :: holder     !! The shape as it was declared
       real(wp), intent(in) :: scale                  !! Factor [1]
@@ -265,10 +269,10 @@ contains
    !> A box, sphere or cylinder. In directions without cells a box is unbounded and a
    !! centre lies where the particles are.
    subroutine build_simple(grid, group, word, holder)
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: word           !! Kind of shape
-      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      type(shape_holder_t), intent(inout) :: holder  !! Receives the shape
       real(wp), parameter :: far = 1.0e6_wp          ! extents of the box
       real(wp) :: lo(3), hi(3), centre(3), axis(3), radius, height, length
 
@@ -299,10 +303,10 @@ contains
 
    !> An ellipsoid, cone, ring or half space.
    subroutine build_solid(grid, group, word, holder)
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: word           !! Kind of shape
-      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      type(shape_holder_t), intent(inout) :: holder  !! Receives the shape
       real(wp) :: centre(3), axis(3), semi_axes(3), radius, radius2, height
 
       call group%get("centre", centre)
@@ -328,9 +332,9 @@ contains
 
    !> A set operation on other regions.
    recursive subroutine build_set(deck, communicator, grid, shapes, index, group, word)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(communicator_t), intent(in) :: communicator !! Shares what is read from files
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(communicator_t), intent(in) :: communicator !! Broadcasts the data of files
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(named_shape_t), intent(inout) :: shapes(:) !! All regions
       integer, intent(in) :: index                   !! Index of the region
       type(group_t), intent(in) :: group             !! Its group

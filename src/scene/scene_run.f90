@@ -41,9 +41,8 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("units", "units of the numbers in this deck, and of those in outputs")
-      call schema%text("units", "system", &
-         "length-time-mass; temperature in K and angles in degrees "// &
-         "always", default="si")
+      call schema%text("units", "system", "system of units, length-time-mass; in all systems "// &
+         "temperatures are in K and angles in degrees", default="si")
       call schema%words("units", "system", system_names)
       call schema%text("units", "output_units", "units of the numbers in snapshots and tables: "// &
          "deck: those of this deck, or a system; each is named in the files", default="si", &

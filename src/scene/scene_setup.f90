@@ -34,14 +34,13 @@ module scene_setup
 contains
 
    !> Build grid, faces, materials, method and bodies; particles come later. Errors go into the
-   !! deck's list of problems. What does not depend on them is built and checked all the same, so
-   !! that one pass reports as much as can be known: bodies are then allocated if their positions
-   !! are
-   !! valid, and stores if nothing that they depend on has an error.
+   !! deck's list of problems. Parts that do not depend on them are built and checked nevertheless,
+   !! so that one pass reports as many errors as possible: bodies are then allocated if their
+   !! positions are valid, and stores if nothing that they depend on has an error.
    subroutine set_up_scene(deck, simulation, bodies, shapes, coarser)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
-      type(body_t), allocatable, intent(out) :: bodies(:) !! What is to be filled
+      type(body_t), allocatable, intent(out) :: bodies(:) !! Simulation to build
       type(named_shape_t), allocatable, intent(out) :: shapes(:)
       integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
       integer :: n
@@ -96,7 +95,7 @@ contains
       if (.not. present(coarser)) call warn_without_effect(deck, simulation)
    end subroutine set_up_scene
 
-   !> Let the artificial viscosity of all materials resist jumps only, if the method says so.
+   !> Limit the artificial viscosity of all materials to jumps, if the method requests it.
    pure subroutine limit_viscosity(simulation)
       type(simulation_t), intent(inout) :: simulation !! Materials and method are read
       integer :: n
@@ -123,7 +122,7 @@ contains
 
    !> The fill of nodes, which corrects volumes, is found with the dual gradient.
    subroutine check_volumes(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
@@ -136,7 +135,7 @@ contains
 
    !> Check that an artificial heat flux finds a material with internal energy.
    subroutine check_heat_flux(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run, materials and method are read
       integer :: n
 
@@ -150,7 +149,7 @@ contains
 
    !> The materials.
    subroutine read_materials(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
       integer :: index
 

@@ -34,41 +34,44 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("time", "time stepping")
-      call schema%real("time", "t_end", "end of simulated time", unit="s", range="> 0")
-      call schema%real("time", "cfl", "fraction of the stable step", default="0.4", &
-         range="> 0 <= 1")
-      call schema%real("time", "dt_max", "upper bound of the step", unit="s", range="> 0")
-      call schema%real("time", "dt_min", "a smaller step ends the run with exit code 4", unit="s", &
+      call schema%real("time", "t_end", "end of the simulated time", unit="s", range="> 0")
+      call schema%real("time", "cfl", "factor on the stable time step (Courant number)", &
+         default="0.4", range="> 0 <= 1")
+      call schema%real("time", "dt_max", "upper limit of the time step", unit="s", range="> 0")
+      call schema%real("time", "dt_min", &
+         "lower limit of the time step; a smaller one ends the run with exit code 4", unit="s", &
          range="> 0")
-      call schema%real("time", "dt_fixed", "the step, whatever cfl says", unit="s", range="> 0")
-      call schema%real("time", "dt_collapse", "a stable step below this share of the longest "// &
-         "so far ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
-      call schema%real("time", "strain_max", "greatest strain and rotation of a particle in a "// &
-         "step; shorter steps where more would come", default="0.3", range="> 0 <= 1")
-      call schema%logical("time", "retry", "a step in which nodes would move by more than half "// &
-         "a cell, or part by more than twice strain_max of one, is done again with a shorter "// &
-         "time", &
-         default=".true.")
-      call schema%real("time", "speed_max", "a faster particle ends the run with exit code 4", &
-         unit="m/s", range="> 0")
-      call schema%real("time", "volume_ratio_min", "a particle of less than this share of its "// &
-         "volume at rest ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
-      call schema%real("time", "volume_ratio_max", "a particle of more ends it too", &
-         default="1e12", range="> 1")
-      call schema%text("time", "on_bad", "what becomes of a particle that leaves these bounds: "// &
-         "it ends the run, or is removed and recorded", default="stop", words="stop retire")
-      call schema%real("time", "retire_max", "share of the mass at the start that may be taken "// &
-         "out so before the run ends with exit code 4", default="0.01", range=">= 0 <= 1", &
-         owner="on_bad = retire")
-      call schema%integer("time", "max_steps", "stop after so many steps", range=">= 0")
-      call schema%text("time", "wall_limit", "hh:mm:ss of wall time, or slurm for the end of "// &
-         "the job, then checkpoint and exit code 75", default="none")
-      call schema%text("time", "stop_when", "early end", default="never", &
+      call schema%real("time", "dt_fixed", &
+         "fixed time step, in place of cfl times the stable one", unit="s", range="> 0")
+      call schema%real("time", "dt_collapse", "a stable step below this fraction of the "// &
+         "longest one so far ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
+      call schema%real("time", "strain_max", "greatest strain and rotation of a particle in "// &
+         "one step; the step is shortened to stay below it", default="0.3", range="> 0 <= 1")
+      call schema%logical("time", "retry", "repeat a step with a shorter time step if a node "// &
+         "would move by more than half a cell, or the strain of a cell would exceed twice "// &
+         "strain_max", default=".true.")
+      call schema%real("time", "speed_max", &
+         "speed limit: a faster particle ends the run with exit code 4", unit="m/s", range="> 0")
+      call schema%real("time", "volume_ratio_min", "least volume of a particle over its volume "// &
+         "at rest; a smaller one ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
+      call schema%real("time", "volume_ratio_max", "greatest volume of a particle over its "// &
+         "volume at rest; a larger one ends the run with exit code 4", default="1e12", range="> 1")
+      call schema%text("time", "on_bad", "a particle outside of speed_max, volume_ratio_min or "// &
+         "volume_ratio_max: stop ends the run; retire removes and records the particle", &
+         default="stop", words="stop retire")
+      call schema%real("time", "retire_max", &
+         "fraction of the initial mass that may be retired; more ends the run with exit code 4", &
+         default="0.01", range=">= 0 <= 1", owner="on_bad = retire")
+      call schema%integer("time", "max_steps", "number of steps after which the run stops", &
+         range=">= 0")
+      call schema%text("time", "wall_limit", "limit of the wall time as hh:mm:ss, or slurm for "// &
+         "the end of the job; then a checkpoint is written and the exit code is 75", default="none")
+      call schema%text("time", "stop_when", "condition for an early end: low kinetic energy, "// &
+         "its low fraction of the greatest, or balance of forces", default="never", &
          words="never kinetic_below at_rest balanced")
-      call schema%real("time", "stop_value", &
-         "kinetic_below: energy in J; at_rest: fraction of the "// &
-         "greatest kinetic energy; balanced: unbalanced force over the force of stress", &
-         range="> 0", owner="stop_when = kinetic_below at_rest balanced")
+      call schema%real("time", "stop_value", "threshold: kinetic_below: energy in J; at_rest: "// &
+         "fraction of the greatest kinetic energy; balanced: unbalanced force over the force "// &
+         "of stress", range="> 0", owner="stop_when = kinetic_below at_rest balanced")
       call schema%require("time", "t_end stop_value")
    end subroutine declare_time
 

@@ -15,8 +15,8 @@ module scene_unit_warnings
       character(len=14) :: key                           !! Of &material
       real(wp) :: least                                  !! [SI]
       real(wp) :: most                                   !! [SI]
-      character(len=46) :: light                         !! What is said of less
-      character(len=46) :: heavy                         !! What is said of more
+      character(len=46) :: light                         !! Warning below the range
+      character(len=46) :: heavy                         !! Warning above the range
    end type usual_t
 
    !> Foam and osmium; a sound wave in rubber foam and in diamond; from lead to hydrogen; a yield
@@ -87,7 +87,7 @@ contains
       yes = speed > slow .and. speed < fast
    end function is_gas
 
-   !> Unit of a key with a blank behind it, for messages.
+   !> Unit of a key, followed by a blank, for messages.
    pure function unit_of_key(key) result(unit)
       character(len=*), intent(in) :: key                !! One of `usual`
       character(len=:), allocatable :: unit

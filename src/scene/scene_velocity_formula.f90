@@ -48,7 +48,7 @@ contains
    !> Report formulas without a value at a particle, before there are particles: those of a tile are
    !! made at a time, and dropped again. Collective.
    subroutine check_formulas(deck, simulation, bodies, keys)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
+      type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run with empty stores
       type(body_t), intent(in) :: bodies(:)
       integer(int64), intent(in) :: keys(:)          !! Tiles that hold particles
@@ -183,11 +183,11 @@ contains
       end do
    end subroutine find_slopes
 
-   !> Add a velocity gradient to what a particle carries of it.
+   !> Add a velocity gradient to the gradient stored at a particle.
    pure subroutine add_slopes(slopes, p, store)
       real(wp), intent(in) :: slopes(9)              !! [1/s]
       integer, intent(in) :: p
-      type(store_t), intent(inout) :: store          !! Gets them
+      type(store_t), intent(inout) :: store          !! Receives them
 
       real(wp) :: turn(3)
       integer :: k

@@ -25,10 +25,10 @@ contains
    !! are in the unit of the deck. Collective.
    subroutine read_voxel_region(communicator, deck, grid, group, holder)
       type(communicator_t), intent(in) :: communicator !! The first rank reads
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
-      type(shape_holder_t), intent(inout) :: holder  !! Gets the shape
+      type(shape_holder_t), intent(inout) :: holder  !! Receives the shape
       character(len=:), allocatable :: dataset
       type(error_t), allocatable :: error
       type(voxel_file_t) :: file
@@ -51,7 +51,7 @@ contains
       call holder%set(voxels)
    end subroutine read_voxel_region
 
-   !> Send what was read to all ranks.
+   !> Broadcast the data of the file to all ranks.
    subroutine share(communicator, file)
       type(communicator_t), intent(in) :: communicator
       type(voxel_file_t), intent(inout) :: file      !! Known to the first rank
@@ -74,8 +74,8 @@ contains
    !> Bring voxels into the scene: lengths in the unit of the deck, one layer that reaches
    !! everywhere along directions without cells.
    subroutine fit(deck, grid, group, file)
-      type(deck_t), intent(inout) :: deck            !! Gets errors
-      type(grid_t), intent(in) :: grid               !! Gives the directions of the scene
+      type(deck_t), intent(inout) :: deck            !! Collects errors
+      type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group
       type(voxel_file_t), intent(inout) :: file      !! Changed
       real(wp), parameter :: far = 1.0e6_wp          ! extents of the box

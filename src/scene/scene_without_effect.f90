@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Warns of what a deck lists but what cannot act: materials that no body has, effects that
-!! no material has, walls and loads that are never there. All of it is allowed.
+!> Warns of entries of a deck without effect: materials of no body, effects used by no material,
+!! walls and loads that never act. All of them are allowed.
 module scene_without_effect
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -17,7 +17,7 @@ contains
 
    !> All warnings, once the scene is set up.
    subroutine warn_without_effect(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation   !! Without particles
 
       call warn_of_materials(deck)
@@ -28,7 +28,7 @@ contains
 
    !> Materials of which no body is made.
    subroutine warn_of_materials(deck)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(group_t) :: body
       character(len=:), allocatable :: name
       logical, allocatable :: used(:)
@@ -47,9 +47,9 @@ contains
       end do
    end subroutine warn_of_materials
 
-   !> Effects that are on in &effects and in no material, or without what they act on.
+   !> Effects that are on in &effects and used by no material, or that have nothing to act on.
    subroutine warn_of_effects(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation
       type(group_t) :: group
       real(wp) :: gravity(3)
@@ -86,7 +86,7 @@ contains
 
    !> Walls that come after the end of the run, and rigid regions at rest outside of the grid.
    subroutine warn_of_walls(deck, simulation)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation
       type(group_t) :: boundary, time
       character(len=:), allocatable :: name
@@ -130,7 +130,7 @@ contains
 
    !> Loads that are 0 at all times of the run.
    subroutine warn_of_loads(deck)
-      type(deck_t), intent(inout) :: deck            !! Gets warnings
+      type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(group_t) :: load, time
       real(wp), allocatable :: factors(:), times(:)
       real(wp) :: finish, pressure, traction(3)

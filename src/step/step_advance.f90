@@ -180,7 +180,7 @@ contains
    !> Move the nodes of all velocity fields, whose bodies push each other.
    subroutine move_in_contact(simulation, dt)
       type(simulation_t), intent(inout) :: simulation
-      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       integer :: n
 
       do n = 1, size(simulation%fields)
@@ -198,7 +198,7 @@ contains
    subroutine remap_velocities(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
       if (simulation%scheme%method%transfer%sweeps() > 0) call filter_velocities(simulation, &
          field, dt)

@@ -4,7 +4,7 @@
 !!
 !! In a step gravity is the mean of the table over the time in which the forces of this step act:
 !! the integral of its straight lines, equation (R.4) of doc/theory/rigid.md. So the impulse of a
-!! run is that of the table whatever the steps are, and work and impulse are recorded as those of
+!! run is that of the table for any time steps, and work and impulse are recorded as those of
 !! constant gravity. Between steps gravity is that of the present time; nothing is kept for a
 !! restart.
 module step_body_force
@@ -50,7 +50,7 @@ contains
    subroutine record_body_force(simulation, field, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp) :: began
       integer :: tile
 
@@ -68,9 +68,9 @@ contains
    subroutine record_tile(simulation, field, scratch, tile, dt)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp) :: carry(3, simulation%space%grid%tile_nodes)
       real(wp) :: total(3), turn(3), work, point(3), force(3), place(3)
       integer :: index, p, q, k

@@ -13,7 +13,7 @@ module step_bounds
    integer, parameter, public :: rule_growth = 2      !! ... as growth from the one before lets
    integer, parameter, public :: rule_strain = 3      !! ... as the velocity gradient lets
    integer, parameter, public :: rule_conduction = 4  !! ... as conduction of heat lets
-   integer, parameter, public :: rule_deck = 5        !! ... as dt_max or dt_fixed say
+   integer, parameter, public :: rule_deck = 5        !! ... by dt_max or dt_fixed
    integer, parameter, public :: rule_end = 6         !! ... as t_end lets
    integer, parameter, public :: rule_retry = 7       !! ... as nodes let that would go too far
    integer, parameter, public :: rules = 7            !! Number of these
@@ -40,16 +40,16 @@ module step_bounds
       real(wp) :: dt_min = 0.0_wp                    !! Least step [s]
       logical :: dt_free = .true.                    !! May a step be shorter than was chosen?
       logical :: retire = .false.                    !! Do bad particles go, and the run on?
-      real(wp) :: retire_max = 0.0_wp                !! Greatest share of the mass that may [1]
+      real(wp) :: retire_max = 0.0_wp !! Greatest fraction of the mass that may be retired [1]
    end type bounds_t
 
-   !> What a run knows about the length of its steps.
+   !> State of the time step control.
    type :: guard_t
-      type(bounds_t) :: bounds                       !! What may happen
+      type(bounds_t) :: bounds                       !! Bounds of the state
       real(wp) :: longest = 0.0_wp                   !! Longest stable step so far [s]
       real(wp) :: rate = 0.0_wp                      !! Steepest velocity gradient of the step [1/s]
       integer(int64) :: steepest = huge(1_int64)     !! Identity of that particle if on this rank
-      integer :: rule = rule_signal                  !! What limits the step that comes
+      integer :: rule = rule_signal                  !! Limit of the next step
       integer(int64) :: steps(rules) = 0             !! Steps that each rule has limited
       real(wp) :: expected = 0.0_wp                  !! Steps of the whole run, as estimated
       integer :: counted = rule_signal               !! Rule for which the present one was counted
@@ -63,7 +63,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
-      type(bounds_t), intent(in) :: bounds           !! What may happen
+      type(bounds_t), intent(in) :: bounds           !! Bounds of the state
       integer :: first, last
 
       first = store%first(tile)
@@ -126,7 +126,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
-      type(bounds_t), intent(in) :: bounds           !! What may happen
+      type(bounds_t), intent(in) :: bounds           !! Bounds of the state
       integer, intent(out) :: fault                  !! One of the faults above
       real(wp), intent(out) :: value                 !! Speed, stress or ratio of volumes
       real(wp) :: speed, stress, ratio, determinant
@@ -170,7 +170,7 @@ contains
    !! effect. Most tiles have no such gradient; a vectorised count finds these tiles.
    pure subroutine find_steepest(gradient, identity, dt, matters, steepest, who)
       real(wp), contiguous, intent(in) :: gradient(:, :)    !! (particle, 9) dt du_k/dx_l [1]
-      integer(int64), contiguous, intent(in) :: identity(:) !! (particle) Who they are
+      integer(int64), contiguous, intent(in) :: identity(:) !! (particle) Identities
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(in) :: matters                !! Smaller |grad v| do not limit steps [1/s]
       real(wp), intent(inout) :: steepest            !! Square of |grad v| so far [1/s2]
@@ -228,7 +228,7 @@ contains
    !> Least velocity gradient that can limit the next step, which is at most the previous step times
    !! its allowed growth [1/s].
    pure real(wp) function limiting_gradient(bounds, growth, dt) result(rate)
-      type(bounds_t), intent(in) :: bounds           !! What may happen
+      type(bounds_t), intent(in) :: bounds           !! Bounds of the state
       real(wp), intent(in) :: growth                 !! Greatest ratio of two steps [1]
       real(wp), intent(in) :: dt                     !! Stable step that was [s]
       real(wp), parameter :: rounding = 1.0e-12_wp

@@ -33,7 +33,7 @@ module step_conduction
    integer, parameter :: capacity = 1                !! Row of heat capacity [J/K]
    integer, parameter :: content = 2                 !! Row of heat [J]
    integer, parameter :: filled = 3                  !! Row of volume [m3]
-   integer, parameter :: hidden = 2                  !! Row of what nodes do not see [J]
+   integer, parameter :: hidden = 2                  !! Row of heat that nodes do not resolve [J]
    integer, parameter :: fluxes = 3                  !! Row of flux times volume, by direction
    !> Rows of a symmetric tensor that hold its first line, and of a full one
    integer, parameter :: first_line(3) = [1, 4, 6], full_line(3) = [1, 4, 7]
@@ -182,7 +182,7 @@ contains
    !> Heat capacity, heat and volume of the particles of a tile.
    subroutine spread_content(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       integer :: index, p, q
@@ -259,7 +259,7 @@ contains
    !! resolve: (A.14).
    subroutine spread_flow(simulation, scratch, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
@@ -303,7 +303,7 @@ contains
    !> Heat flow of the particles of a tile, stored as the first row of a stress.
    subroutine push_particles(simulation, scratch, index, tile, values, slope, patch)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: values(:, :)    !! (3, node) Temperature in row 1 [K]
@@ -345,7 +345,7 @@ contains
    !! in the first column of the scratch vector [K]. The second of (A.15).
    subroutine find_hidden(simulation, scratch, index, tile, dt)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -409,7 +409,7 @@ contains
    !! internal energy is recorded, so that the energy balance closes. The first of (A.15).
    subroutine give_heat(simulation, scratch, tile, dt)
       type(simulation_t), intent(inout) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp) :: total(size(simulation%effects%conduction%flow, 1), &

@@ -31,7 +31,7 @@ contains
    !! accelerations and the velocities that strain.
    subroutine apply_contact(simulation, dt)
       type(simulation_t), intent(inout) :: simulation !! Surfaces are known
-      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp) :: began
       integer :: tile, field
 
@@ -56,8 +56,9 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%contact)
    end subroutine apply_contact
 
-   !> Is what contact takes found with the velocity that `musl` and `usavg` map again? If materials
-   !! carry internal energy, energy and work both use the velocities of the forces.
+   !> True if the dissipation of contact is found with the velocity that `musl` and `usavg` map
+   !! again. If materials carry internal energy, energy and work both use the velocities of the
+   !! forces.
    pure logical function rubs_later(scheme) result(later)
       type(scheme_t), intent(in) :: scheme
 
@@ -82,7 +83,7 @@ contains
    subroutine touch_tile(simulation, tile, dt)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), allocatable :: greatest(:, :)
       integer :: who(size(simulation%fields)), node, field, here
 
@@ -114,8 +115,8 @@ contains
       integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: who(:)                  !! The fields, ascending
-      real(wp), intent(in) :: reach(:)               !! (pair) How far they reach [m]
-      real(wp), intent(in) :: dt                     !! Time that the forces act [s]
+      real(wp), intent(in) :: reach(:)               !! (pair) Extent of bodies [m]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp) :: mass(size(who)), velocity(3, size(who)), push(3, size(who), size(who))
       real(wp) :: area(3, size(who), size(who)), normal(3, size(who), size(who))
       integer :: state(size(who), size(who)), a, b
@@ -154,10 +155,10 @@ contains
       integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: who(:)                  !! The fields, ascending
-      real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
+      real(wp), intent(in) :: reach(:)               !! (row) Extent of bodies [m]
       real(wp), contiguous, intent(out) :: area(:, :, :) !! (3, a, b) Between two, for a < b [m2]
       real(wp), contiguous, intent(out) :: normal(:, :, :) !! (3, a, b) Its direction [1]
-      integer, intent(out) :: state(:, :)            !! (a, b) How near they are, for a < b
+      integer, intent(out) :: state(:, :)            !! (a, b) Gap, for a < b
       real(wp) :: gap
       integer :: a, b
 
@@ -184,10 +185,10 @@ contains
       integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: pair(2)                 !! The fields, ascending
-      real(wp), intent(in) :: reach(:)               !! (row) How far they reach [m]
-      real(wp), intent(out) :: area(3)               !! Between them [m2]
+      real(wp), intent(in) :: reach(:)               !! (row) Extent of bodies [m]
+      real(wp), intent(out) :: area(3)               !! Common area [m2]
       real(wp), intent(out) :: normal(3)             !! Its direction [1]
-      real(wp), intent(out) :: gap                   !! Between them; endless if none is seen [m]
+      real(wp), intent(out) :: gap                   !! Gap; infinite if none is found [m]
       real(wp) :: trial(3), direction(3), wide, one, other
       integer :: guess
 
@@ -229,9 +230,9 @@ contains
       integer, intent(in) :: tile
       integer, intent(in) :: node                    !! Index in the tile
       integer, intent(in) :: who(:)                  !! Indices of the velocity fields
-      real(wp), intent(in) :: mass(:)                !! (field of who) [kg]
+      real(wp), intent(in) :: mass(:)                !! (field) Masses [kg]
       real(wp), intent(in) :: push(:, :, :)          !! (3, a, b) On b, for a < b [kg m/s]
-      real(wp), intent(in) :: dt                     !! Time that it takes [s]
+      real(wp), intent(in) :: dt                     !! Duration [s]
       real(wp) :: total(3), lost
       integer :: a, b
 
@@ -256,10 +257,10 @@ contains
       end do
    end subroutine give_push
 
-   !> What contact takes, after particle velocities were mapped again: these, not the node
-   !! velocities, are what particles get of a push. Equation (C.7) of doc/theory/contact.md.
+   !> Dissipation of contact, after particle velocities were mapped again: particles receive these,
+   !! not the node velocities. Equation (C.7) of doc/theory/contact.md.
    subroutine find_later_heat(simulation)
-      type(simulation_t), intent(inout) :: simulation !! Fields have pushes and their velocities
+      type(simulation_t), intent(inout) :: simulation !! With contact forces and velocities
       real(wp) :: began, lost, mass
       integer :: tile, node, field
 
@@ -319,7 +320,7 @@ contains
    subroutine break_tile(space, scheme, scratch, broken, tile, store)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       logical, intent(in) :: broken(:)               !! (node)
       integer, intent(in) :: tile
       type(store_t), intent(inout) :: store
@@ -345,7 +346,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp) :: lost

@@ -126,7 +126,7 @@ contains
    !! the mass of the particles whose bonds hold. Equation (C.1).
    subroutine spread_area(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       real(wp) :: wide(motion_columns, simulation%space%grid%tile_nodes)
@@ -167,7 +167,7 @@ contains
    !> Areas of one of two sides at the parted nodes of a tile, in place of those of both together.
    subroutine area_of_side(simulation, scratch, tile, field, inward)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       integer, intent(in) :: field                   !! Index of the velocity field of the side
       real(wp), intent(inout) :: inward(:, :)        !! (3, node) The areas, inward [m2]
@@ -313,7 +313,7 @@ contains
    !> Extent of the particles of a tile towards each other field.
    subroutine spread_positions(simulation, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (row, node)
       real(wp) :: normal(3, simulation%space%grid%tile_nodes), &
@@ -363,7 +363,7 @@ contains
    !! parted.
    subroutine reach_of_both(simulation, scratch, tile, field, normal, reach)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       integer, intent(in) :: field                   !! Index of the velocity field
       real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
@@ -391,7 +391,7 @@ contains
    !> The same of one side at the parted nodes.
    subroutine reach_of_side(simulation, scratch, sides, tile, side, normal, reach)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(sides_t), intent(in) :: sides             !! Of the field
       integer, intent(in) :: tile
       integer, intent(in) :: side                    !! 0 or 1
@@ -416,7 +416,7 @@ contains
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)
       type(velocity_field_t), intent(in) :: fields(:)
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       integer, intent(in) :: field                   !! Index of the velocity field
       real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]

@@ -41,8 +41,8 @@ module step_diagnostics
       real(wp) :: pressure = 0.0_wp                  !! Root mean square of pressure [Pa]
       real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy of a volume [Pa]
       real(wp) :: difference = 0.0_wp                !! The same, of that from the node means [Pa]
-      integer(int64) :: longest_identity = huge(1_int64)    !! Whose neighbour is farthest
-      integer(int64) :: difference_identity = huge(1_int64) !! Whose pressure differs most
+      integer(int64) :: longest_identity = huge(1_int64)    !! Of the farthest neighbour
+      integer(int64) :: difference_identity = huge(1_int64) !! Of the greatest pressure noise
    end type shapes_look_t
 
    !> Columns of the results of a tile: sums, and greatest values from the ninth on.
@@ -98,7 +98,7 @@ contains
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(inout) :: machine
       real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
-      type(bounds_look_t), intent(out) :: look       !! What is found
+      type(bounds_look_t), intent(out) :: look       !! Measured values
       real(wp) :: greatest(4, max(1, space%tiles%own)), all(4)
       integer :: index, tile
 
@@ -236,7 +236,7 @@ contains
    !> Distances of neighbours, volumes, pressures. Collective.
    subroutine examine_shapes(simulation, look)
       type(simulation_t), intent(in) :: simulation   !! Between two steps
-      type(shapes_look_t), intent(out) :: look       !! What is found
+      type(shapes_look_t), intent(out) :: look       !! Measured values
       real(wp), allocatable :: found(:, :)
       integer(int64), allocatable :: who(:, :)
       type(exact_sum_t) :: sum

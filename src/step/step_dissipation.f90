@@ -17,8 +17,8 @@ contains
 
    !> Record the work of artificial viscosity and plastic flow.
    subroutine record_losses(ledger, material, state, deformation, count)
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
-      type(material_t), intent(in) :: material       !! What can lose at all
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
+      type(material_t), intent(in) :: material       !! Materials with dissipation
       type(material_state_t), intent(in) :: state           !! Which fields there are
       type(deformation_t), intent(in) :: deformation !! The step of the particles
       integer, intent(in) :: count                   !! Particles
@@ -36,7 +36,7 @@ contains
          losses(2) = sum(deformation%plastic_work(:count))
          call ledger%sums(plastic)%add(losses(2))
       end if
-      ! with an internal energy this work is a part of it
+      ! materials with an internal energy include this work in it
       if (.not. allocated(state%energy)) call ledger%sums(dissipated)%add(losses(1) + losses(2))
    end subroutine record_losses
 
@@ -58,7 +58,7 @@ contains
    !! advection velocity c, FLIP alone would give them the velocity (v - (1 - f) c)/f, which is
    !! larger by (1 - f)/f (v - c). Equation (L.13) of doc/theory/ledger.md.
    subroutine record_damping(ledger, store, tile, moved, keep)
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       type(store_t), intent(in) :: store             !! The particles after the step
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: moved(:, :) !! (particle of the tile, 3) c [m/s]
@@ -80,7 +80,7 @@ contains
 
    !> Record energy that the PIC fraction removed.
    subroutine record_damped(ledger, energy)
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       real(wp), intent(in) :: energy                 !! [J]
 
       call ledger%sums(damped)%add(energy)

@@ -228,7 +228,7 @@ contains
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
       integer, intent(in) :: slot                    !! Where its fields are
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
       if (.not. (simulation%scheme%method%dual .and. simulation%scheme%method%stress == &
          stress_after)) return
@@ -289,7 +289,7 @@ contains
    !! Each component is compared with a bound that holds whatever the others are.
    pure logical function light_may_gain(grid, dt, acceleration) result(may)
       type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
 
       may = .not. are_nodes_slow(size(acceleration), acceleration, &
@@ -297,20 +297,19 @@ contains
    end function light_may_gain
 
    !> Bound the gain of a node of small mass in the step in the velocity that strains: its force
-   !! over its
-   !! mass has no bound, while particles near it gain only their share of the force.
-   !! Node volumes count with the weights of cells, so they show how light a node and its cells are.
-   !! Gains that move a node by less than a small share of a cell stay. Equation (M.17) of
-   !! doc/theory/method.md.
+   !! over its mass has no bound, while particles near it gain only a fraction of the force. Node
+   !! volumes count with the weights of cells, so they show how light a node and its cells are.
+   !! Gains that move a node by less than a small fraction of a cell are not changed. Equation
+   !! (M.17) of doc/theory/method.md.
    pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the step [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), contiguous, intent(inout) :: strain(:, :) !! (3, node) Velocity that strains [m/s]
-      real(wp), parameter :: light = 0.125_wp        !! Below this share of the volume around
+      real(wp), parameter :: light = 0.125_wp        !! Below this fraction of the volume around
       real(wp) :: around(size(volume)), share, gain
       integer :: node
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Exchange of patches between ranks. Patches for other ranks are computed first and sent; the inner
-!! tiles are computed during the exchange. Packing is timed apart from waiting.
+!! tiles are computed during the exchange. Packing and waiting are timed separately.
 module step_exchange
    use base_kinds, only: wp
    use step_simulation, only: simulation_t, velocity_field_t
@@ -9,7 +9,7 @@ module step_exchange
 
    public :: next_tiles, send_motion, send_patches
 
-   integer, parameter, public :: edge_tiles = 1      !! Tiles that other ranks may see
+   integer, parameter, public :: edge_tiles = 1      !! Tiles that other ranks may need
    integer, parameter, public :: inner_tiles = 2     !! Tiles that no other rank needs
 
 contains
@@ -32,7 +32,7 @@ contains
    !> Send the patches after the edge tiles, and receive those of other ranks after the inner tiles.
    subroutine send_patches(simulation, part, patch)
       type(simulation_t), intent(inout) :: simulation
-      integer, intent(in) :: part                    !! What is done
+      integer, intent(in) :: part                    !! Work on tiles
       real(wp), allocatable, intent(inout) :: patch(:, :, :) !! (component, node, tile)
       real(wp) :: waited
 
@@ -56,7 +56,7 @@ contains
    subroutine send_motion(simulation, field, part)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      integer, intent(in) :: part                    !! What is done
+      integer, intent(in) :: part                    !! Work on tiles
       real(wp) :: waited
       integer :: kinds
 

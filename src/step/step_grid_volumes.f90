@@ -10,7 +10,7 @@
 !! volume. Grains are never compressed by this. At the surface of bodies a fill below 1 has no
 !! meaning, unless material thins out towards a closed boundary.
 !!
-!! Particles of a cell share one gradient, so a compressed particle keeps the voids of a loose
+!! Particles of a cell have one gradient, so a compressed particle keeps the voids of a loose
 !! neighbour open. Volume is therefore exchanged between them, with the same sum.
 !!
 !! A volume with a history is the remedy of A. P. Tampubolon and others, ACM Trans. Graph. 36 (2017)
@@ -67,7 +67,7 @@ contains
       integer, intent(in) :: tile
       type(material_t), intent(in) :: material       !! Their material
       real(wp), contiguous, intent(in) :: excess(:, :) !! (particle of the tile, 1) Fill less 1 [1]
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       real(wp) :: loose(store%count(tile)), before(store%count(tile)), after(store%count(tile))
       integer :: p, first, last
 

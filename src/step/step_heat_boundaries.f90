@@ -28,7 +28,7 @@ contains
    pure subroutine take_heat(space, effects, ledger, tile, heat, change)
       type(space_t), intent(in) :: space
       type(simulation_effects_t), intent(in) :: effects
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       integer, intent(in) :: heat                    !! Row of heat capacity in the patch
       real(wp), contiguous, intent(inout) :: change(:, :) !! (1, node) Of the temperature [K]

@@ -6,10 +6,10 @@
 !!
 !! Energies of a material go to the nodes weighted with mass, and flow along the edges of the cells
 !! from node to node, so the sum is kept to round-off. Conductances of edges are positive and a node
-!! gives at most the energy that it has. The particles around a node share its gain by mass and its
-!! loss by energy, so no particle gives more than it has. Energy below zero, as in cold material in
-!! tension, does not flow. Materials do not heat each other, and no flux crosses surfaces and
-!! boundaries. Equation (M.23) of doc/theory/method.md.
+!! gives at most the energy that it has. The gain of a node is distributed to the particles around
+!! it by mass, its loss by energy, so no particle gives more than it has. Energy below zero, as in
+!! cold material in tension, does not flow. Materials do not heat each other, and no flux crosses
+!! surfaces and boundaries. Equation (M.23) of doc/theory/method.md.
 module step_heat_flux
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -28,7 +28,7 @@ module step_heat_flux
    public :: add_artificial_heat_flux
 
    integer, parameter :: mass = 1, content = 2       !! Rows: [kg], internal energy [J]
-   integer, parameter :: passed = 3                  !! Row: share of its flux that a node lets pass
+   integer, parameter :: passed = 3 !! Row: fraction of its flux that a node can supply
 
 contains
 
@@ -129,7 +129,7 @@ contains
    !> Mass, and energy above zero, of the particles of a tile.
    subroutine spread_energy(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -162,7 +162,7 @@ contains
    !> Conductance of all edges of the cells that end in a node [W kg/J].
    subroutine spread_conductance(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -205,7 +205,7 @@ contains
       end do
    end subroutine add_conductance
 
-   !> The share of the flux that each node of a tile lets pass: it gives no more than it has.
+   !> Fraction of the flux that each node of a tile can supply: it gives no more than its energy.
    subroutine find_passed(simulation, tile, dt)
       type(simulation_t), intent(inout) :: simulation
       integer, intent(in) :: tile
@@ -227,7 +227,7 @@ contains
    !> Energy that flows to the nodes [W].
    subroutine spread_flux(simulation, scratch, index, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -324,7 +324,7 @@ contains
    !> New energies of the particles of a tile.
    subroutine give_energy(simulation, scratch, index, tile, dt)
       type(simulation_t), intent(inout) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]

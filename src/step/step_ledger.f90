@@ -143,12 +143,12 @@ module step_ledger
       !> Only entries that accumulate are used
       type(exact_sum_t) :: sums(size(ledger_entries))
       type(balance_t) :: start                       !! At the start of the run
-      type(wall_sums_t) :: walls                     !! What each wall does, if an output shows it
+      type(wall_sums_t) :: walls                     !! Action of each wall, if an output shows it
       real(wp) :: momentum_scale = 0.0_wp            !! Greatest sum of mass times speed [kg m/s]
       real(wp) :: angular_scale = 0.0_wp !! Greatest sum of mass, arm and speed [kg m2/s]
    contains
       procedure :: record_lost => ledger_record_lost     !! Record the particles that left the box
-      procedure :: record_particle => ledger_record_particle     !! Record a particle that goes
+      procedure :: record_particle => ledger_record_particle     !! Record a particle that leaves
       procedure :: merge => ledger_merge             !! Add the sums of another ledger
       procedure :: clear => ledger_clear             !! Set the sums to zero
       procedure :: balance => ledger_balance         !! Present entries and errors
@@ -184,7 +184,7 @@ contains
       class(ledger_t), intent(inout) :: self
       type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
-      integer, intent(in) :: p                       !! Its index
+      integer, intent(in) :: p                       !! Index
       integer, intent(in) :: rows(4) !! Entries for mass, momentum, energy, angular momentum
       logical, intent(in), optional :: enters        !! Does it enter?
       real(wp) :: energy(1), turn(3), mass_of_it
@@ -214,7 +214,7 @@ contains
    !> Add the sums of another ledger, such as that of a thread.
    subroutine ledger_merge(self, other)
       class(ledger_t), intent(inout) :: self
-      class(ledger_t), intent(in) :: other           !! What is added
+      class(ledger_t), intent(in) :: other           !! Ledger to add
       integer :: n
 
       do n = 1, size(ledger_entries)
@@ -347,7 +347,7 @@ contains
    subroutine sum_tile(store, material, tile, sums, scales)
       type(store_t), intent(in) :: store
       type(material_t), intent(in) :: material       !! Their material
-      integer, intent(in) :: tile                    !! Its index
+      integer, intent(in) :: tile                    !! Index
       real(wp), intent(out) :: sums(:)               !! Entries of the state
       real(wp), intent(out) :: scales(2)             !! Sums of m |v| and m |x||v|
       real(wp) :: energy(store%count(tile)), m, x(3), v(3), speed

@@ -15,7 +15,7 @@ module step_load_balance
 
    !> Conditions for moving tiles between ranks; never unless the deck allows it.
    type :: balancing_t
-      logical :: allowed = .false.                   !! May they move at all?
+      logical :: allowed = .false.                   !! True if tiles may move
       integer(int64) :: every = 1                    !! Steps between two comparisons
       real(wp) :: tolerance = 1.0_wp                 !! Greatest over mean work that is kept [1]
    end type balancing_t

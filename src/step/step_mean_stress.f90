@@ -62,7 +62,7 @@ contains
    subroutine scatter_tile(simulation, field, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index, p, q, k
@@ -120,7 +120,7 @@ contains
    end subroutine divide_tile
 
    !> Least of each node and its neighbours along a direction. Nodes at the end of the margin keep
-   !! their value; no particle of the tile sees them.
+   !! their value; no particle of the tile uses them.
    pure subroutine take_least(grid, direction, values)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: direction               !! 1 to 3

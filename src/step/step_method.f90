@@ -18,7 +18,7 @@ module step_method
 
    integer, parameter, public :: stress_after = 1    !! usl: with the new node velocities
    integer, parameter, public :: stress_before = 2   !! usf: before the force
-   integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped anew
+   integer, parameter, public :: stress_remapped = 3 !! musl: with node velocities mapped again
    !> Half with the velocities before the nodes are moved, half with those after it (usavg)
    integer, parameter, public :: stress_average = 4
    character(len=5), parameter, public :: stress_names(4) = [character(len=5) :: "usl", "usf", &
@@ -29,17 +29,17 @@ module step_method
       logical :: dual = .true.                       !! Dual domain gradient, else the plain one
       class(basis_t), allocatable :: basis           !! Shape functions
       class(quadrature_t), allocatable :: quadrature !! Rule of the dual domain gradient, if any
-      character(len=:), allocatable :: normalise     !! Whose sums are normalised: gases, ...
+      character(len=:), allocatable :: normalise     !! Materials with normalised sums: gases, ...
       integer :: surface = surface_fill              !! Weights of cells of the dual domain gradient
       integer :: stress = stress_after               !! When the stress is updated
-      real(wp) :: unseen = 0.0_wp !! Share of node velocities that particles do not take, in strain
+      real(wp) :: unseen = 0.0_wp !! Value of unseen_strain
       logical :: leapfrog = .true.                   !! Velocities half a step behind positions?
       logical :: even = .false.                      !! Even dilatation in a cell?
       logical :: smooth_turn = .false.               !! Is the rotation that of the tiles?
       logical :: limited = .false.                   !! Does viscosity resist jumps only?
       real(wp) :: heat_flux = 0.0_wp                 !! Coefficient of artificial heat flux [1]
-      type(splitting_t), allocatable :: splitting    !! When long particles are halved, if they are
-      class(velocity_t), allocatable :: transfer     !! How velocities come back to particles
+      type(splitting_t), allocatable :: splitting    !! Criterion for halving long particles
+      class(velocity_t), allocatable :: transfer     !! Velocity transfer
       real(wp) :: cfl = 0.0_wp                       !! Fraction of the stable step [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains

@@ -96,7 +96,7 @@ contains
    subroutine keep_seen(simulation, field, scratch, tile, whole)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in), optional :: whole        !! Time step [s]
       type(reach_t) :: reach
@@ -187,9 +187,9 @@ contains
    subroutine record_tile(simulation, field, scratch, tile, dt)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp) :: centre(3, simulation%space%grid%tile_nodes)
 
       associate (nodes => field%nodes)
@@ -233,9 +233,9 @@ contains
    subroutine start_tile(simulation, field, scratch, tile, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp) :: force(3, simulation%space%grid%tile_nodes)
       integer :: component, slot
 
@@ -275,9 +275,9 @@ contains
    subroutine turn_nodes(space, field, scratch, tile, dt, velocity, acceleration)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)        !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: push(3, size(velocity, 2)), centre(3, size(velocity, 2))
@@ -292,7 +292,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp) :: centre(3, simulation%space%grid%tile_nodes)
       integer :: slot
 
@@ -325,7 +325,7 @@ contains
    subroutine record_strained(simulation, field, scratch, tile, mapped)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
       real(wp), intent(in) :: mapped(:, :) !! (3, node) Velocity that strains, without faces [m/s]
       real(wp) :: gain(3, size(mapped, 2)), work(size(mapped, 2))
@@ -389,7 +389,7 @@ contains
    subroutine remap_tile(simulation, field, scratch, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
       real(wp), allocatable :: none(:, :), mapped(:, :), momentum(:, :)
 
@@ -415,19 +415,19 @@ contains
          end if
       end associate
       if (.not. allocated(mapped) .or. tile > simulation%space%tiles%own) return
-      ! what was gained is added to a velocity that walls have changed already
+      ! the gain is added to a velocity that walls have changed already
       if (simulation%scheme%method%averages()) mapped = mapped + field%nodes%work%taken(:, :, tile)
       call record_strained(simulation, field, scratch, tile, mapped)
    end subroutine remap_tile
 
-   !> The velocity of the nodes of a tile at the end of a step, from what particles gained and a
-   !! share of what they did not take. Equation (T.14) of doc/theory/transfers.md.
+   !> The velocity of the nodes of a tile at the end of a step, from the gain of the particles and a
+   !! fraction of the gain that they did not receive. Equation (T.14) of doc/theory/transfers.md.
    pure subroutine add_gained(scheme, clock, field, tile, velocity)
       type(scheme_t), intent(in) :: scheme
       type(clock_t), intent(in) :: clock
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) What they gained, in [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Gain [m/s]
 
       associate (nodes => field%nodes, share => scheme%method%unseen)
          velocity = nodes%motion%velocity(:, :, tile) + (1.0_wp - share)*velocity &

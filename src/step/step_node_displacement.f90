@@ -59,7 +59,7 @@ contains
       apart = strain_share*simulation%clock%guard%bounds%strain_max
       associate (velocity => field%nodes%motion%strain(:, :, slot), grid => simulation%space%grid, &
          mass => field%nodes%motion%mass(1, :, slot))
-         ! bounds for each component that hold whatever the other components are
+         ! bounds for each component that hold for any values of the others
          if (are_nodes_slow(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
             *grid%spacing/dt)) return
          call examine_nodes(velocity, mass, far*grid%spacing/dt, reach)
@@ -81,7 +81,7 @@ contains
    pure subroutine examine_nodes(velocity, mass, bound, reach)
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: mass(:)    !! (node) [kg]
-      real(wp), intent(in) :: bound                  !! Speed at which a node goes too far [m/s]
+      real(wp), intent(in) :: bound                  !! Speed at which a node moves too far [m/s]
       type(reach_t), intent(inout) :: reach          !! Gets speeds as displacements [m/s]
       real(wp) :: speed
       integer :: node

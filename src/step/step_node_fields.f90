@@ -20,7 +20,8 @@ module step_node_fields
    !> Columns of the sums for differences of stress: those of the force, and force of unit stress
    integer, parameter, public :: difference_columns = dual_columns + 3
 
-   !> Nodes with less mass or volume than this are empty: below any fraction of any mass, and what
+   !> Nodes with less mass or volume than this are empty: below any fraction of any mass, and a
+   !! number
    !> it divides stays finite.
    real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 
@@ -33,11 +34,12 @@ module step_node_fields
       logical :: energy = .false.                    !! Does some material carry internal energy?
       logical :: averages = .false.                  !! Strain of two velocities
       logical :: repacks = .false.                   !! Do nodes correct volumes?
-      !> Columns of the work of contact: 0 without it, 1 of its heat, 3 more if pushes are kept
+      !> Columns of the work of contact: 0 without it, 1 of its heat, 3 more if contact forces are
+      !! stored
       integer :: contact = 0
       logical :: filters = .false.                   !! Series of velocities
       logical :: later = .false.                     !! Is work recorded after the second mapping?
-      integer :: extra = 0                           !! Columns of what is mapped again
+      integer :: extra = 0                           !! Columns of values that are mapped again
       integer :: mean = 0                            !! Columns of sums for the mean stress
       logical :: differs = .false.                   !! Differences of stress
       integer :: counted = 0                         !! Columns of normalised sums
@@ -50,7 +52,7 @@ module step_node_fields
       integer :: nodes = 0                           !! Nodes of a tile
       integer :: cells = 0                           !! Cells of a tile
       integer(int64) :: used = 0                     !! Reals in memory
-      integer(int64) :: needed = 0                   !! Reals that a tile needs if all of it is used
+      integer(int64) :: needed = 0                   !! Reals per tile if all fields are used
    contains
       generic :: add => add_patches, add_packed, add_boxes, add_weights
       procedure, private :: add_patches => tally_patches
@@ -133,10 +135,10 @@ module step_node_fields
 
    !> Work of walls, gravity and contact that is recorded after the nodes have moved.
    type :: work_nodes_t
-      real(wp), allocatable :: push(:, :, :) !! (3) What walls and gravity add to velocities [m/s]
-      real(wp), allocatable :: taken(:, :, :) !! (3) What walls take of those before the step [m/s]
+      real(wp), allocatable :: push(:, :, :) !! (3) Velocity change from walls and gravity [m/s]
+      real(wp), allocatable :: taken(:, :, :) !! (3) Velocity before the step removed by walls [m/s]
       real(wp), allocatable :: rubbed(:, :, :)       !! (1) Heat of contact [J/kg]
-      real(wp), allocatable :: pressed(:, :, :)      !! (3) Pushes of other bodies [kg m/s]
+      real(wp), allocatable :: pressed(:, :, :) !! (3) Contact impulses of other bodies [kg m/s]
    contains
       procedure :: count => count_work
    end type work_nodes_t

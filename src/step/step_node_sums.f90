@@ -52,7 +52,7 @@ contains
 
    !> Keep the sums of the nodes of a tile.
    pure subroutine keep_sums(nodes, slot, sums)
-      type(nodes_t), intent(inout) :: nodes          !! Gets them
+      type(nodes_t), intent(inout) :: nodes          !! Receives them
       integer, intent(in) :: slot                    !! Where the fields of the tile are
       real(wp), intent(in) :: sums(:, :)             !! (column, node) Mass, momentum, force, more
 
@@ -122,8 +122,8 @@ contains
 
    !> One over a component of some nodes; zero where it is too small.
    pure subroutine invert(nodes, components, by, row, inverse)
-      integer, intent(in) :: nodes                   !! How many
-      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: nodes                   !! Number of nodes
+      integer, intent(in) :: components              !! Numbers per node
       real(wp), intent(in) :: by(components, nodes)  !! (component, node)
       integer, intent(in) :: row                     !! Component that divides
       real(wp), intent(inout) :: inverse(nodes)      !! (node)
@@ -154,7 +154,7 @@ contains
 
    !> Multiply the components of nodes by a factor of each node.
    pure subroutine multiply_nodes(components, nodes, factor, values)
-      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: components              !! Numbers per node
       integer, intent(in) :: nodes                   !! Nodes of the tile
       real(wp), intent(in) :: factor(nodes)          !! (node)
       real(wp), intent(inout) :: values(components, nodes) !! (component, node)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Node fields of a tile as its particles see them. What is not called for is not allocated, and the
-!! memory is kept from tile to tile.
+!> Node fields of a tile as its particles see them. Fields that are not needed are not allocated,
+!! and the memory is reused for the next tile.
 module step_node_view
    use base_kinds, only: wp
    use mesh_patch, only: combine
@@ -34,17 +34,17 @@ module step_node_view
       real(wp), allocatable :: moments(:, :)         !! (9, node) Their moments [m2/s]
    end type loss_view_t
 
-   !> Node fields of one tile that the particles see. What is not called for is not allocated.
+   !> Node fields of one tile that the particles see. Fields that are not needed are not allocated.
    type :: view_t
       real(wp), allocatable :: centre(:, :)          !! (3, node) Mid-step velocity [m/s]
-      real(wp), allocatable :: push(:, :) !! (3, node) Adds to what a particle keeps [m/s]
+      real(wp), allocatable :: push(:, :) !! (3, node) Velocity increment [m/s]
       real(wp), allocatable :: carry(:, :)           !! (3, node) Moves the particles [m/s]
       real(wp), allocatable :: after(:, :)           !! (3, node) Velocity after the step [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
       real(wp), allocatable :: earlier(:, :)         !! (9, node) Of that before the step [1/s]
       type(loss_view_t) :: loss                      !! Lost kinetic energy
-      type(increments_t) :: increments               !! What moves and heats, if gathered at once
+      type(increments_t) :: increments               !! Increments and heat, if gathered at once
       logical :: at_once = .false.                   !! Is it?
       real(wp), allocatable :: filtered(:, :)        !! (3, node) Sum of the series [m/s]
       real(wp), allocatable :: excess(:, :) !! (1, node) Fill less 1, for loose material [1]
@@ -61,8 +61,8 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      type(gather_parts_t), intent(in) :: parts      !! What is to be done
-      type(view_t), intent(inout) :: view            !! What the particles see
+      type(gather_parts_t), intent(in) :: parts      !! Requested parts
+      type(view_t), intent(inout) :: view            !! Node fields for the particles
       integer :: low, high
 
       view%slow = .false.
@@ -91,12 +91,12 @@ contains
          call node_gradient(simulation%space, field, tile, field%nodes%dual%earlier, view%earlier)
    end subroutine look
 
-   !> What particles see of the other side of the nodes of a tile, if any have parted.
+   !> Fields of the other side of the nodes of a tile, if any have separated.
    subroutine look_other(simulation, field, tile, parts, other)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      type(gather_parts_t), intent(in) :: parts      !! Requested parts
       type(view_t), intent(inout) :: other           !! Its slot is 0 if there is none
 
       other%slot = 0
@@ -110,7 +110,7 @@ contains
    subroutine look_steep(simulation, field, view)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(view_t), intent(inout) :: view            !! What the particles see
+      type(view_t), intent(inout) :: view            !! Node fields for the particles
 
       associate (method => simulation%scheme%method, grid => simulation%space%grid)
          view%matters = limiting_gradient(simulation%clock%guard%bounds, method%step_growth, &
@@ -132,8 +132,9 @@ contains
          .not. scheme%method%dual .or. scheme%method%stress == stress_before)
    end function needs_velocity_after
 
-   !> Can particles get their velocity, their way and the lost kinetic energy from fields that are
-   !! gathered once? Without energy and damping the fields go straight to velocity and position.
+   !> True if particles can get their velocity, their displacement and the lost kinetic energy from
+   !! fields that are gathered once. Without energy and damping the fields go straight to velocity
+   !! and position.
    pure logical function gathers_at_once(scheme) result(at_once)
       type(scheme_t), intent(in) :: scheme
 
@@ -151,8 +152,8 @@ contains
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
-      type(view_t), intent(inout) :: view            !! What the particles see
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
+      type(view_t), intent(inout) :: view            !! Node fields for the particles
       real(wp) :: none(1, 0)
       integer :: low, high
 
@@ -203,10 +204,10 @@ contains
       end associate
    end subroutine look_motion
 
-   !> What nodes add to the velocity of particles, and the velocity that moves them.
+   !> Velocity increment for the particles, and the velocity that moves them.
    pure subroutine find_carriers(scheme, dt, velocity, acceleration, filtered, push, carry)
       type(scheme_t), intent(in) :: scheme
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series [m/s]

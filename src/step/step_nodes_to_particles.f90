@@ -42,7 +42,7 @@ contains
    subroutine nodes_to_particles(simulation, field, parts, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      type(gather_parts_t), intent(in) :: parts      !! Requested parts
       real(wp), intent(in) :: dt                     !! Time step [s]
 
       call simulation%machine%timer%start(simulation%machine%phase%gather)
@@ -59,7 +59,7 @@ contains
    subroutine gather_some(simulation, field, parts, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      type(gather_parts_t), intent(in) :: parts      !! Requested parts
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(view_t) :: view, other
       integer :: tile
@@ -95,11 +95,11 @@ contains
    subroutine gather_tile(simulation, field, scratch, tile, parts, dt, view, other)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
-      type(gather_parts_t), intent(in) :: parts      !! What is to be done
+      type(gather_parts_t), intent(in) :: parts      !! Requested parts
       real(wp), intent(in) :: dt                     !! Time step [s]
-      type(view_t), intent(inout) :: view            !! What its particles see
+      type(view_t), intent(inout) :: view            !! Node fields for its particles
       type(view_t), intent(inout) :: other           !! The same of the other side, if it has one
       real(wp) :: fastest, steepest
       integer :: index
@@ -155,7 +155,7 @@ contains
    !! remaining particles limit the next step.
    subroutine judge_particles(simulation, scratch, index, tile, fastest, steepest)
       type(simulation_t), intent(inout) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), intent(inout) :: fastest             !! Fastest signal and motion in it [m/s]
@@ -185,7 +185,7 @@ contains
    subroutine add_heat(space, scheme, scratch, store, tile, view)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
@@ -221,7 +221,7 @@ contains
    !> Volumes of the loose particles of a tile from the fill of the nodes.
    subroutine repack_particles(simulation, scratch, index, tile, view)
       type(simulation_t), intent(inout) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
@@ -239,7 +239,7 @@ contains
    subroutine move_particles(simulation, field, scratch, index, tile, view, other, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
@@ -285,7 +285,7 @@ contains
    !> Positions on the mesh of a cell that deforms.
    subroutine carry_particles(simulation, scratch, store, tile, view, dt)
       type(simulation_t), intent(in) :: simulation
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields
@@ -373,7 +373,7 @@ contains
       end associate
    end subroutine find_gradient
 
-   !> Add to a velocity gradient times the time step what the other side of nodes has more.
+   !> Add the difference between the sides of nodes to a velocity gradient times the time step.
    subroutine add_gradient(simulation, field, scratch, index, tile, difference, dt)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field    !! With sides
@@ -408,7 +408,7 @@ contains
          - field%nodes%motion%strain(:, :, tile), dt)
    end subroutine find_strain
 
-   !> Add to values of the particles of a tile what the other side of nodes has more.
+   !> Add the difference between the sides of nodes to values of the particles of a tile.
    ! gate: long kernel because the node fields of both sides are arguments of their own
    subroutine add_values(simulation, field, shape, index, tile, factor, mine, theirs, before, &
       values)
@@ -432,7 +432,7 @@ contains
    subroutine strain_particles(simulation, field, scratch, index, tile, view, dt, fastest)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       type(view_t), intent(in) :: view               !! Node fields

@@ -6,8 +6,8 @@
 !! weight over the sum of the weight times the volumes of the particles. Force, strain and work use
 !! the same factors, so the power of the force stays that of the stress and forces on nodes still
 !! add up to zero; and in full cells uniform stress makes no force, for any positions of the
-!! particles. Towards free surfaces, and where material beyond the scope takes part, factors go to
-!! one. Equations (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
+!! particles. Factors tend to one towards free surfaces, and where material without normalisation
+!! contributes. Equations (Q.7), (Q.8) and (Q.9) of doc/theory/quadratures.md.
 module step_normalised_sums
    use base_kinds, only: wp
    use ddmp_alpha, only: mean_alpha
@@ -39,16 +39,16 @@ module step_normalised_sums
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
    !! material beyond the scope
    integer, parameter :: mass = 1, volume = 2, unblended = 2, foreign = 6
-   integer, parameter :: rows = 7                    !! Of what nodes keep, and moments - 1
+   integer, parameter :: rows = 7                    !! Columns of node stress, and moments - 1
    real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
    real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
    !> Bound on the mean of the factors of a direction. A few particles that represent a whole cell
    !! are stiffer by this factor, and a step of 0.4 h/c is stable up to 1/0.4^2 [1]
    real(wp), parameter :: stiffest = 6.0_wp
    !> Weight of the fill of nodes on closed boundaries. Half as many particles surround such a node,
-   !! so its fill is below a bound by chance more often [1]
+   !! so random fluctuations bring its fill below a bound more often [1]
    real(wp), parameter :: beside = 1.5_wp
-   real(wp), parameter :: clear = 4.0_wp             !! Over the share of foreign material borne [1]
+   real(wp), parameter :: clear = 4.0_wp !! Over the accepted fraction of other material [1]
 
 contains
 
@@ -112,7 +112,7 @@ contains
       yes = any([(relaxes_pressure(scheme, stores, index), index=1, size(stores))])
    end function relaxes_any
 
-   !> Factors of all edges and nodes for the particles as they are.
+   !> Factors of all edges and nodes for the current particles.
    subroutine find_edge_factors(simulation, field)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -206,7 +206,7 @@ contains
    subroutine count_tile(simulation, field, scratch, tile, patch, sums)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       real(wp), contiguous, intent(inout) :: sums(:, :)  !! (edge, cell) [m3]
@@ -335,10 +335,10 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      real(wp), intent(in) :: full(:)                !! (cell) How far it is full, 0 to 1
-      real(wp), intent(in) :: own(:)                 !! (cell) How far it is in the scope, 0 to 1
+      real(wp), intent(in) :: full(:)                !! (cell) Fill, 0 to 1
+      real(wp), intent(in) :: own(:)                 !! (cell) Degree of normalisation, 0 to 1
       real(wp), intent(in) :: weight(:)              !! (cell) Of its part on the nodes
-      real(wp), intent(in) :: shares(:, :)           !! (edge, cell) What walls leave [1]
+      real(wp), intent(in) :: shares(:, :)           !! (edge, cell) Fraction outside of walls [1]
       real(wp), intent(in) :: ring(:, :)             !! (lane, cell) Of hoop terms at walls [1]
       real(wp) :: whole(cell_edges), rest(cell_edges)
       integer :: cell
@@ -414,8 +414,8 @@ contains
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
       real(wp), intent(in) :: own                    !! How far its material is in the scope, 0 to 1
       real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
-      real(wp), intent(in) :: rest(:)                !! (edge) Share of it that nodes carry [1]
-      real(wp), intent(in) :: share(:)               !! (edge) What walls leave of it [1]
+      real(wp), intent(in) :: rest(:)                !! (edge) Fraction transmitted by nodes [1]
+      real(wp), intent(in) :: share(:)               !! (edge) Fraction outside of walls [1]
       logical, intent(in) :: axisymmetric            !! Are there rings?
       real(wp), intent(inout) :: factor(:)           !! (edge) Sums [m3] in, factors [1] out
       real(wp) :: target(size(factor)), ratio, most, stiff
@@ -455,7 +455,8 @@ contains
       associate (grid => simulation%space%grid, nodes => field%nodes)
          call assemble(grid, simulation%space%tiles, nodes%sums%covered, tile, covered)
          call grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
-         ! a cell without material, that with the smaller share beside the axis too, ends the scope
+         ! a cell without material, beside the axis also one with the smaller fraction, ends the
+         ! region
          cells = merge(6.0_wp, real(2**grid%dimensions, wp), grid%axisymmetric)
          call find_due(simulation%space, field, tile, around, due)
          do node = 1, size(around)

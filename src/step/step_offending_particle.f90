@@ -41,7 +41,7 @@ contains
    !> Text on the particle of lowest identity that is out of its bounds. Collective.
    subroutine name_offending_particle(simulation, text)
       type(simulation_t), intent(in) :: simulation   !! Just after the step
-      character(len=:), allocatable, intent(out) :: text !! Step, time, particle, what is wrong
+      character(len=:), allocatable, intent(out) :: text !! Step, time, particle, error
       type(found_t) :: found
       integer :: fault
       real(wp) :: value
@@ -113,7 +113,7 @@ contains
    !> Text on a particle whose identity is known. Collective.
    subroutine name_particle(simulation, identity, text)
       type(simulation_t), intent(in) :: simulation   !! Between two steps
-      integer(int64), intent(in) :: identity         !! Who it is
+      integer(int64), intent(in) :: identity         !! Identity
       character(len=:), allocatable, intent(out) :: text !! Body, material and place
       type(found_t) :: found
 
@@ -257,11 +257,11 @@ contains
       end associate
    end function particle_text
 
-   !> What is wrong.
+   !> Description of the error.
    function fault_text(clock, fault, value) result(text)
       type(clock_t), intent(in) :: clock
       integer, intent(in) :: fault                   !! Kind of fault
-      real(wp), intent(in) :: value                  !! What shows it
+      real(wp), intent(in) :: value                  !! Quantity that shows the error
       character(len=:), allocatable :: text
       character(len=160) :: line
 
@@ -290,7 +290,7 @@ contains
       text = trim(line)
    end function fault_text
 
-   !> Why the material has no stress, if its equation of state knows it.
+   !> Reason why the material has no stress, if its equation of state gives one.
    function reason_text(simulation, found, fault) result(text)
       type(simulation_t), intent(in) :: simulation
       type(found_t), intent(in) :: found             !! A particle of this rank

@@ -171,7 +171,7 @@ contains
    subroutine scatter_tile(simulation, field, scratch, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp) :: patch(merge(dual_columns, motion_columns, simulation%scheme%method%dual), &
          simulation%space%grid%tile_nodes)
@@ -216,7 +216,7 @@ contains
    subroutine scatter_other(simulation, field, scratch, tile, patch)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(in) :: field    !! With sides
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Of the first side
       real(wp) :: both(size(patch, 1), size(patch, 2), 0:1)
@@ -249,7 +249,7 @@ contains
    subroutine scatter_store(simulation, field, scratch, index, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
@@ -293,7 +293,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
@@ -333,10 +333,10 @@ contains
       end associate
    end subroutine push_nodes
 
-   !> What the loads on surfaces do to the particles of a tile: a stress and a force density.
+   !> Loads on surfaces as a stress and a force density at the particles of a tile.
    pure subroutine find_loads(simulation, scratch, store, tile)
       type(simulation_t), intent(in) :: simulation   !! With loads
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread; gets them
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread; receives them
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
@@ -350,7 +350,7 @@ contains
    !! doc/theory/instruments.md.
    subroutine add_load_force(simulation, scratch, store, tile, patch)
       type(simulation_t), intent(in) :: simulation   !! With loads
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
@@ -370,7 +370,7 @@ contains
    !> Body force of an exact solution, to columns 5 to 7.
    subroutine add_body_force(simulation, scratch, index, tile, patch)
       type(simulation_t), intent(in) :: simulation   !! With a solution
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, particles located
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
@@ -402,7 +402,7 @@ contains
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
@@ -416,7 +416,7 @@ contains
    subroutine locate_particles_plainly(space, scheme, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 
@@ -428,7 +428,7 @@ contains
    subroutine locate_tile(space, scheme, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
 

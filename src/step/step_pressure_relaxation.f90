@@ -81,10 +81,10 @@ contains
       stress)
       integer, intent(in) :: before                  !! Particles before those of the tile
       integer, intent(in) :: low                     !! First particle of the cell, in the tile
-      integer, intent(in) :: high                    !! Last one
+      integer, intent(in) :: high                    !! Last index
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
-      real(wp), intent(in) :: slope(3)               !! Of the pressure that nodes see, a cell [Pa]
+      real(wp), intent(in) :: slope(3)               !! Slope of the nodal pressure, per cell [Pa]
       real(wp), intent(in) :: rate                   !! Share of a step over that speed [s/m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
       real(wp), contiguous, intent(inout) :: volume(:) !! (particle) [m3]
@@ -112,7 +112,7 @@ contains
          - seen*min(1.0_wp, max(0.0_wp, sum(soft*seen*excess)/share))
       share = 1.0_wp - exponential(-rate*maxval(speed(low:high)))
       steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
-      ! an expanding particle loses its own energy, of which thin gas beside a shock has little
+      ! an expanding particle loses its own energy, of which thin gas near a shock has little
       do p = low, high
          q = before + p
          if (excess(p)*mean > 0.0_wp) steepest = max(steepest, soft(p)*excess(p)*mean &

@@ -25,7 +25,7 @@ contains
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(inout) :: stores(:)
       type(clock_t), intent(in) :: clock
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile                    !! Which tile, after its particles moved
       logical, intent(out) :: sound                  !! Is all well now?
@@ -53,7 +53,7 @@ contains
    subroutine erode_tile(materials, stores, scratch, index, tile)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(inout) :: stores(:)
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: index                   !! Which material, it can fail
       integer, intent(in) :: tile                    !! Which tile, after its particles moved
       integer :: p
@@ -69,7 +69,7 @@ contains
 
    !> Record a particle and mark it for removal.
    subroutine take_out(ledger, material, store, tile, p)
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       type(material_t), intent(in) :: material       !! Its material
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile                    !! Its tile

@@ -94,7 +94,7 @@ contains
       integer :: tile, thread
 
       if (field%nodes%motion%lean) then
-         ! the threads looked when they moved the nodes
+         ! the threads have tested this while moving the nodes
          do thread = 0, ubound(simulation%scratch, 1)
             if (worse(simulation%scratch(thread)%reach, worst)) &
                worst = simulation%scratch(thread)%reach

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The sides of failed material of bodies that have contact with themselves, found anew at the begin
-!! of a step: four sums over the particles, each exchanged between ranks as patches. See section
-!! "Failed material" of doc/theory/contact.md.
+!> The sides of failed material of bodies that have contact with themselves, found again at the
+!! start of a step: four sums over the particles, each exchanged between ranks as patches. See
+!! section "Failed material" of doc/theory/contact.md.
 module step_sides
    use base_kinds, only: wp
    use contact_sides, only: add_cell_slopes, choose_sides, find_axis, is_split, join_sides, &
@@ -20,8 +20,8 @@ module step_sides
 
    integer, parameter :: sum_intact = 1              !! Intact volume
    integer, parameter :: sum_slope = 2               !! Its gradient
-   integer, parameter :: sum_axis = 3                !! What gives the axes of the nodes
-   integer, parameter :: sum_parts = 4               !! What decides where sides part
+   integer, parameter :: sum_axis = 3                !! Sums for the axes of the nodes
+   integer, parameter :: sum_parts = 4               !! Sums for the separation of sides
    !> Rows of the sums
    integer, parameter :: rows(4) = [2, 6, product_rows, part_rows]
 
@@ -100,7 +100,7 @@ contains
    subroutine add_tile(simulation, sides, scratch, kind, tile)
       type(simulation_t), intent(in) :: simulation
       type(sides_t), intent(inout) :: sides          !! Of a field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: kind                    !! One of the sums above
       integer, intent(in) :: tile
       integer :: n
@@ -140,7 +140,7 @@ contains
       end do
    end subroutine add_tile
 
-   !> What follows from the sums on the nodes of all tiles that need it.
+   !> Evaluate the sums on the nodes of all tiles that need it.
    subroutine finish(simulation, sides, kind)
       type(simulation_t), intent(inout) :: simulation
       type(sides_t), intent(inout) :: sides          !! Sums are known

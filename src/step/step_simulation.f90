@@ -54,7 +54,7 @@ module step_simulation
 
    !> Contact between bodies that have velocity fields of their own.
    type :: contact_t
-      type(pair_law_t), allocatable :: law(:, :)     !! (field, field) What holds between two
+      type(pair_law_t), allocatable :: law(:, :)     !! (field, field) Contact law of two fields
       logical :: bonded = .false.                    !! Can bonds break?
       integer, allocatable :: field_of_body(:)       !! (body) Its velocity field
       integer, allocatable :: material(:)            !! (store) Number of its &material
@@ -107,7 +107,7 @@ module step_simulation
 
    !> Scratch space of one thread.
    type :: scratch_t
-      type(shape_data_t) :: shape !! Particles of the tile as the basis sees them
+      type(shape_data_t) :: shape !! Shape data of the particles of the tile
       type(pushed_stress_t) :: pushed !! Their stress, if changed on its way to nodes
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       !> (particle, 9) Half of the strain with the velocity before the step, if needed [1]
@@ -118,13 +118,13 @@ module step_simulation
       !> Mass times acceleration of nodes in the last step, if a criterion needs it [N]
       type(exact_sum_t), allocatable :: unbalanced
       logical :: sound = .true.                      !! Are all particles in their bounds?
-      logical :: retired = .false.                   !! Has one been taken out for leaving them?
-      type(reach_t) :: reach                         !! Node that goes too far, if looked for
+      logical :: retired = .false.                   !! True if a particle was retired
+      type(reach_t) :: reach                         !! Node that moves too far, if tested
       real(wp) :: steepest = 0.0_wp                  !! Square of steepest velocity gradient [1/s2]
       integer(int64) :: steepest_identity = huge(1_int64) !! Its particle
    end type scratch_t
 
-   !> What one rank requests of all ranks; agreed at the end of each step.
+   !> Requests of one rank to all ranks; agreed at the end of each step.
    type :: requests_t
       real(wp) :: leave = 0.0_wp                     !! Number of a signal, 0 = none
       real(wp) :: line = 0.0_wp                      !! 1 = a line of progress
@@ -135,7 +135,7 @@ module step_simulation
    !> Load balance: greatest over mean work of the ranks in the steps that were measured.
    type :: load_t
       integer :: looks = 0                           !! Steps measured
-      integer :: cuts = 0                            !! Times that the curve was cut anew
+      integer :: cuts = 0                            !! Times that the curve was cut again
       integer(int64) :: sent = 0                     !! Tiles that this rank sent then
       integer(int64) :: listed = 0                   !! Longest list of tiles here at the start
       real(wp) :: last = 1.0_wp                      !! At the last look [1]
@@ -158,13 +158,13 @@ module step_simulation
       type(boundary_t) :: boundary                   !! Six boundaries of the domain
       type(rigid_t), allocatable :: rigid            !! Rigid regions that hold nodes
       type(tiles_t) :: tiles                         !! Tiles of this rank
-      type(halo_t) :: halo                           !! Which of them other ranks see
+      type(halo_t) :: halo                           !! Tiles that other ranks need
       type(moving_cell_t), allocatable :: cell       !! Periodic cell that deforms, if it does
    contains
       procedure :: mesh_time => space_mesh_time      !! A time on the mesh
    end type space_t
 
-   !> Numerical method, and what materials and output require of it.
+   !> Numerical method, and the requirements of materials and output.
    type :: scheme_t
       type(method_t) :: method                       !! Choices of &method
       type(dual_t) :: dual                           !! The dual gradient
@@ -178,7 +178,7 @@ module step_simulation
       logical :: works = .false.                     !! Is work found, of that energy or of loads?
    end type scheme_t
 
-   !> Physical effects besides stress. Those that a scene does not have are not allocated.
+   !> Physical effects in addition to stress. Those that a scene does not use are not allocated.
    type :: simulation_effects_t
       type(contact_t), allocatable :: contact        !! Between bodies with their own velocities
       type(conduction_t), allocatable :: conduction  !! If some material conducts heat
@@ -201,8 +201,8 @@ module step_simulation
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: dt = 0.0_wp                        !! Last time step [s]
       real(wp) :: kick = 0.0_wp                      !! Time that the forces act in this step [s]
-      real(wp) :: dt_next = 0.0_wp                   !! Stable time step that comes [s]
-      type(guard_t) :: guard                         !! What limits steps and particles
+      real(wp) :: dt_next = 0.0_wp                   !! Next stable time step [s]
+      type(guard_t) :: guard                         !! Limits of steps and particles
       integer(int64) :: halved = 0                   !! Particles halved on this rank
       integer(int64) :: updates = 0                  !! Particle updates of this rank
    end type clock_t
@@ -242,8 +242,8 @@ module step_simulation
 
 contains
 
-   !> Time in which a velocity in space goes as far on the mesh as it can in the given time: the
-   !! same time, unless the cell deforms [s].
+   !> Time limit for displacements on the mesh, from that for displacements in space: the same,
+   !! unless the cell deforms [s].
    pure real(wp) function space_mesh_time(self, time) result(longest)
       class(space_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]

@@ -3,8 +3,8 @@
 !! s . (f[I] - f_w[I]) with its mean stress s, the force f[I] of the same particles under unit
 !! stress, and the exact force f_w[I] of unit stress in cells with their weights, which vanishes
 !! except at boundaries (A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys. (2023) 112681). Towards
-!! free surfaces the change fades: there the force stays that of the point rule. Equations (Q.4) and
-!! (Q.5) of doc/theory/quadratures.md.
+!! free surfaces the correction vanishes: there the force is that of the point rule. Equations (Q.4)
+!! and (Q.5) of doc/theory/quadratures.md.
 module step_stress_difference
    use base_kinds, only: wp
    use mesh_patch, only: assemble, clear_patch, ensure_patch
@@ -81,7 +81,7 @@ contains
    subroutine scatter_tile(simulation, field, scratch, tile, patch)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
       integer :: index, p, k

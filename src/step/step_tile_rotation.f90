@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Rotation of material as it varies from tile to tile (`turn_from = 'tiles'`).
+!> Rotation of material as a smooth field over the tiles (`turn_from = 'tiles'`).
 !!
 !! With RFLIP the rotation of particles adds velocities to the nodes that enter the strain but are
 !! not kept by the particles: the work of the stress on them is lost. For the rotation of a whole
 !! body this work is zero, as a rotation has no strain. But the rotation of single particles varies
 !! from one to the next; a vibrating ring of five cells loses a third of its energy this way. Here
-!! each particle gets the mean by mass of the rotations around it, with weights that fall linearly
-!! over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
+!! each particle gets the mass-weighted mean of the rotations around it, with weights that fall
+!! linearly over the edge of a tile. Equation (T.13) of doc/theory/transfers.md.
 module step_tile_rotation
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -198,7 +198,7 @@ contains
    !! 0 for missing directions.
    pure subroutine weigh_corners(count, before, position, lower, inverse, weight)
       integer, intent(in) :: count                   !! Particles of the chunk
-      integer, intent(in) :: before                  !! Particles of the store before them
+      integer, intent(in) :: before                  !! Index offset in the store
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) [m]
       real(wp), intent(in) :: lower(3)               !! Lower corner of the tile [m]
       real(wp), intent(in) :: inverse(3)             !! One over its edges [1/m]

@@ -93,8 +93,8 @@ contains
       simulation%clock%dt_next = dt
    end subroutine limit_step
 
-   !> Agree with the other ranks on the fastest signal and on what they request: the only point in a
-   !! step where all ranks wait for each other.
+   !> Agree with the other ranks on the fastest signal and on requests: the only point in a step
+   !! where all ranks wait for each other.
    subroutine agree(simulation, fastest, diffusivity, rate, retired)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]

@@ -139,7 +139,7 @@ contains
    !! checkpoint do not change, so that a continued run gives the same record as an uninterrupted
    !! one. Collective.
    subroutine final_trust(simulation, code, now, trust)
-      type(simulation_t), intent(inout) :: simulation !! At its end; stays as it is
+      type(simulation_t), intent(inout) :: simulation !! At its end; not changed
       integer, intent(in) :: code                    !! Exit code
       type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(out) :: trust            !! What is known
@@ -170,13 +170,13 @@ contains
 
    !> Update the worst values of distances, volumes and pressures.
    pure subroutine note_shapes(look, trust)
-      type(shapes_look_t), intent(in) :: look        !! What was found
+      type(shapes_look_t), intent(in) :: look        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The worst so far
 
       trust%longest = max(trust%longest, look%longest)
       trust%worst(trust_stretch) = max(trust%worst(trust_stretch), look%share)
       trust%worst(trust_volume) = max(trust%worst(trust_volume), look%overlap)
-      ! pressures that are small beside the inertia of the motion have no weight
+      ! pressures that are small compared with the inertia of the motion have no weight
       trust%pressure = max(trust%pressure, look%pressure, look%kinetic)
       trust%difference = max(trust%difference, look%difference)
       if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
@@ -187,7 +187,7 @@ contains
    !! limits.
    pure subroutine note_bounds(simulation, look, trust)
       type(simulation_t), intent(in) :: simulation
-      type(bounds_look_t), intent(in) :: look        !! What was found
+      type(bounds_look_t), intent(in) :: look        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The worst so far
       real(wp) :: square, scale
 
@@ -291,7 +291,7 @@ contains
    !! Collective.
    subroutine warn_of_bounds(simulation, look, log)
       type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
-      type(bounds_look_t), intent(in) :: look        !! What was found
+      type(bounds_look_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=160) :: text
 
@@ -325,10 +325,10 @@ contains
       end associate
    end subroutine warn_of_bounds
 
-   !> Warn of neighbours that are apart, of volumes that do not fit, and of noise. Collective.
+   !> Warn of large gaps between neighbours, overlapping volumes, and noise. Collective.
    subroutine warn_of_shapes(simulation, look, log)
       type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
-      type(shapes_look_t), intent(in) :: look        !! What was found
+      type(shapes_look_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=200) :: text
 
@@ -430,8 +430,8 @@ contains
 
    !> Is a warning due? It is given once.
    logical function warns(trust, entry, from) result(due)
-      type(trust_t), intent(inout) :: trust          !! Notes that it is given
-      integer, intent(in) :: entry                   !! Of what
+      type(trust_t), intent(inout) :: trust          !! Notes that the warning is printed
+      integer, intent(in) :: entry                   !! Subject of the warning
       integer, intent(in) :: from                    !! Verdict from which on
 
       due = .false.
@@ -445,7 +445,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(log_t), intent(inout) :: log              !! Gets it
       integer(int64), intent(in) :: identity         !! Of the particle
-      character(len=*), intent(in) :: words          !! What is wrong
+      character(len=*), intent(in) :: words          !! Error message
       character(len=:), allocatable :: who
 
       call name_particle(simulation, identity, who)
@@ -456,7 +456,7 @@ contains
    !! Collective.
    subroutine refuse_impossible(simulation, look, error)
       type(simulation_t), intent(in) :: simulation
-      type(bounds_look_t), intent(in) :: look        !! What was found
+      type(bounds_look_t), intent(in) :: look        !! Measured values
       type(error_t), allocatable, intent(out) :: error !! If so
       real(wp), parameter :: margin = 2.0_wp
       real(wp) :: available
@@ -476,7 +476,7 @@ contains
       end associate
       call fail(error, exit_physics, step_text(simulation%clock)//": "//who//": "//trim(text))
    end subroutine refuse_impossible
-   !> Does a material have a temperature and no internal energy, beside others that have? Heat that
+   !> True if a material has a temperature and no internal energy, while others have one. Heat that
    !! is conducted between them is not in the energy balance.
    pure logical function holds_heat(scheme, materials) result(yes)
       type(scheme_t), intent(in) :: scheme

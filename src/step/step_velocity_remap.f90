@@ -98,7 +98,7 @@ contains
    subroutine spread_tile(simulation, field, scratch, tile, term, patch)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: term(:, :) !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [kg m/s]
@@ -126,7 +126,7 @@ contains
    subroutine add_term(simulation, field, scratch, tile, sweep, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
       integer, intent(in) :: sweep                   !! Number of the term, 1 for the second one
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -222,7 +222,7 @@ contains
    subroutine scatter_tile(simulation, field, scratch, tile, dt, patch)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node)
@@ -243,8 +243,8 @@ contains
          acceleration(:, low:high, tile), filtered(:, low:high), push(:, low:high))
       keep = simulation%scheme%method%transfer%flip_fraction()
       if (simulation%scheme%method%averages()) then
-         ! what particles gain; the share of PIC acts after the strain of the step, which does not
-         ! see it, and rotations stay as they are
+         ! gain of the particles; the PIC fraction acts after the strain of the step, which does
+         ! not include it, and rotations do not change
          if (keep > 0.0_wp) push = dt*field%nodes%motion%acceleration(:, :, tile)
          keep = merge(0.0_wp, -1.0_wp, keep > 0.0_wp)
       end if
@@ -303,7 +303,7 @@ contains
    pure subroutine keep_velocity(store, tile, keep, vector)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
-      real(wp), intent(in) :: keep                   !! The share [1]
+      real(wp), intent(in) :: keep                   !! Fraction kept [1]
       real(wp), contiguous, intent(inout) :: vector(:, :) !! (particle of the tile, 3) [m/s]
       integer :: p, k
 

@@ -17,7 +17,8 @@ module step_walls
       record_stopped, record_unbalanced, record_walls, start_walls, stop_at_walls, take_held, &
       walls_touch
 
-   !> What walls do to nodes, in this order: forces, velocities that they hold, friction.
+   !> Stages of the action of walls on nodes, in this order: forces, velocities that they hold,
+   !! friction.
    integer, parameter :: forcing = 1, holding = 2, rubbing = 3, stages = 3
 
 contains
@@ -44,7 +45,7 @@ contains
    end subroutine start_walls
 
    !> Clear the sum of unbalanced forces, and allocate the sums of the threads, if an output shows
-   !! what walls do.
+   !! wall forces.
    pure subroutine start_sums(simulation)
       type(simulation_t), intent(inout) :: simulation
       integer :: thread
@@ -104,12 +105,12 @@ contains
       work, each)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp), intent(out) :: push(:, :)            !! (3, node) [m/s]
-      real(wp), intent(out) :: work(:)               !! (node) Besides that of the push [J/kg]
-      type(wall_push_t), intent(inout), optional :: each !! The push of each wall, if wanted
+      real(wp), intent(out) :: work(:) !! (node) Besides that of the force [J/kg]
+      type(wall_push_t), intent(inout), optional :: each !! Force of each wall, if requested
       real(wp) :: free_velocity(3, size(push, 2)), free_acceleration(3, size(push, 2)), share
       integer :: stage, wall
 
@@ -150,9 +151,9 @@ contains
    subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread, for its ledger
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: tile
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), intent(in) :: mass(:)                !! (node) [kg]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -214,7 +215,7 @@ contains
    pure logical function stage_acts(simulation, stage, dt) result(acts)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: stage
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
       select case (stage)
       case (forcing)
@@ -226,12 +227,12 @@ contains
       end select
    end function stage_acts
 
-   !> What boundaries do in a stage, all of them or one.
+   !> Apply a stage of boundaries, all of them or one.
    pure subroutine apply_boundary(simulation, tile, stage, dt, free, velocity, acceleration, only)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
       integer, intent(in) :: stage                   !! forcing, holding or rubbing
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -253,12 +254,12 @@ contains
       end associate
    end subroutine apply_boundary
 
-   !> What rigid regions do in a stage.
+   !> Apply a stage of rigid regions.
    pure subroutine apply_rigid(simulation, tile, stage, dt, free, velocity, acceleration)
       type(simulation_t), intent(in) :: simulation   !! Has rigid regions
       integer, intent(in) :: tile
       integer, intent(in) :: stage                   !! forcing, holding or rubbing
-      real(wp), intent(in) :: dt                     !! Time the forces act [s]
+      real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -270,14 +271,14 @@ contains
          acceleration)
    end subroutine apply_rigid
 
-   !> Record what each wall does to the nodes of a tile. Equation (O.2) of
+   !> Record the impulse and work of each wall on the nodes of a tile. Equation (O.2) of
    !! doc/theory/instruments.md.
    subroutine record_walls(space, field, ledger, tile, each)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
-      type(wall_push_t), intent(in) :: each          !! The push of each wall
+      type(wall_push_t), intent(in) :: each          !! Force of each wall
       real(wp) :: own(field%nodes%motion%packed(1)%rows, size(each%velocity, 2))
       real(wp) :: total(3)
       integer :: before, node, wall
@@ -306,7 +307,7 @@ contains
    subroutine record_unbalanced(space, field, scratch, tile, acceleration)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      type(scratch_t), intent(inout) :: scratch      !! Of this thread
+      type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: acceleration(:, :)     !! (3, node) [m/s2]
       real(wp) :: own(field%nodes%motion%packed(1)%rows, size(acceleration, 2)), total
@@ -336,7 +337,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped anew [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Mapped again [m/s]
       real(wp) :: ended(3, size(velocity, 2))
 
       if (.not. (simulation%space%boundary%has_friction() .or. &
@@ -372,7 +373,7 @@ contains
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) With walls, before [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
-      type(wall_push_t), intent(inout), optional :: each !! What each wall took, if wanted
+      type(wall_push_t), intent(inout), optional :: each !! Change by each wall, if requested
       real(wp) :: moved(3, size(change, 2)), open(3, size(change, 2))
       integer :: wall
 
@@ -405,7 +406,7 @@ contains
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) With walls, before [m/s]
       real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) The same, held [m/s]
-      real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Gets 0 where they hold
+      real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Set to 0 where walls hold
       integer, intent(in), optional :: only          !! Wall that acts; default: all
 
       associate (coordinate => space%tiles%coordinate(:, tile))
@@ -416,16 +417,16 @@ contains
       end associate
    end subroutine close_components
 
-   !> What walls take by the share of PIC is in their work, and in the velocities of the particles,
-   !! of which all that this share takes is recorded: so that much of it is no work. Equation (L.13)
+   !> The energy that walls remove through the PIC fraction is part of their work and also of the
+   !! recorded dissipation of the PIC fraction, so it is subtracted from the work. Equation (L.13)
    !! of doc/theory/ledger.md.
    subroutine record_stopped(space, scheme, field, ledger, tile, change, velocity)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
       type(velocity_field_t), intent(in) :: field
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
-      real(wp), intent(in) :: change(:, :)           !! (3, node) What walls changed [m/s]
+      real(wp), intent(in) :: change(:, :)           !! (3, node) Change by walls [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) With which it is recorded [m/s]
       real(wp) :: own(field%nodes%motion%packed(1)%rows, size(change, 2)), stopped
       integer :: node
@@ -442,11 +443,11 @@ contains
    subroutine record_push(space, field, ledger, tile, push, velocity, more)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
-      type(ledger_t), intent(inout) :: ledger        !! Of this thread
+      type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       integer, intent(in) :: tile
       real(wp), intent(in) :: push(:, :)             !! (3, node) Gain of velocity [m/s]
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) In the middle of the step [m/s]
-      real(wp), intent(in), optional :: more(:)      !! (node) Work besides that of the push [J/kg]
+      real(wp), intent(in), optional :: more(:) !! (node) Work besides that of the force [J/kg]
       real(wp) :: own(field%nodes%motion%packed(1)%rows, size(push, 2))
       real(wp) :: total(3), turn(3), work, part(3), corner(3), place(3)
       integer :: node, k

@@ -21,25 +21,25 @@ module eos_table
 
    public :: eos_table_t
 
-   !> Inconsistency of a table from which on the user is warned. The interpolation of steep curves
-   !! between few nodes makes some of it.
+   !> Inconsistency of a table above which the user is warned. Interpolation of steep curves between
+   !! few nodes causes part of it.
    real(wp), parameter :: most_inconsistent = 0.02_wp
 
    !> Equation of state of a table.
    type, extends(eos_t) :: eos_table_t
-      type(state_table_t) :: table                   !! Its values
+      type(state_table_t) :: table                   !! Values
       real(wp) :: reference = 293.0_wp               !! Temperature of the reference state [K]
    contains
       procedure :: declare => table_declare          !! Declares its keys
       procedure :: take_file => table_take_file      !! Its table from the text of a file
       procedure :: read => table_read                !! Reads its keys
-      procedure :: sets_bulk => table_sets_bulk      !! It does
-      procedure :: request => table_request          !! Requests energy
+      procedure :: sets_bulk => table_sets_bulk      !! Returns true
+      procedure :: request => table_request          !! Requests the energy field
       procedure :: update => table_update            !! Pressure and square of the sound speed
-      procedure :: gives_temperature => table_gives_temperature !! It does
+      procedure :: gives_temperature => table_gives_temperature !! Returns true
       procedure :: find_temperature => table_find_temperature !! Of density and energy
-      procedure :: stored_energy => table_stored_energy !! Nothing, energy is carried
-      procedure :: starts_with_energy => table_starts_with_energy !! It does
+      procedure :: stored_energy => table_stored_energy !! Zero, because energy is a field
+      procedure :: starts_with_energy => table_starts_with_energy !! Returns true
       procedure :: start_energy => table_start_energy !! That of the temperature
       procedure :: report => table_report            !! Extent and inconsistency
       procedure :: fault_of_state => table_fault_of_state !! Why a state has no pressure
@@ -53,11 +53,12 @@ contains
       type(schema_t), intent(inout) :: schema
       character(len=*), parameter :: owner = "effects.eos & eos_model = table"
 
-      call schema%text("material", "eos_table", "file of the equation of state, relative to "// &
-         "the deck: lines of density, temperature, pressure and energy in SI units", owner=owner)
-      call schema%real("material", "table_temperature", "temperature of the reference state: "// &
-         "of the bulk modulus, and of bodies at the start without &effects thermal", unit="K", &
-         default="293", range=">= 0", owner=owner)
+      call schema%text("material", "eos_table", "file of the equation of state: lines of "// &
+         "density, temperature, pressure and energy in SI units; path relative to the deck", &
+         owner=owner)
+      call schema%real("material", "table_temperature", "temperature of the reference state, "// &
+         "for the bulk modulus; also the initial temperature of bodies without &effects thermal", &
+         unit="K", default="293", range=">= 0", owner=owner)
       call schema%require("material", "eos_table")
    end subroutine table_declare
 
@@ -235,8 +236,7 @@ contains
       energy = self%table%energy_of(self%density, warmth)
    end function table_start_energy
 
-   !> What the table covers, its pressure in the reference state, and its
-   !! inconsistency.
+   !> Range of the table, its pressure in the reference state, and its inconsistency.
    function table_report(self) result(text)
       class(eos_table_t), intent(in) :: self
       character(len=:), allocatable :: text

@@ -34,7 +34,7 @@ module tabulated_states
       procedure :: energy_range => states_energy_range !! Least and greatest at a density
    end type state_table_t
 
-   !> States that are looked up together, and their cells.
+   !> States that are interpolated together, and their cells.
    type :: cell_lanes_t
       integer :: count = 0                           !! States in use
       real(wp) :: density(most_lanes)                !! (in) [kg/m3]
@@ -136,8 +136,9 @@ contains
       self%worst_temperature = temperature
    end subroutine note_inconsistency
 
-   !> Cells of states by bisection, all states together, and the shares in them. A state outside has
-   !! shares below 0 or above 1 in a cell at the edge. Equations (E.15) and (E.16).
+   !> Cells of states by bisection, all states together, and the local coordinates in them. A state
+   !! outside has a coordinate below 0 or above 1 in a cell at the edge. Equations (E.15) and
+   !! (E.16).
    pure subroutine states_find_cells(self, lanes)
       class(state_table_t), intent(in) :: self
       type(cell_lanes_t), intent(inout) :: lanes    !! Densities and energies in, cells out
@@ -146,7 +147,7 @@ contains
       call find_columns(lanes%count, size(self%temperature), self%energy, lanes)
    end subroutine states_find_cells
 
-   !> Last density that is not above that of each state, and the share of the next one.
+   !> Last density that is not above that of each state, and the weight of the next one.
    pure subroutine find_rows(count, nodes, axis, lanes)
       integer, intent(in) :: count                   !! States
       integer, intent(in) :: nodes                   !! Densities of the table
@@ -172,12 +173,12 @@ contains
    end subroutine find_rows
 
    !> Last temperature whose energy at the density of each state is not above that of the state, and
-   !! the share of the next one.
+   !! the weight of the next one.
    pure subroutine find_columns(count, nodes, energy, lanes)
       integer, intent(in) :: count                   !! States
       integer, intent(in) :: nodes                   !! Temperatures of the table
       real(wp), contiguous, intent(in) :: energy(:)  !! (node) [J/kg]
-      type(cell_lanes_t), intent(inout) :: lanes    !! With rows and shares of densities
+      type(cell_lanes_t), intent(inout) :: lanes    !! With rows and weights of densities
       real(wp) :: low, high
       integer :: stride, next, k, l
 

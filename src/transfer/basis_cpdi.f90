@@ -59,8 +59,8 @@ contains
 
    !> Corners of the particles of a tile. A corner lies in the cell of its particle or in one next
    !! to it, and not beyond a wall: corners there would need functions below zero, and a node that
-   !! only such a corner touches would have a negative mass. Where a particle is as good as on the
-   !! wall the functions of the last cell go on, so that linear fields stay exact.
+   !! only such a corner touches would have a negative mass. Where a particle is almost on the wall
+   !! the functions of the last cell are extrapolated, so that linear fields remain exact.
    pure subroutine cpdi_locate(self, grid, coordinate, store, tile, shape)
       class(basis_cpdi_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -186,7 +186,7 @@ contains
       end do
    end subroutine corner_functions
 
-   !> Place of a corner as seen from its particle [cells].
+   !> Position of a corner relative to its particle [cells].
    pure function corner_way(grid, shape, p, corner) result(way)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape
@@ -203,7 +203,7 @@ contains
       end do
    end function corner_way
 
-   !> Place of a node of the cell of a corner as seen from the particle; none along a missing
+   !> Position of a node of the cell of a corner relative to the particle; zero along a missing
    !! direction [cells].
    pure function node_way(grid, shape, p, corner, lane) result(way)
       type(grid_t), intent(in) :: grid
@@ -225,7 +225,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
       call scatter_corner_values(grid, shape, count, values, before, size(patch, 1), &
@@ -266,7 +266,7 @@ contains
    end subroutine cpdi_scatter_affine
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch: each corner gets
-   !! a force, and hands it to its nodes.
+   !! a force, and distributes it to its nodes.
    pure subroutine cpdi_scatter_stress(self, grid, shape, first, volume, stress, patch)
       class(basis_cpdi_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

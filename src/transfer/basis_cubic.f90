@@ -46,7 +46,7 @@ contains
       reach = line
    end function cubic_reach
 
-   !> Functions reach one cell beyond the cells beside their node.
+   !> Functions extend one cell beyond the cells adjacent to their node.
    pure subroutine cubic_find_overhang(self, grid, store, tile, direction, overhang)
       class(basis_cubic_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -31,8 +31,8 @@ contains
       traits%extent = .true.
    end subroutine gimp_request
 
-   !> Functions reach half the box of a particle beyond the cells beside their node. The box is no
-   !! longer than a cell, so that it touches three nodes along a line.
+   !> Functions extend half the box of a particle beyond the cells adjacent to their node. The box
+   !! is no longer than a cell, so that it touches three nodes along a line.
    pure subroutine gimp_find_overhang(self, grid, store, tile, direction, overhang)
       class(basis_gimp_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -89,7 +89,7 @@ contains
          !$omp simd private(away, top, foot, step)
          do p = 1, count
             away = local(p) - real(n - 2, wp)
-            ! how far the box reaches over top and foot, as shares of its half
+            ! parts of the box beyond its upper and lower node, as fractions of its half width
             top = max(overhang(p) - abs(away), 0.0_wp)*(1.0_wp/overhang(p))
             foot = max(overhang(p) - abs(1.0_wp - abs(away)), 0.0_wp)*(1.0_wp/overhang(p))
             step = sign(0.5_wp, 1.0_wp - abs(away))

@@ -37,7 +37,7 @@ contains
       integral = 13.0_wp/24.0_wp
    end function quadratic_at_wall
 
-   !> Functions reach half a cell beyond the cells beside their node.
+   !> Functions extend half a cell beyond the cells adjacent to their node.
    pure subroutine quadratic_find_overhang(self, grid, store, tile, direction, overhang)
       class(basis_quadratic_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What linear velocity fields of particles do to the kinetic energy.
+!> Effect of the linear velocity fields of particles on the kinetic energy.
 !!
-!! They bring a motion to the nodes that the kinetic energy of the particles, 1/2 sum m v**2, does
-!! not count. With B(u) = sum S_i u_i (x_i - x)^T, the share g of pic and the increment a dt of
-!! nodes, a particle gets (1 - g) C : B(a dt) - g C : B(u) more than `gather_heat` gives it; so the
-!! sum of kinetic and internal energy is kept to round-off. (Derived for this program from sum m_p S
+!! They add a motion to the nodes that the kinetic energy of the particles, 1/2 sum m v**2, does not
+!! include. With B(u) = sum S_i u_i (x_i - x)^T, the PIC fraction g and the increment a dt of nodes,
+!! a particle gets (1 - g) C : B(a dt) - g C : B(u) more than `gather_heat` gives it; so the sum of
+!! kinetic and internal energy is conserved to round-off. (Derived for this program from sum m_p S
 !! (v_p + C_p (x_i - x_p)) = m_i u_i; the heat may be negative where the linear field gains energy.)
 !! Equation (T.10) of doc/theory/transfers.md.
 module transfer_affine

@@ -63,7 +63,7 @@ module transfer_basis
          type(shape_data_t), intent(in) :: shape
          integer, intent(in) :: count                           !! Number of columns
          real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-         integer, intent(in) :: before                          !! Columns of the patch before them
+         integer, intent(in) :: before                          !! Column offset in the patch
          real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       end subroutine scatter_values_i
 
@@ -123,7 +123,7 @@ module transfer_basis
 
 contains
 
-   !> Layers of nodes beyond a tile that its particles reach; none, unless the basis says more.
+   !> Layers of nodes beyond a tile that its particles reach; default: none.
    pure integer function basis_margin(self) result(margin)
       class(basis_t), intent(in) :: self
 
@@ -139,8 +139,8 @@ contains
    end function basis_at_wall
 
    !> Width in cells of the band that a crack opens across an edge of the grid: one where the
-   !! gradient of a cell is that of its own nodes. Smoother gradients drag particles of the cells
-   !! beside it along; their widths are those that a bar needs (test/verify/crack).
+   !! gradient of a cell is that of its own nodes. Smoother gradients involve particles of adjacent
+   !! cells; their widths are measured with a bar (test/verify/crack).
    pure real(wp) function basis_band_width(self) result(width)
       class(basis_t), intent(in) :: self
 
@@ -159,7 +159,7 @@ contains
       type(traits_t), intent(inout) :: traits
    end subroutine basis_request
 
-   !> Linear velocity field around each particle: its gradient, unless the basis knows better.
+   !> Linear velocity field around each particle: its gradient; a basis may override it.
    pure subroutine basis_gather_affine(self, grid, shape, nodes, affine)
       class(basis_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -250,7 +250,7 @@ contains
       type(shape_data_t), intent(inout) :: shape
       real(wp), contiguous, intent(in) :: mass(:)            !! (particle) [kg]
       real(wp), contiguous, intent(in) :: vector(:, :)       !! (particle of the tile, 3)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: p, k
 
@@ -346,13 +346,13 @@ contains
       end do
    end subroutine basis_gather_hoop
 
-   !> Heat from the kinetic energy that the way from nodes to particles loses.
+   !> Heat from the kinetic energy that the transfer from nodes to particles dissipates.
    !!
    !! With a = sum S_i a_i dt, u = sum S_i u_i and r = v_p - u a step v_p <- v_p + a - g r, g the
-   !! share of pic, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where
+   !! PIC fraction, loses per mass 1/2 var(a) + g (r.r + var(u) + cov(u, a)) - 1/2 g^2 r.r, where
    !! var and cov are those of the node values under the weights S_i. Terms that only carry energy
-   !! from particle to particle, and add up to zero, are left out; the rest is not negative for
-   !! g <= 1. Equation (T.9) of doc/theory/transfers.md.
+   !! from particle to particle, and add up to zero, are left out; the rest is not negative for g <=
+   !! 1. Equation (T.9) of doc/theory/transfers.md.
    pure subroutine basis_gather_heat(self, grid, shape, first, nodes, share, velocity, energy)
       class(basis_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

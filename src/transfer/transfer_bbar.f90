@@ -1,12 +1,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Volumetric locking cured by even dilatation: the particles of a material in a cell share the mean
-!! of their dilatations, and the mean of their pressures when they push the nodes. Linear functions
-!! cannot give each particle of a cell a volume of its own, so nearly incompressible material would
-!! be too stiff (T. J. R. Hughes, Int. J. Numer. Methods Eng. 15 (1980) 1413, for elements; W. M.
-!! Coombs and others, Comput. Methods Appl. Mech. Eng. 333 (2018) 115, for material points).
+!> B-bar method against volumetric locking: the particles of a material in a cell use the mean of
+!! their dilatations, and the mean of their pressures in the nodal forces. Linear functions cannot
+!! satisfy a separate volume constraint for each particle of a cell, so nearly incompressible
+!! material would be too stiff (T. J. R. Hughes, Int. J. Numer. Methods Eng. 15 (1980) 1413, for
+!! elements; W. M. Coombs and others, Comput. Methods Appl. Mech. Eng. 333 (2018) 115, for material
+!! points).
 !!
-!! Both means are weighted with the volume, so the power of the even stress on the raw gradient is
-!! that of the raw stress on the even gradient. Equation (M.20) of doc/theory/method.md.
+!! Both means are weighted with the volume, so the power of the averaged stress with the original
+!! gradient is that of the original stress with the averaged gradient. Equation (M.20) of
+!! doc/theory/method.md.
 module transfer_bbar
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -17,8 +19,8 @@ module transfer_bbar
 
 contains
 
-   !> Directions that share the dilatation: those of the plane in plane strain, else those there
-   !! are.
+   !> Directions over which the dilatation is distributed: those of the plane in plane strain,
+   !! otherwise all active ones.
    pure function sharing(grid) result(share)
       type(grid_t), intent(in) :: grid
       logical :: share(3)

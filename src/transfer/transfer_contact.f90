@@ -1,16 +1,16 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Contact of bodies that have velocities of their own: what they do to each other at one node, and
-!! how far they are apart there.
+!> Contact of bodies with separate velocity fields: their contact forces at one node, and the gap
+!! there.
 !!
 !! At a node where two bodies a and b touch, with the normal n from a to b, a push p on b and -p on
 !! a is found such that b does not approach a at the end of the step. Its normal part only pushes.
 !! Its part along the surface brings the slip to rest, but is not above mu times the normal one (S.
 !! G. Bardenhagen, J. U. Brackbill, D. Sulsky, Comput. Methods Appl. Mech. Eng. 187 (2000) 529; S.
-!! G. Bardenhagen et al., CMES 2 (2001) 509). Where more than two meet, pairs take turns in a fixed
-!! order until none gains any more. A node sees how far bodies are apart by their particles, not by
-!! its functions, which reach across a cell: the greatest place along n of the particles of a in the
-!! cells around, with half their width, and the least of b (compare J. A. Nairn, C. C. Hammerquist,
-!! G. D. Smith, Comput. Methods Appl. Mech. Eng. 362 (2020) 112859).
+!! G. Bardenhagen et al., CMES 2 (2001) 509). Where more than two meet, pairs are treated in turn in
+!! a fixed order until no force changes. The gap at a node follows from the particles, not from
+!! shape functions, which extend across a cell: the greatest position along n of the particles of a
+!! in the cells around, with half their width, and the least of b (compare J. A. Nairn, C. C.
+!! Hammerquist, G. D. Smith, Comput. Methods Appl. Mech. Eng. 362 (2020) 112859).
 module transfer_contact
    use base_elementary, only: take_fast_powers
    use base_kinds, only: wp
@@ -29,13 +29,13 @@ module transfer_contact
       "stick", "frictionless", "bonded"]
 
    integer, parameter, public :: state_open = 0          !! The bodies are apart
-   integer, parameter, public :: state_closed = 1        !! They touch
-   integer, parameter, public :: state_bonded = 2        !! A bond holds them together
+   integer, parameter, public :: state_closed = 1        !! True if the bodies touch
+   integer, parameter, public :: state_bonded = 2        !! True if a bond holds
 
    integer, parameter :: most_turns = 50             !! Of the pairs at a node
    real(wp), parameter :: enough = 1.0e-12_wp        !! Gain over the velocities that ends the turns
 
-   !> What holds between two bodies.
+   !> Contact law of a pair of bodies.
    type :: pair_law_t
       integer :: kind = contact_friction             !! One of those above
       real(wp) :: friction = 0.0_wp                  !! Coefficient of friction [1]
@@ -44,14 +44,14 @@ module transfer_contact
 
 contains
 
-   !> Pushes that keep the bodies at a node from approaching. The sum of the pushes of a pair is
-   !! zero to the last bit. Equation (C.3) of doc/theory/contact.md.
+   !> Contact impulses that keep the bodies at a node from approaching. The sum of the impulses of a
+   !! pair is zero to the last bit. Equation (C.3) of doc/theory/contact.md.
    pure subroutine separate_bodies(mass, velocity, normal, state, law, push)
       real(wp), intent(in) :: mass(:)                !! (body) At the node [kg]
       real(wp), intent(in) :: velocity(:, :)         !! (3, body) At the end of the step [m/s]
       real(wp), contiguous, intent(in) :: normal(:, :, :) !! (3, a, b) From a to b, for a < b [1]
-      integer, intent(in) :: state(:, :)             !! (a, b) How near they are, for a < b
-      type(pair_law_t), intent(in) :: law(:, :)      !! (a, b) What holds between them
+      integer, intent(in) :: state(:, :)             !! (a, b) Gap, for a < b
+      type(pair_law_t), intent(in) :: law(:, :)      !! (a, b) Contact law
       real(wp), contiguous, intent(out) :: push(:, :, :) !! (3, a, b) On b, for a < b [kg m/s]
       real(wp) :: now(3, size(mass)), change(3), wanted(3), gain, scale
       integer :: a, b, turn, pairs
@@ -82,11 +82,11 @@ contains
       end do
    end subroutine separate_bodies
 
-   !> Of the push that would stop all relative motion leave what surfaces can bear: no pull, and
-   !! along the surface no more than friction. Equation (C.4).
+   !> Limit the impulse that would stop all relative motion to the contact law: no tension, and
+   !! along the surface at most friction. Equation (C.4).
    pure subroutine restrict(law, normal, push)
-      type(pair_law_t), intent(in) :: law            !! What holds between the two
-      real(wp), intent(in) :: normal(3)              !! Towards the body that is pushed [1]
+      type(pair_law_t), intent(in) :: law            !! Contact law
+      real(wp), intent(in) :: normal(3)              !! Normal to the body that is pushed [1]
       real(wp), intent(inout) :: push(3)             !! [kg m/s]
       real(wp) :: along(3), pressed, slip
 
@@ -110,7 +110,7 @@ contains
       real(wp), intent(in) :: push(3)                !! On the body that n leads to [kg m/s]
       real(wp), intent(in) :: normal(3)              !! [1]
       real(wp), intent(in) :: area(3)                !! Of the surface at the node, a vector [m2]
-      real(wp), intent(in) :: dt                     !! Time that it takes [s]
+      real(wp), intent(in) :: dt                     !! Duration [s]
       real(wp) :: pressed, sheared
 
       pressed = dot_product(push, normal)
@@ -140,9 +140,9 @@ contains
       end do
    end subroutine particle_widths
 
-   !> How far the particles of a tile reach along the normals of its nodes: the greatest place of
-   !! those in the cells around, seen from the node. Nodes without a normal are passed over. One
-   !! side of (C.2).
+   !> Extent of the particles of a tile along the normals of its nodes: the greatest position of
+   !! those in the cells around, relative to the node. Nodes without a normal are skipped. One side
+   !! of (C.2).
    pure subroutine find_reach(grid, corner, start, first, position, half, normal, reach)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: corner(3)              !! Lower corner of the tile [m]

@@ -22,7 +22,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       integer, intent(in) :: rows                            !! Columns of the patch
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(inout) :: patch(rows*number)          !! (column, node), flat
@@ -68,13 +68,13 @@ contains
       integer, intent(in) :: count                           !! Number of columns
       real(wp), intent(in) :: weight                         !! Function of the line
       real(wp), intent(in) :: lower(count), upper(count)     !! (column) For its two nodes
-      integer, intent(in) :: at                              !! Numbers of the patch before them
+      integer, intent(in) :: at                              !! Index offset in the patch
       integer, intent(in) :: rows                            !! Columns of the patch
       integer, intent(in) :: numbers                         !! Numbers of the patch
       real(wp), intent(inout) :: patch(numbers)              !! (column, node), flat
       integer :: n
 
-      ! a number that the compiler knows makes the columns one vector
+      ! a compile-time constant makes the columns one vector
       if (count == 4) then
          !$omp simd
          do n = 1, 4
@@ -90,7 +90,7 @@ contains
    end subroutine add_line
 
    !> Add the internal force - sum v sigma . grad S_i to columns 5 to 7 of a patch: each corner gets
-   !! a force, and hands it to its nodes.
+   !! a force, and distributes it to its nodes.
    pure subroutine scatter_corner_stress(grid, shape, first, volume, stress, rows, number, patch)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: first                           !! First particle of the tile
@@ -112,7 +112,7 @@ contains
       do p = 1, shape%count
          q = first + p - 1
          v = -volume(q)/(grid%spacing*real(corners, wp))
-         ! the stress seen along the edges
+         ! the stress in the basis of the edges
          do l = 1, 3
             do k = 1, 3
                along(k, l) = v*(stress(q, symmetric(k, 1))*shape%corner%inverse(l, p) &
@@ -145,7 +145,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: number                          !! Nodes of the tile
       real(wp), intent(in) :: nodes(3*number)                !! (column, node), flat
-      integer, intent(in) :: skip                            !! Columns of the values before them
+      integer, intent(in) :: skip                            !! Column offset in the values
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: a(lanes, 3), b(lanes, 3), weight(lines), sums(6), value(3), x, share
       integer :: p, c, m, at, n, corners, offset(lines)

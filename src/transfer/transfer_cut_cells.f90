@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Cells that rigid regions cut, for normalised sums: what of the weight of each edge lies outside.
+!> Cells that rigid regions cut, for normalised sums: the fraction of the weight of each edge
+!! outside.
 !!
-!! Material fills what a region leaves of a cell. Across its surface it transmits the pressure of
-!! the whole cell, since the node beyond moves with the wall; along the surface its fraction is that
-!! of the cell outside, found where the surface meets the edges that end in it.
+!! Material fills the part of a cell outside of the region. Across its surface it transmits the
+!! pressure of the whole cell, since the node beyond moves with the wall; along the surface its
+!! fraction is that of the cell outside, found where the surface meets the edges that end in it.
 module transfer_cut_cells
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -17,9 +18,9 @@ module transfer_cut_cells
 
    public :: cut_cells, ramp
 
-   integer, parameter :: halvings = 30               !! Of an edge, to find where it is cut
-   !> From where on nodes beyond a surface carry pressure along it, as a place on the edge that it
-   !! cuts, 1 at that node; what nodes outside carry of it then they carry besides their own [1]
+   integer, parameter :: halvings = 30               !! Bisections to find the cut of an edge
+   !> From where on nodes beyond a surface carry pressure along it, as a position on the edge that
+   !! it cuts, 1 at that node; nodes outside transmit this part in addition to their own [1]
    real(wp), parameter :: half = 0.5_wp
    !> Thinner rests of cells carry no pressure along the surface, twice as thick ones all [1]
    real(wp), parameter :: thin = 0.25_wp
@@ -30,7 +31,7 @@ contains
    pure subroutine cut_cells(grid, coordinate, rigid, tile, smooth, shares, ring)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
-      type(rigid_t), intent(in) :: rigid             !! The regions, nodes in them found
+      type(rigid_t), intent(in) :: rigid             !! Rigid regions, with their nodes
       integer, intent(in) :: tile                    !! Index of the tile
       logical, intent(in) :: smooth                  !! Do positions enter smoothly?
       real(wp), intent(inout) :: shares(:, 0:)       !! (edge, cell) [1]
@@ -40,7 +41,7 @@ contains
       integer :: owner(grid%tile_nodes), ends(lanes), cell, n
 
       owner = 0
-      ! of the nodes that are held those in the regions; others lie up to half a cell outside
+      ! only nodes inside of the regions; other held nodes are up to half a cell outside
       do n = 1, size(rigid%held(tile)%node)
          associate (node => rigid%held(tile)%node(n), wall => rigid%held(tile)%wall(n))
             if (covers(rigid%wall(wall), grid, node_place(grid, coordinate, node))) &
@@ -60,8 +61,8 @@ contains
       end do
    end subroutine cut_cells
 
-   !> Shares of the edges of one cell: along each of the two other directions the mean over the ends
-   !! of an edge of what lies outside of the region, weighed with the function of the end.
+   !> Weights of the edges of one cell: along each of the two other directions the mean over the
+   !! ends of an edge of the fraction outside of the region, weighted with the function of the end.
    pure subroutine cut_cell(grid, coordinate, wall, node, ends, smooth, share, ring)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
@@ -95,7 +96,7 @@ contains
          do e = 1, edges
             low = low_end(l, e)
             next = low + ishft(1, lane_bit(l))
-            ! an edge that ends in the region is seen from its end outside
+            ! an edge that ends in the region is traversed from its end outside
             if (ends(low) > 0 .and. ends(next) == 0) low = next
             if (ends(next) > 0 .and. ends(low) == 0) next = low
             do k = 1, 3
@@ -109,7 +110,7 @@ contains
       if (grid%axisymmetric) share(hoop_edges) = share([1, 1, 2, 2])
    end subroutine cut_cell
 
-   !> Smooth way from 0 to 1 [1].
+   !> Smooth step from 0 to 1 [1].
    pure real(wp) function ramp(x) result(y)
       real(wp), intent(in) :: x                      !! Below 0: 0, above 1: 1
 

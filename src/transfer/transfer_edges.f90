@@ -2,10 +2,10 @@
 !> Sums over the edges of cells, and the velocity gradient with a factor for each of them.
 !!
 !! Along a direction the slope of a linear function is the difference of its values on the two ends
-!! of an edge, and what weighs the edges of that direction is a product of functions of the two
+!! of an edge, and the weight of the edges of that direction is a product of functions of the two
 !! other directions. Edges along x are counted along z and y, those along y along x and z, those
-!! along z along x and y. A missing direction has the coordinate zero, so edges that differ
-!! in it only have no weight. Equations (Q.7) and (Q.9) of doc/theory/quadratures.md.
+!! along z along x and y. A missing direction has the coordinate zero, so edges that differ in it
+!! only have no weight. Equations (Q.7) and (Q.9) of doc/theory/quadratures.md.
 module transfer_edges
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -93,9 +93,9 @@ contains
       end do
    end subroutine gather_edge_gradient
 
-   !> Integrals over a cell of what weighs the slopes of its edges, 0 for edges that the scene
-   !! lacks. In axisymmetry edges along the missing direction are rings through the nodes of the
-   !! cell, with the weight of one over the radius.
+   !> Integrals over a cell of the weights of its edges, 0 for edges that the scene lacks. In
+   !! axisymmetry edges along the missing direction are rings through the nodes of the cell, with
+   !! the weight of one over the radius.
    pure function edge_integrals(grid, cell) result(whole)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the box along x, from 0
@@ -154,7 +154,7 @@ contains
    ! gate: long kernel because columns and coefficients are arguments of their own
    pure subroutine blend_plane(low, high, u, w, across, x, z, alpha, slopes)
       integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
+      integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: u(edges)                       !! (term) Of the slope
       real(wp), intent(in) :: w(lanes)                       !! (term) Of the polynomial
       real(wp), contiguous, intent(in) :: across(:)          !! (particle) Coordinate across
@@ -176,7 +176,7 @@ contains
    ! gate: long kernel because columns and coefficients are arguments of their own
    pure subroutine blend_space(low, high, u, w, across, aside, x, y, z, alpha, slopes)
       integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
+      integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: u(edges)                       !! (term) Of the slope
       real(wp), intent(in) :: w(lanes)                       !! (term) Of the polynomial
       real(wp), contiguous, intent(in) :: across(:), aside(:) !! (particle) Coordinates across

@@ -90,7 +90,7 @@ contains
    !> Fewer than eight particles of a cell as lanes. Lanes without a particle repeat the last one.
    pure subroutine fill_lanes(p, last, columns, values, filled)
       integer, intent(in) :: p                               !! First particle of the lanes
-      integer, intent(in) :: last                            !! Last one
+      integer, intent(in) :: last                            !! Last index
       integer, intent(in) :: columns                         !! Columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of tile, column)
       real(wp), intent(inout) :: filled(lanes, columns)      !! (lane, column)

@@ -147,7 +147,7 @@ contains
    ! gate: long kernel because coefficients in registers are three numbers
    pure subroutine find_slopes(low, high, u2, u3, u4, x, z, along_x, along_z)
       integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
+      integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: u2, u3, u4                     !! Coefficients
       real(wp), contiguous, intent(in) :: x(:), z(:)         !! (particle) Local coordinates [1]
       real(wp), contiguous, intent(inout) :: along_x(:)      !! (particle)
@@ -168,7 +168,7 @@ contains
    pure subroutine blend_slopes(low, high, slope_scale, ua, ub, uc, ud, scale, wa, wb, wc, wd, x, &
       z, ax, az, xx, zx, xz, zz)
       integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
+      integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: slope_scale                    !! Factor of velocities
       !> Velocity on the first node, the next along x, along z, and along both
       real(wp), intent(in) :: ua(vector), ub(vector), uc(vector), ud(vector)
@@ -222,7 +222,7 @@ contains
    pure subroutine move_cell(low, high, before, nodes, node, u, c, flip_fraction, x, z, vx, vz, &
       px, pz)
       integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
+      integer, intent(in) :: high                            !! Last index
       integer, intent(in) :: before                          !! Particles before those of the tile
       integer, intent(in) :: nodes                           !! Nodes of the tile
       integer, intent(in) :: node                            !! First node of the cell

@@ -7,9 +7,9 @@
 !! Coefficients are differences, so that a uniform field has slopes of exactly zero; four components
 !! of the field are the lanes, whatever the number of particles in the cell.
 !!
-!! The last lanes of a cell may hold particles of the next cells or none. What they get is
-!! overwritten when those cells come, so cells are taken in order, and columns have `spare` rows
-!! after the last particle.
+!! The last lanes of a cell may hold particles of the next cells or none. Their values are
+!! overwritten when those cells are processed, so cells are processed in order, and columns have
+!! `spare` rows after the last particle.
 module transfer_gather_values
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes
@@ -231,10 +231,10 @@ contains
    !! 1, x, z, xz, y, xy, yz, xyz. The nodes come as one row of numbers, of which four are the
    !! lanes: those of the next node fill the row up to a multiple of four, and have no meaning.
    pure subroutine find_terms(components, rows, node, ways, numbers, nodes, scale, u)
-      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: components              !! Numbers per node
       integer, intent(in) :: rows                    !! The same, a multiple of four
       integer, intent(in) :: node                    !! First node of the cell
-      integer, intent(in) :: ways(lanes)             !! Numbers from there to those of a node
+      integer, intent(in) :: ways(lanes)             !! Offset of the numbers of a node
       integer, intent(in) :: numbers                 !! Of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(in) :: scale                  !! Factor
@@ -253,10 +253,10 @@ contains
 
    !> The same for a cell with the last node of the tile, which nothing follows.
    pure subroutine find_last_terms(components, rows, before, ways, numbers, nodes, scale, u)
-      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: components              !! Numbers per node
       integer, intent(in) :: rows                    !! The same, a multiple of four
       integer, intent(in) :: before                  !! Numbers before those of the first node
-      integer, intent(in) :: ways(lanes)             !! Numbers from there to those of a node
+      integer, intent(in) :: ways(lanes)             !! Offset of the numbers of a node
       integer, intent(in) :: numbers                 !! Of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(in) :: scale                  !! Factor
@@ -278,7 +278,7 @@ contains
    !! differences along x, then z, then y. Four components are the lanes.
    pure subroutine take_differences(before, ways, numbers, nodes, scale, rows, u)
       integer, intent(in) :: before                  !! Numbers before those of the first node
-      integer, intent(in) :: ways(lanes)             !! Numbers from there to those of a node
+      integer, intent(in) :: ways(lanes)             !! Offset of the numbers of a node
       integer, intent(in) :: numbers                 !! Of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(in) :: scale                  !! Factor
@@ -314,10 +314,10 @@ contains
 
    !> The same in a plane or on a line: the terms 1, x, z, xz, of which a line uses the first two.
    pure subroutine find_plane_terms(components, rows, node, ways, numbers, nodes, u)
-      integer, intent(in) :: components              !! Numbers a node
+      integer, intent(in) :: components              !! Numbers per node
       integer, intent(in) :: rows                    !! The same, a multiple of four
       integer, intent(in) :: node                    !! First node of the cell
-      integer, intent(in) :: ways(plane_terms)       !! Numbers from there to those of a node
+      integer, intent(in) :: ways(plane_terms)       !! Offset of the numbers of a node
       integer, intent(in) :: numbers                 !! Of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(inout) :: u(rows, plane_terms) !! (component, term)
@@ -345,7 +345,7 @@ contains
    !> Differences along x, then z. Four components are the lanes.
    pure subroutine take_plane_differences(before, ways, numbers, nodes, rows, u)
       integer, intent(in) :: before                  !! Numbers before those of the first node
-      integer, intent(in) :: ways(plane_terms)       !! Numbers from there to those of a node
+      integer, intent(in) :: ways(plane_terms)       !! Offset of the numbers of a node
       integer, intent(in) :: numbers                 !! Of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       integer, intent(in) :: rows                    !! From term to term

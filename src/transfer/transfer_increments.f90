@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What particles get from the nodes where they keep most of their own velocity: gain of velocity,
-!! way, and the kinetic energy that the transfers lose, from node fields that are gathered once.
+!> Updates of particles that keep most of their own velocity: velocity increment, displacement, and
+!! the kinetic energy that the transfers dissipate, from node fields that are gathered once.
 !!
-!! With velocity u and gain d = a dt of the nodes, the share g of pic and the part c of the gain
-!! that is in the way, the columns are d + g u and u + c d along the active directions; then, for
+!! With velocity u and gain d = a dt of the nodes, the PIC fraction g and the fraction c of the gain
+!! in the displacement, the columns are d + g u and u + c d along the active directions; then, for
 !! material with an internal energy, d.d/2 + g (u.u + u.d) and the moments of g u - (1 - g) d about
-!! the corner of the tile that linear velocity fields need. The velocity and the gain at a
-!! particle follow from the first two, so that g c must not be near 1. Equations (T.1), (T.2), (T.9)
-!! and (T.10) of doc/theory/transfers.md.
+!! the corner of the tile that linear velocity fields need. The velocity and the gain at a particle
+!! follow from the first two, so that g c must not be near 1. Equations (T.1), (T.2), (T.9) and
+!! (T.10) of doc/theory/transfers.md.
 module transfer_increments
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -18,7 +18,7 @@ module transfer_increments
 
    public :: increments_t
 
-   integer, parameter :: no_moments = 0, rotation = 1, linear_field = 2 !! What particles carry
+   integer, parameter :: no_moments = 0, rotation = 1, linear_field = 2 !! Particle fields
 
    !> Node fields of one tile.
    type :: increments_t
@@ -29,7 +29,7 @@ module transfer_increments
       integer :: moments = no_moments                !! Kind of the moments
       logical :: heats = .false.                     !! Is lost kinetic energy found?
       real(wp) :: pic = 0.0_wp                       !! Share g of pic [1]
-      real(wp) :: ahead = 1.0_wp                     !! Part c of the gain in the way [1]
+      real(wp) :: ahead = 1.0_wp !! Fraction c of the gain in the displacement [1]
       real(wp), allocatable, public :: nodes(:, :)   !! (column, node)
       real(wp), allocatable :: place(:, :) !! (3, node) In the tile, along active directions [m]
    contains
@@ -38,7 +38,7 @@ module transfer_increments
       procedure :: gather => increments_gather       !! Brings them to the particles
       procedure :: add_heat => increments_add_heat   !! Lost kinetic energy
       procedure :: move => increments_move           !! New velocities and positions
-      procedure :: find_way => increments_find_way   !! Velocity of the way
+      procedure :: find_way => increments_find_way   !! Advection velocity
    end type increments_t
 
 contains
@@ -48,10 +48,10 @@ contains
       class(increments_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: flip_fraction          !! Fraction of the old velocity, above 1/2 [1]
-      real(wp), intent(in) :: ahead                  !! Part c of the gain in the way [1]
+      real(wp), intent(in) :: ahead !! Fraction c of the gain in the displacement [1]
       logical, intent(in) :: heats                   !! Is lost kinetic energy found?
       logical, intent(in) :: affine                  !! Do particles carry linear velocity fields?
-      logical, intent(in) :: turning                 !! Do they carry their rotation only?
+      logical, intent(in) :: turning                 !! True if particles carry their rotation only
       integer :: k, node, place(3)
 
       self%axes = 0
@@ -74,7 +74,7 @@ contains
          if (size(self%nodes, 1) == self%columns) return
          deallocate (self%nodes)
       end if
-      ! nodes that no particle sees are not set, but pass through sums that have no meaning
+      ! nodes that no particle uses are not set; their sums have no meaning
       allocate (self%nodes(self%columns, grid%tile_nodes), source=0.0_wp)
       if (allocated(self%place)) deallocate (self%place)
       allocate (self%place(3, grid%tile_nodes), source=0.0_wp)
@@ -102,13 +102,13 @@ contains
    !> Node fields of the tile.
    pure subroutine increments_set_nodes(self, low, high, dt, velocity, acceleration)
       class(increments_t), intent(inout) :: self
-      integer, intent(in) :: low                             !! First node that particles see
-      integer, intent(in) :: high                            !! Last one
-      real(wp), intent(in) :: dt                             !! Time the forces act [s]
+      integer, intent(in) :: low                             !! First node that particles use
+      integer, intent(in) :: high                            !! Last index
+      real(wp), intent(in) :: dt                             !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
 
-      ! a number of directions that the compiler knows leaves no loop over them
+      ! with a compile-time number of directions there is no loop over them
       select case (self%axes)
       case (3)
          call set_fields(self, 3, [1, 2, 3], low, high, dt, velocity, acceleration)
@@ -124,9 +124,9 @@ contains
       class(increments_t), intent(inout) :: self
       integer, intent(in) :: axes                            !! Active directions
       integer, intent(in) :: axis(axes)                      !! Which they are
-      integer, intent(in) :: low                             !! First node that particles see
-      integer, intent(in) :: high                            !! Last one
-      real(wp), intent(in) :: dt                             !! Time the forces act [s]
+      integer, intent(in) :: low                             !! First node that particles use
+      integer, intent(in) :: high                            !! Last index
+      real(wp), intent(in) :: dt                             !! Time over which the forces act [s]
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp) :: u, d, t(3), lost
@@ -216,8 +216,8 @@ contains
       call basis%gather_values(grid, shape, self%nodes, shape%increments)
    end subroutine increments_gather
 
-   !> Give the kinetic energy that gets lost on the way from particles to nodes and back to the
-   !! particles as heat, before they get their new velocities.
+   !> Convert the kinetic energy that the transfer to the nodes and back dissipates to heat of the
+   !! particles, before they get their new velocities.
    pure subroutine increments_add_heat(self, grid, shape, first, velocity, spin, affine, energy)
       class(increments_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -251,13 +251,14 @@ contains
       end do
    end subroutine increments_add_heat
 
-   !> What the motion along one direction loses, and the vector g u - (1 - g) d at the particles.
+   !> Energy that the motion along one direction dissipates, and the vector g u - (1 - g) d at the
+   !! particles.
    ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine lose_energy(count, first, pic, ahead, gain, way, velocity, moved, heat)
       integer, intent(in) :: count                           !! Particles of the tile
       integer, intent(in) :: first                           !! First of them
       real(wp), intent(in) :: pic                            !! Share g of pic [1]
-      real(wp), intent(in) :: ahead                          !! Part c of the gain in the way [1]
+      real(wp), intent(in) :: ahead !! Fraction c of the gain in the displacement [1]
       real(wp), contiguous, intent(in) :: gain(:)            !! d + g u [m/s]
       real(wp), contiguous, intent(in) :: way(:)             !! u + c d [m/s]
       real(wp), contiguous, intent(in) :: velocity(:)        !! (particle) [m/s]

@@ -28,7 +28,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       real(wp), contiguous, intent(in) :: weight(:)          !! (particle) Volume [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) [Pa]
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: sums(lanes, moments), ends(lanes, 3), share(lanes), pressure
       integer :: cell, p, q, k, lane, node

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A copy of what the particles of a tile push the nodes with, for methods that change it on the
-!! way.
+!> A copy of the stress that gives the nodal forces of the particles of a tile, for methods that
+!! modify it.
 module transfer_pushed_stress
    use base_kinds, only: wp
    implicit none
@@ -55,7 +55,7 @@ contains
       end do
    end subroutine pushed_copy
 
-   !> Ensure capacity for what loads do to the particles of a tile.
+   !> Ensure capacity for the loads at the particles of a tile.
    pure subroutine pushed_reserve_load(self, count)
       class(pushed_stress_t), intent(inout) :: self
       integer, intent(in) :: count                           !! Particles of the tile

@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Particles to nodes with the linear functions of the cell: what basis and quadrature share.
+!> Particles to nodes with the linear functions of the cell: common code of basis and quadrature.
 !!
 !! The sums of a cell are taken over its particles in their order and then added to the patch of the
 !! tile. Columns of the patch: 1 mass, 2-4 momentum, 5-7 internal force, and for the dual domain
-!! method 8 volume, 9-17 stress that stays on the nodes. Equations (M.1), (M.4) and (M.5) of
-!! doc/theory/method.md.
+!! method 8 volume, 9-17 node stress. Equations (M.1), (M.4) and (M.5) of doc/theory/method.md.
 module transfer_scatter
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -27,7 +26,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
       if (grid%dimensions == 3) then
@@ -37,9 +36,8 @@ contains
       end if
    end subroutine scatter_values
 
-   !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
-   !! column 8, and the stress handed to the nodes, sum v (1 - alpha_l) sigma_kl S, to column
-   !! 8 + k + 3 (l - 1).
+   !> Add the part of the internal force on the cell to columns 5 to 7, the volume to column 8, and
+   !! the stress mapped to the nodes, sum v (1 - alpha_l) sigma_kl S, to column 8 + k + 3 (l - 1).
    !!
    !! D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379, in the two-step form. The
    !! first sum of (M.4), and the sum of (M.5).

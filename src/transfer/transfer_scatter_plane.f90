@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Particles to nodes with the linear functions of the cell, in one and two dimensions.
 !!
-!! The four nodes of a cell in the plane of x and z are the lanes, of which a line along x carries
-!! two. The particles of a cell are added one by one in their order to sums that stay in registers,
-!! and the cell is added to the patch of the tile once. All stress along y stays on the cell, whose
-!! functions do not change along it, so nothing is added for it.
+!! The four nodes of a cell in the plane of x and z are the lanes, two of which are in use on a line
+!! along x. The particles of a cell are added one by one in their order to sums that stay in
+!! registers, and the cell is added to the patch of the tile once. Stress along y gives no force,
+!! because the functions do not vary along y.
 !!
 !! Where particles are added there are two loops over the lanes: were they one, the compiler would
 !! take two particles at a time (unroll and jam), and keep the sums in memory. Equations (M.1),
@@ -52,7 +52,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: skip, at(4)
 
@@ -76,7 +76,7 @@ contains
       real(wp), contiguous, intent(in) :: c3(:)              !! Third one
       real(wp), contiguous, intent(in) :: c4(:)              !! Fourth one
       integer, intent(in) :: number                          !! How many of them are added
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: a(corners, 3), b(corners, 3), weight(corners), sums(corners, 4)
       integer :: cell, p, n
@@ -227,9 +227,9 @@ contains
       end do
    end subroutine plane_force
 
-   !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
-   !! column 8, and the stress handed to the nodes, sum v (1 - alpha_l) sigma_kl S, to column
-   !! 8 + k + 3 (l - 1). Without factors those of the edges are one.
+   !> Add the part of the internal force on the cell to columns 5 to 7, the volume to column 8, and
+   !! the stress mapped to the nodes, sum v (1 - alpha_l) sigma_kl S, to column 8 + k + 3 (l - 1).
+   !! Without factors those of the edges are one.
    ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine plane_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
       factor)
@@ -295,7 +295,7 @@ contains
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
       integer, intent(in) :: number                          !! Columns
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), intent(in) :: sums(corners, number)          !! (lane, column)
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: n, c, node
@@ -308,8 +308,8 @@ contains
       end do
    end subroutine add_corners
 
-   !> Lanes with the factors of their edges: a node of an edge along x has its place along z, and
-   !! the other way round.
+   !> Lanes with the factors of their edges: a node of an edge along x has its factor along z, and
+   !! vice versa.
    pure subroutine weigh_edges(factor, constant, slope, c, d)
       real(wp), intent(in) :: factor(cell_edges)             !! (edge) [1]
       real(wp), intent(in) :: constant(corners, 3)           !! (lane, direction) [1/m]

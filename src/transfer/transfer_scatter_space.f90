@@ -5,7 +5,7 @@
 !! the particles. Weights and columns of some particles are found at once, with particles as lanes.
 !! Then the particles of a cell are added one by one in their order, with four columns as lanes and
 !! the sums of all eight nodes in registers; they are added to the patch of the tile once, or twice
-!! where a cell goes on in the next particles that are prepared.
+!! where a cell continues in the next group of particles.
 !!
 !! Where particles are added there are two loops over the lanes: were they one, the compiler would
 !! take two particles at a time (unroll and jam), and keep the sums in memory. Equations (M.1),
@@ -65,7 +65,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :)        !! (particle, 3) Local coordinates
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: weight(batch, lanes), part(block, batch)
       integer :: skipped, number, cell, p, skip, at(block)
@@ -107,9 +107,8 @@ contains
       call add_edges(grid, start, first, local, share, share, share, stress, patch)
    end subroutine space_force
 
-   !> Add the part of the internal force that stays on the cell to columns 5 to 7, the volume to
-   !! column 8, and the stress handed to the nodes, sum v (1 - alpha_l) sigma_kl S, to column
-   !! 8 + k + 3 (l - 1).
+   !> Add the part of the internal force on the cell to columns 5 to 7, the volume to column 8, and
+   !! the stress mapped to the nodes, sum v (1 - alpha_l) sigma_kl S, to column 8 + k + 3 (l - 1).
    pure subroutine space_dual_force(grid, start, first, local, alpha, volume, stress, patch, &
       factor)
       type(grid_t), intent(in) :: grid
@@ -149,9 +148,9 @@ contains
    !> Volume and stress that some particles hand to the nodes, in blocks of columns: volume and
    !! stress along x; stress along y, and xz; nothing twice, yz and zz.
    pure subroutine share_stress(skipped, before, number, alpha, volume, stress, values)
-      integer, intent(in) :: skipped                         !! Particles of the tile before them
+      integer, intent(in) :: skipped                         !! Index offset in the tile
       integer, intent(in) :: before                          !! Particles before the tile
-      integer, intent(in) :: number                          !! Of them
+      integer, intent(in) :: number                          !! Their number
       real(wp), contiguous, intent(in) :: alpha(:, :)        !! (particle of tile, 3) Weight alpha
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
@@ -190,7 +189,7 @@ contains
    pure subroutine next_particles(cells, start, skipped, cell, number)
       integer, intent(in) :: cells                           !! Cells of a tile
       integer, intent(in) :: start(0:cells)                  !! (0:cells) Particles before a cell
-      integer, intent(in) :: skipped                         !! Particles of the tile before them
+      integer, intent(in) :: skipped                         !! Index offset in the tile
       integer, intent(inout) :: cell                         !! A cell not after that of the first
       integer, intent(out) :: number                         !! Of particles
 
@@ -202,8 +201,8 @@ contains
 
    !> Weights of the eight lanes at some particles.
    pure subroutine weigh_lanes(before, number, rows, local, weight)
-      integer, intent(in) :: before                          !! Particles of the tile before them
-      integer, intent(in) :: number                          !! Of them
+      integer, intent(in) :: before                          !! Index offset in the tile
+      integer, intent(in) :: number                          !! Their number
       integer, intent(in) :: rows                            !! Length of the next
       real(wp), intent(in) :: local(rows, 3)                 !! (particle, 3) Local coordinates
       real(wp), intent(inout) :: weight(batch, lanes)         !! (particle, lane) [1]
@@ -238,12 +237,12 @@ contains
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       integer, intent(in) :: cell                            !! Cell of the first of them
-      integer, intent(in) :: skipped                         !! Particles of the tile before them
-      integer, intent(in) :: number                          !! Of them
+      integer, intent(in) :: skipped                         !! Index offset in the tile
+      integer, intent(in) :: number                          !! Their number
       real(wp), intent(in) :: weight(batch, lanes)            !! (particle, lane) [1]
       integer, intent(in) :: columns                         !! Columns that are added
       real(wp), intent(in) :: values(block, batch)            !! (column, particle)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       integer, intent(in) :: rows                            !! Columns of the patch
       integer, intent(in) :: numbers                         !! Numbers of the patch
       real(wp), intent(inout) :: patch(numbers)              !! (column, node), flat
@@ -297,9 +296,9 @@ contains
 
    !> Add columns to a node; four of them are one vector.
    pure subroutine add_node(columns, sums, at, numbers, patch)
-      integer, intent(in) :: columns                         !! How many
+      integer, intent(in) :: columns                         !! Number of columns
       real(wp), intent(in) :: sums(block)                    !! (column)
-      integer, intent(in) :: at                              !! Numbers of the patch before them
+      integer, intent(in) :: at                              !! Index offset in the patch
       integer, intent(in) :: numbers                         !! Numbers of the patch
       real(wp), intent(inout) :: patch(numbers)              !! (column, node), flat
       integer :: c
@@ -320,8 +319,8 @@ contains
    !!
    !! The slope of a function along a direction is the same on both ends of an edge, with opposite
    !! signs, so the sums are those of the twelve edges: half the work of eight nodes, and each cell
-   !! by itself keeps momentum exactly. Edges along x are counted along z and y, those along y along
-   !! x and z, those along z along x and y.
+   !! conserves momentum exactly. Edges along x are counted along z and y, those along y along x and
+   !! z, those along z along x and y.
    ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine add_edges(grid, start, first, local, x_share, y_share, z_share, stress, &
       patch, factor)
@@ -373,8 +372,7 @@ contains
       end do
    end subroutine add_edges
 
-   !> Force on the nodes of a cell: what an edge gives to its lower node it takes from its upper
-   !! one.
+   !> Force on the nodes of a cell: an edge adds to its lower node the opposite of its upper one.
    pure subroutine join_edges(grid, cell, kept, rows, numbers, patch)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                            !! Cell of the tile, from 0
@@ -402,7 +400,7 @@ contains
       end do
    end subroutine join_edges
 
-   !> Add what edges along y and z give to the nodes.
+   !> Add the forces of edges along y and z to the nodes.
    pure subroutine add_ends(y, z, sums)
       real(wp), intent(in) :: y(edges)                       !! (along x, z) Of edges along y
       real(wp), intent(in) :: z(2, 2)                        !! (along x, y) Of edges along z

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The particles of a tile as the shape functions see them: cells, local coordinates, values of the
+!> Data of the particles of a tile for the shape functions: cells, local coordinates, values of the
 !! functions; scratch space of a thread.
 !!
-!! A particle q of the store has index q - first + 1 in its tile. What the method does not need is
-!! not allocated.
+!! A particle q of the store has index q - first + 1 in its tile. Arrays that the method does not
+!! need are not allocated.
 module transfer_shape_data
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -28,7 +28,7 @@ module transfer_shape_data
       !> (particle, 3) Local coordinate from the second of these nodes on, negative where the first
       !! of them is the first node of the cell [cells]
       real(wp), allocatable :: local(:, :)
-      !> (particle, 3) How far functions reach beyond the cells beside their node [cells]
+      !> (particle, 3) Extent of functions beyond the cells adjacent to their node [cells]
       real(wp), allocatable :: overhang(:, :)
       integer, allocatable :: low(:, :)              !! (particle, 3) First node that counts, 1 or 2
    contains
@@ -68,7 +68,7 @@ module transfer_shape_data
       type(corner_data_t) :: corner
       !> (edge, cell) Factors of the part of the gradient on the cell, if sums are normalised [1]
       real(wp), allocatable :: factor(:, :)
-      real(wp), allocatable :: vector(:, :)          !! (particle, 3) What is mapped
+      real(wp), allocatable :: vector(:, :)          !! (particle, 3) Mapped values
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
       real(wp), allocatable :: affine(:, :)          !! (particle, 9) Linear velocity fields [1/s]
       real(wp), allocatable :: increments(:, :)      !! (particle, column) Of `transfer_increments`
@@ -108,7 +108,7 @@ contains
       allocate (self%affine(column_length(particles), 9))
    end subroutine shape_reserve_affine
 
-   !> Reserve memory for what particles get from the nodes. Former values are lost.
+   !> Reserve memory for the values gathered from the nodes. Previous values are lost.
    pure subroutine shape_reserve_increments(self, particles, columns)
       class(shape_data_t), intent(inout) :: self
       integer, intent(in) :: particles               !! Most particles in a tile
@@ -205,8 +205,8 @@ contains
          self%inverse(9, n))
    end subroutine corner_reserve
 
-   !> Length of columns for some particles. It is not a power of two, since such columns would share
-   !! a few sets of the cache.
+   !> Length of columns for some particles. It is not a power of two, because such columns would map
+   !! to few cache sets.
    pure integer function column_length(particles) result(length)
       integer, intent(in) :: particles               !! Particles of a tile
 

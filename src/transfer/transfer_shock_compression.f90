@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The compression that artificial viscosity sees: what is left of it after the part that the
+!> The compression that artificial viscosity resists: the compression less the part that the
 !! gradients of the nodes around predict.
 !!
 !! In a cell whose neighbours are compressed at the same rate the velocity is linear, and there is
@@ -26,7 +26,7 @@ module transfer_shock_compression
 contains
 
    !> Trace of the strain of the step that viscosity resists, for the particles of a tile. The hoop
-   !! strain of axisymmetry is no part of it: it is the same all the way around, never a jump.
+   !! strain of axisymmetry is not part of it: it is uniform around the axis, never a jump.
    pure subroutine find_jump(grid, start, velocity, gradient, strain, jump)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -52,8 +52,8 @@ contains
 
    !> Trace of the strain of the step that viscosity resists where sums are normalised, for the
    !! particles of a tile: at most what the edges of the cell are compressed by, but a fourth of it
-   !! in any case. Particles that answer for more than their own volume are strained by more than
-   !! their surroundings, and viscosity goes by the square of that. Hoop strains count as they are.
+   !! in any case. Particles that represent more than their own volume are strained more than their
+   !! surroundings, and viscosity depends on the square of that. Hoop strains are not limited.
    pure subroutine bound_jump(grid, start, velocity, dt, strain, jump)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -116,8 +116,8 @@ contains
       rate = rate*2.0_wp/(real(last, wp)*grid%spacing)
    end function compression
 
-   !> Share of the compression of a cell that is not smooth: 0 to 1. A node without cells of weight
-   !! has no gradient, so isolated particles keep all of it.
+   !> Fraction of the compression of a cell that is not smooth: 0 to 1. A node without cells of
+   !! weight has no gradient, so isolated particles keep all of it.
    pure real(wp) function share_left(grid, base, velocity, gradient) result(left)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: base                            !! First node of the cell

@@ -5,8 +5,7 @@
 !! Four columns of the nodes are the lanes, and the particles are taken one by one. Lines of nodes
 !! are contracted along x first, with functions and derivatives, then lines along y, then layers
 !! along z. There are kernels for particles that touch three and four nodes along each direction.
-!! The
-!! functions of some particles are copied to where their distance in memory is known.
+!! The functions of some particles are copied to an array with a compile-time stride.
 module transfer_spline_gather
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -27,7 +26,7 @@ contains
       integer, intent(in) :: count                           !! Particles of the tile
       type(spline_data_t), intent(in) :: spline
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (column, node)
-      integer, intent(in) :: skip                            !! Columns of the values before them
+      integer, intent(in) :: skip                            !! Column offset in the values
       real(wp), contiguous, intent(inout) :: values(:, :)    !! (particle of the tile, column)
       real(wp) :: wide(lanes, size(nodes, 2)), weight(batch, line, 3), found(lanes, batch)
       integer :: first, c, before, number, p, low, high
@@ -50,8 +49,8 @@ contains
       end do
    end subroutine gather_spline_values
 
-   !> Velocities and positions of particles: a share of the old velocity and what the nodes add, and
-   !! the way with a node velocity. The functions are copied once for both.
+   !> Velocities and positions of particles: a fraction of the old velocity plus the increment of
+   !! the nodes, and the displacement with a node velocity. The functions are copied once for both.
    pure subroutine gather_spline_motion(grid, count, spline, first, increment, advection, kept, &
       dt, velocity, position)
       type(grid_t), intent(in) :: grid
@@ -149,8 +148,8 @@ contains
    !> Functions of some particles.
    pure subroutine copy_functions(reach, before, number, rows, functions, copy)
       integer, intent(in) :: reach                           !! Nodes along a line
-      integer, intent(in) :: before                          !! Particles before them
-      integer, intent(in) :: number                          !! Of them
+      integer, intent(in) :: before                          !! Index offset
+      integer, intent(in) :: number                          !! Their number
       integer, intent(in) :: rows                            !! Length of the next
       real(wp), intent(in) :: functions(rows, line, 3)       !! (particle, node, direction)
       real(wp), intent(inout) :: copy(batch, line, 3)        !! The same for some particles
@@ -171,7 +170,7 @@ contains
       integer, intent(in) :: number                          !! Of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
-      integer, intent(in) :: stride(3)                       !! Way from node to node
+      integer, intent(in) :: stride(3) !! Distance from node to node in the array
       integer, intent(in) :: nodes                           !! Nodes of the tile
       real(wp), intent(in) :: u(lanes, nodes)                !! (lane, node)
       real(wp), intent(inout) :: found(lanes, batch)         !! (lane, particle)
@@ -188,7 +187,7 @@ contains
       integer, intent(in) :: number                          !! Of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
-      integer, intent(in) :: stride(3)                       !! Way from node to node
+      integer, intent(in) :: stride(3) !! Distance from node to node in the array
       integer, intent(in) :: nodes                           !! Nodes of the tile
       real(wp), intent(in) :: u(lanes, nodes)                !! (lane, node)
       real(wp), intent(inout) :: found(lanes, batch)         !! (lane, particle)
@@ -224,7 +223,7 @@ contains
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       real(wp), intent(in) :: s(batch, line, 3)              !! The same: derivatives [1/m]
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
-      integer, intent(in) :: stride(3)                       !! Way from node to node
+      integer, intent(in) :: stride(3) !! Distance from node to node in the array
       integer, intent(in) :: nodes                           !! Nodes of the tile
       real(wp), intent(in) :: u(lanes, nodes)                !! (lane, node)
       real(wp), intent(inout) :: found(lanes, 3, batch)      !! (lane, direction, particle)
@@ -272,7 +271,7 @@ contains
       integer, intent(in) :: number                          !! Of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
-      integer, intent(in) :: stride(3)                       !! Way from node to node
+      integer, intent(in) :: stride(3) !! Distance from node to node in the array
       integer, intent(in) :: nodes                           !! Nodes of the tile
       real(wp), intent(in) :: u(lanes, nodes)                !! (lane, node)
       real(wp), intent(inout) :: found(lanes, batch)         !! (lane, particle)
@@ -310,7 +309,7 @@ contains
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       real(wp), intent(in) :: s(batch, line, 3)              !! The same: derivatives [1/m]
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
-      integer, intent(in) :: stride(3)                       !! Way from node to node
+      integer, intent(in) :: stride(3) !! Distance from node to node in the array
       integer, intent(in) :: nodes                           !! Nodes of the tile
       real(wp), intent(in) :: u(lanes, nodes)                !! (lane, node)
       real(wp), intent(inout) :: found(lanes, 3, batch)      !! (lane, direction, particle)

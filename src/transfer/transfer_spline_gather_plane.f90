@@ -2,9 +2,9 @@
 !> From nodes to particles in scenes of one and two dimensions, with shape functions that are
 !! products of functions of one coordinate, given along x and z on the nodes -1 to 2 of the cell.
 !!
-!! All particles of a cell share a block of 4 x 4 nodes, and are the lanes. On a line all layers are
-!! the same nodes, and only the first has a function that is not zero. Components of vectors
-!! along y are not used.
+!! All particles of a cell use the same block of 4 x 4 nodes, and are the lanes. On a line all
+!! layers are the same nodes, and only the first has a function that is not zero. Components of
+!! vectors along y are not used.
 module transfer_spline_gather_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -83,7 +83,7 @@ contains
    !> Values of a column at the particles of a cell.
    pure subroutine add_values(low, high, rows, x, z, u, values)
       integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
+      integer, intent(in) :: high                            !! Last index
       integer, intent(in) :: rows                            !! Length of columns
       real(wp), intent(in) :: x(rows, line), z(rows, line)   !! (particle, node) Functions
       real(wp), intent(in) :: u(line, line)                  !! (along x, along z) On the nodes
@@ -104,7 +104,7 @@ contains
    ! gate: long kernel because functions and derivatives are arrays of their own
    pure subroutine add_slopes(low, high, rows, x, z, dx, dz, u, along_x, along_z)
       integer, intent(in) :: low                             !! First particle of the cell
-      integer, intent(in) :: high                            !! Last one
+      integer, intent(in) :: high                            !! Last index
       integer, intent(in) :: rows                            !! Length of columns
       real(wp), intent(in) :: x(rows, line), z(rows, line)   !! (particle, node) Functions
       real(wp), intent(in) :: dx(rows, line), dz(rows, line) !! Their derivatives [1/m]

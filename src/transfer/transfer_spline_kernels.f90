@@ -4,9 +4,9 @@
 !! In three dimensions products of functions along y and z of some particles are found at once, with
 !! particles as lanes. Then the particles are added one by one, with four columns as lanes, and only
 !! to the nodes that they touch: there are kernels for three and for four along each direction. The
-!! sums of a tile lie by themselves, four a node, and are added to the patch at once. So few
-!! particles in a cell cost hardly more than many, and the bits of a particle do not depend on
-!! others.
+!! sums of a tile are kept in an array of their own, four per node, and are added to the patch at
+!! the end. So cells with few particles cost little more than cells with many, and the bits of a
+!! particle do not depend on others.
 module transfer_spline_kernels
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -69,7 +69,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
       if (grid%active(2)) then
@@ -85,7 +85,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       type(lines_t) :: lines
       real(wp) :: part(columns, batch), sums(columns*size(patch, 2))
@@ -116,8 +116,8 @@ contains
    !> Functions along x, and products of functions along y and z, of some particles.
    pure subroutine multiply_lines(shape, skipped, number, lines)
       type(shape_data_t), intent(in) :: shape
-      integer, intent(in) :: skipped                         !! Particles before them
-      integer, intent(in) :: number                          !! Of them
+      integer, intent(in) :: skipped                         !! Index offset
+      integer, intent(in) :: number                          !! Their number
       type(lines_t), intent(inout) :: lines
       integer :: p, i, j, k, reach
 
@@ -144,8 +144,8 @@ contains
    !> The same with derivatives along one of the directions.
    pure subroutine multiply_slopes(shape, skipped, number, lines)
       type(shape_data_t), intent(in) :: shape
-      integer, intent(in) :: skipped                         !! Particles before them
-      integer, intent(in) :: number                          !! Of them
+      integer, intent(in) :: skipped                         !! Index offset
+      integer, intent(in) :: number                          !! Their number
       type(lines_t), intent(inout) :: lines
       integer :: p, i, j, k, reach
 
@@ -176,7 +176,7 @@ contains
       type(lines_t), intent(in) :: lines
       real(wp), intent(in) :: values(columns, batch)         !! (column, particle)
       integer, intent(in) :: up(3)                           !! Numbers from node to node
-      integer, intent(in) :: numbers                         !! Four a node of the tile
+      integer, intent(in) :: numbers                         !! Four per node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
       integer :: p, j, k
 
@@ -209,7 +209,7 @@ contains
       real(wp), intent(in) :: w1, w2, w3                     !! Functions of its nodes
       real(wp), intent(in) :: values(columns)                !! (column)
       integer, intent(in) :: before                          !! Numbers before the line
-      integer, intent(in) :: numbers                         !! Four a node of the tile
+      integer, intent(in) :: numbers                         !! Four per node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
       real(wp) :: value
       integer :: c
@@ -230,7 +230,7 @@ contains
       real(wp), intent(in) :: w1, w2, w3, w4                 !! Functions of its nodes
       real(wp), intent(in) :: values(columns)                !! (column)
       integer, intent(in) :: before                          !! Numbers before the line
-      integer, intent(in) :: numbers                         !! Four a node of the tile
+      integer, intent(in) :: numbers                         !! Four per node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
       real(wp) :: value
       integer :: c
@@ -310,7 +310,7 @@ contains
       type(lines_t), intent(in) :: lines
       real(wp), intent(in) :: load(columns, 3, batch)        !! (component, direction, particle)
       integer, intent(in) :: up(3)                           !! Numbers from node to node
-      integer, intent(in) :: numbers                         !! Four a node of the tile
+      integer, intent(in) :: numbers                         !! Four per node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
       real(wp) :: along, across, w1, w2, w3, s1, s2, s3
       integer :: p, j, k, c, at
@@ -346,7 +346,7 @@ contains
       type(lines_t), intent(in) :: lines
       real(wp), intent(in) :: load(columns, 3, batch)        !! (component, direction, particle)
       integer, intent(in) :: up(3)                           !! Numbers from node to node
-      integer, intent(in) :: numbers                         !! Four a node of the tile
+      integer, intent(in) :: numbers                         !! Four per node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
       real(wp) :: along, across, w1, w2, w3, w4, s1, s2, s3, s4
       integer :: p, j, k, c, at
@@ -436,7 +436,7 @@ contains
       real(wp), intent(in) :: y(columns*line)                !! Second one
       real(wp), intent(in) :: z(columns*line)                !! Third one
       integer, intent(in) :: before                          !! Numbers before the line
-      integer, intent(in) :: numbers                         !! Four a node of the tile
+      integer, intent(in) :: numbers                         !! Four per node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
       integer :: n
 

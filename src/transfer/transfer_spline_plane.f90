@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Maps with shape functions that are products of functions of one coordinate, in one and two
 !! dimensions: a layer along z is one line along x. Otherwise as in `transfer_spline_kernels`, whose
-!! node
-!! sums and node values these are; functions come as whole arrays, so that a particle finds them
-!! without a look into what holds them.
+!! node sums and node values these are; functions come as whole arrays, so that they are indexed
+!! directly.
 module transfer_spline_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -32,7 +31,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       real(wp) :: part(columns, shape%count), sums(columns*size(patch, 2))
       integer :: p, c, skip
@@ -63,7 +62,7 @@ contains
       real(wp), intent(in) :: weight(rows, line, 3)          !! (particle, node, direction)
       integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
       real(wp), contiguous, intent(in) :: values(:, :)       !! (column, particle of the tile)
-      integer, intent(in) :: numbers                         !! Four a node of the tile
+      integer, intent(in) :: numbers                         !! Four per node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (column, node), flat
       real(wp) :: w1, w2, w3, w4, value
       integer :: cell, p, k, c, at, up
@@ -131,7 +130,7 @@ contains
       integer, intent(in) :: low(rows, 3)                    !! (particle, direction) First node
       !> (component, direction, particle of the tile) [N m]
       real(wp), contiguous, intent(in) :: load(:, :, :)
-      integer, intent(in) :: numbers                         !! Four a node of the tile
+      integer, intent(in) :: numbers                         !! Four per node of the tile
       real(wp), intent(inout) :: sums(numbers)               !! (component, node), flat
       real(wp) :: along, across, w1, w2, w3, w4, s1, s2, s3, s4, z, slope_z
       integer :: cell, p, k, c, at, up
@@ -172,12 +171,12 @@ contains
       integer, intent(in) :: nodes                           !! Nodes of the tile
       integer, intent(in) :: number                          !! Columns that are added
       real(wp), intent(in) :: sums(columns, nodes)           !! (column, node)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
       integer :: node, c
 
       if (number == columns) then
-         ! a number that the compiler knows makes the columns one vector
+         ! a compile-time constant makes the columns one vector
          do node = low, high
             !$omp simd
             do c = 1, columns

@@ -37,8 +37,8 @@ module transfer_tensor
    end type basis_tensor_t
 
    abstract interface
-      !> How far the function of a node reaches beyond the cells beside it, for each particle of a
-      !! tile [cells]: one with a smaller local coordinate touches the node before its cell.
+      !> Extent of the function of a node beyond its adjacent cells, for each particle of a tile
+      !! [cells]: a particle with a smaller local coordinate touches the node before its cell.
       pure subroutine find_overhang_i(self, grid, store, tile, direction, overhang)
          import :: basis_tensor_t, grid_t, store_t, wp
          implicit none
@@ -76,8 +76,7 @@ contains
       margin = 1
    end function tensor_margin
 
-   !> Nodes along a line that a particle touches, counted from `low` on; three, unless the basis
-   !! says otherwise.
+   !> Nodes along a line that a particle touches, counted from `low` on; default: three.
    pure integer function tensor_reach(self) result(reach)
       class(basis_tensor_t), intent(in) :: self
 
@@ -225,7 +224,7 @@ contains
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: count                           !! Number of columns
       real(wp), contiguous, intent(in) :: values(:, :)       !! (particle of the tile, column)
-      integer, intent(in) :: before                          !! Columns of the patch before them
+      integer, intent(in) :: before                          !! Column offset in the patch
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
 
       call scatter_spline_values(grid, layers_after(self, grid), shape, count, values, before, &

@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How node velocities come back to particles, and particle velocities to nodes.
+!> Transfer of velocities from nodes to particles, and from particles to nodes.
 !!
-!! By default a transfer is PIC: v <- S (u + a dt), with u and a velocity and
-!! acceleration of the nodes, dt the time that the forces act, and S the way from nodes to
-!! particles. Velocities are defined midway between positions, so u + a dt also moves the particles
-!! through the whole step. Each transfer overrides what differs.
+!! By default a transfer is PIC: v <- S (u + a dt), with u and a velocity and acceleration of the
+!! nodes, dt the time that the forces act, and S the map from nodes to particles. Velocities are
+!! defined midway between positions, so u + a dt also moves the particles through the whole step.
+!! Each transfer overrides what differs.
 !!
 !! Some transfers use the series w = y_0 + y_1 + ... + y_n of node velocities with y_(s+1) = y_s -
-!! S^+ S y_s, where S^+ is the way from particles to nodes, divided by the mass of nodes. With n + 1
+!! S^+ S y_s, where S^+ is the map from particles to nodes, divided by the mass of nodes. With n + 1
 !! = k it is the sum over l of (-1)**(l+1) binomial(k, l) (S^+ S)**(l-1) y_0, without its large
 !! terms of alternating sign. Each y is one sweep from nodes to particles and back. Equations (T.1),
 !! (T.2) and (T.5) of doc/theory/transfers.md.
@@ -28,15 +28,15 @@ module transfer_velocity
    type, abstract :: velocity_t
    contains
       procedure :: declare => velocity_declare       !! Declares its keys, if it has any
-      procedure :: read => velocity_read             !! Reads them
+      procedure :: read => velocity_read             !! Reads the keys
       procedure :: affine => velocity_affine         !! Do particles carry a linear velocity field?
-      procedure :: turning => velocity_turning       !! Do they carry its rotation only?
+      procedure :: turning => velocity_turning       !! True if particles carry the rotation only
       procedure :: flip_fraction => velocity_flip_fraction
       procedure :: sweeps => velocity_sweeps         !! Terms n of the series
       procedure :: first_term => velocity_first_term !! Its first term
       procedure :: loss_weight => velocity_loss_weight !! Share of its terms in the lost energy
-      procedure :: velocity_increment => velocity_increment !! What nodes add to particle velocities
-      procedure :: advection_velocity => velocity_advection !! What nodes add to particle positions
+      procedure :: velocity_increment => velocity_increment !! Velocity increment of particles
+      procedure :: advection_velocity => velocity_advection !! Advection velocity of particles
       procedure :: heat_fields => velocity_heat_fields !! Node fields of the lost kinetic energy
       procedure :: heat => velocity_heat             !! Gives it to the particles
    end type velocity_t
@@ -63,7 +63,7 @@ contains
       affine = .false.
    end function velocity_affine
 
-   !> Do particles carry the rotation of the velocity around them and nothing else of it?
+   !> True if particles carry only the rotation of the velocity around them.
    pure logical function velocity_turning(self) result(turning)
       class(velocity_t), intent(in) :: self
 
@@ -95,8 +95,8 @@ contains
       term = velocity
    end subroutine velocity_first_term
 
-   !> Factor of <y_0, A**power y_0>, A = 1 - S^+ S, in the kinetic energy that the series loses, as
-   !! far as it is summed over nodes, 2 to 2 n.
+   !> Factor of <y_0, A**power y_0>, A = 1 - S^+ S, in the part of the dissipated kinetic energy of
+   !! the series that is summed over nodes, 2 to 2 n.
    pure real(wp) function velocity_loss_weight(self, power) result(weight)
       class(velocity_t), intent(in) :: self
       integer, intent(in) :: power                           !! Power of A
@@ -104,7 +104,7 @@ contains
       weight = 0.0_wp
    end function velocity_loss_weight
 
-   !> What nodes add to particle velocities: v <- f v + S increment. Equation (T.1).
+   !> Velocity increment of particles: v <- f v + S increment. Equation (T.1).
    pure subroutine velocity_increment(self, dt, acceleration, filtered, increment)
       class(velocity_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
@@ -115,7 +115,8 @@ contains
       call combine(dt, acceleration, 1.0_wp - self%flip_fraction(), filtered, increment)
    end subroutine velocity_increment
 
-   !> What moves the particles: x <- x + S advection times the length of the step. Equation (T.2).
+   !> Advection velocity of particles: x <- x + S advection times the length of the step. Equation
+   !! (T.2).
    pure subroutine velocity_advection(self, dt, velocity, acceleration, filtered, advection)
       class(velocity_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
@@ -128,7 +129,7 @@ contains
    end subroutine velocity_advection
 
    !> Node fields that `heat` uses.
-   ! gate: long kernel because it sees all that the nodes know
+   ! gate: long kernel because it uses all node fields
    pure subroutine velocity_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
       class(velocity_t), intent(in) :: self
@@ -137,7 +138,7 @@ contains
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y_n [m/s]
-      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Lost by it [J/kg]
+      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Dissipated energy [J/kg]
       real(wp), allocatable, intent(inout) :: fields(:, :) !! (column, node) At most nine columns
       real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) A tenth one
       real(wp) :: given
@@ -156,8 +157,8 @@ contains
       end do
    end subroutine velocity_heat_fields
 
-   !> Give the kinetic energy that gets lost on the way from particles to nodes and back to the
-   !! particles as heat, before they get their new velocities.
+   !> Convert the kinetic energy that the transfer to the nodes and back dissipates to heat of the
+   !! particles, before they get their new velocities.
    ! gate: long kernel because columns of a tile are arguments of their own
    pure subroutine velocity_heat(self, grid, basis, shape, first, fields, scalar, velocity, energy)
       class(velocity_t), intent(in) :: self

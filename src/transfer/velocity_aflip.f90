@@ -19,7 +19,7 @@ module velocity_aflip
 
 contains
 
-   !> The share is declared by FLIP for both.
+   !> FLIP declares the fraction for both.
    subroutine aflip_declare(self, schema)
       class(velocity_aflip_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> In FLIP particles keep their velocity and take the increments of the nodes (J. U. Brackbill, H.
-!! M. Ruppel, J. Comput. Phys. 65 (1986) 314), with a share of PIC. Equations (T.1) and (T.2) of
+!! M. Ruppel, J. Comput. Phys. 65 (1986) 314), with a PIC fraction. Equations (T.1) and (T.2) of
 !! doc/theory/transfers.md.
 module velocity_flip
    use base_deck, only: deck_t, group_t
@@ -23,16 +23,16 @@ module velocity_flip
 
 contains
 
-   !> Declare the share, for all transfers that have one.
+   !> Declare the FLIP fraction, for all transfers that have one.
    subroutine flip_declare(self, schema)
       class(velocity_flip_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%real("method", "flip", "share of FLIP, the rest is PIC", default="0.999", &
+      call schema%real("method", "flip", "FLIP fraction; the rest is PIC", default="0.999", &
          range=">= 0 <= 1", owner="transfer = flip aflip rflip")
    end subroutine flip_declare
 
-   !> Read the share.
+   !> Read the FLIP fraction.
    subroutine flip_read(self, deck, group)
       class(velocity_flip_t), intent(inout) :: self
       type(deck_t), intent(inout) :: deck

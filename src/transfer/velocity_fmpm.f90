@@ -18,8 +18,8 @@ module velocity_fmpm
       procedure :: declare => fmpm_declare           !! Nothing of its own
       procedure :: first_term => fmpm_first_term     !! Velocity after the forces
       procedure :: loss_weight => fmpm_loss_weight   !! Share of terms in the lost energy
-      procedure :: velocity_increment => fmpm_increment !! What nodes add to velocities
-      procedure :: advection_velocity => fmpm_advection !! What nodes add to positions
+      procedure :: velocity_increment => fmpm_increment !! Velocity increment
+      procedure :: advection_velocity => fmpm_advection !! Advection velocity
       procedure :: heat_fields => fmpm_heat_fields   !! Node fields of the lost energy
       procedure :: mixing => fmpm_mixing             !! Factors of gathered fields in it
    end type velocity_fmpm_t
@@ -43,9 +43,10 @@ contains
       term = velocity + dt*acceleration
    end subroutine fmpm_first_term
 
-   !> Half the sum of the powers from k to 2 k - 1, less half of that from 1 to k - 1, which the way
-   !! back gains; what is lost on the way to the nodes outweighs it. The first power is a variance
-   !! of the velocity itself, which would see a uniform velocity on the nodes: particles take it.
+   !> Half the sum of the powers from k to 2 k - 1, less half of that from 1 to k - 1, which the
+   !! transfer back gains; the loss in the transfer to the nodes outweighs it. The first power is a
+   !! variance of the velocity itself and would include a uniform velocity on the nodes, so the
+   !! particles compute it.
    pure real(wp) function fmpm_loss_weight(self, power) result(weight)
       class(velocity_fmpm_t), intent(in) :: self
       integer, intent(in) :: power                           !! Power of A
@@ -79,9 +80,9 @@ contains
    end subroutine fmpm_advection
 
    !> With y the last term, r = v - S u, a for a dt, and var and cov of node values at a particle:
-   !! 1/2 r**2 on the way to the nodes, 1/2 var(u) - 1/2 var(u + a) there and back, 1/2 var(y) and
-   !! the terms that nodes know. Order 1 is PIC and loses both variances. Equation (T.12).
-   ! gate: long kernel because it sees all that the nodes know
+   !! 1/2 r**2 in the transfer to the nodes, 1/2 var(u) - 1/2 var(u + a) there and back, 1/2 var(y)
+   !! and the terms of the nodes. Order 1 is PIC and loses both variances. Equation (T.12).
+   ! gate: long kernel because it uses all node fields
    pure subroutine fmpm_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
       class(velocity_fmpm_t), intent(in) :: self
@@ -90,7 +91,7 @@ contains
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y [m/s]
-      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Lost by it [J/kg]
+      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Dissipated energy [J/kg]
       real(wp), allocatable, intent(inout) :: fields(:, :)   !! (9, node) u, a dt, y
       real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) [J/kg]
 

@@ -8,7 +8,7 @@ module velocity_pic
 
    public :: velocity_pic_t
 
-   !> What every transfer is unless it says otherwise.
+   !> The default of all transfers.
    type, extends(velocity_t) :: velocity_pic_t
    end type velocity_pic_t
 end module velocity_pic

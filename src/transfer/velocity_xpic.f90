@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> XPIC of order k: the node velocity before the forces is replaced by the sum of k terms of the
-!! series, so that particles lose only what nodes cannot see; the acceleration is added to it. C.
-!! Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724; but the position moves
-!! with the new node velocity, as velocities stand between positions. Equation (T.6) of
-!! doc/theory/transfers.md.
+!! series, so that particles lose only the components that nodes cannot represent; the acceleration
+!! is added to it. C. Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724; but
+!! the position moves with the new node velocity, as velocities stand between positions. Equation
+!! (T.6) of doc/theory/transfers.md.
 module velocity_xpic
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -31,9 +31,9 @@ contains
       class(velocity_xpic_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
 
-      call schema%integer("method", "order_k", "order of the filter of velocities: terms of "// &
-         "its series; xpic has 2 at least", default="2", range=">= 1 <= 100", &
-         owner="transfer = xpic fmpm")
+      call schema%integer("method", "order_k", &
+         "order of the velocity filter, the number of terms of its series; at least 2 for xpic", &
+         default="2", range=">= 1 <= 100", owner="transfer = xpic fmpm")
    end subroutine xpic_declare
 
    !> Read the order. The first one is PIC.
@@ -57,8 +57,8 @@ contains
    end function xpic_loss_weight
 
    !> With y the last term, r = v - S w, a for a dt, and var and cov of node values at a particle:
-   !! 1/2 r**2 + 1/2 var(a) + cov(a, y) + var(y) and the terms that nodes know. Equation (T.11).
-   ! gate: long kernel because it sees all that the nodes know
+   !! 1/2 r**2 + 1/2 var(a) + cov(a, y) + var(y) and the terms of the nodes. Equation (T.11).
+   ! gate: long kernel because it uses all node fields
    pure subroutine xpic_heat_fields(self, dt, velocity, acceleration, filtered, last, loss, &
       fields, scalar)
       class(velocity_xpic_t), intent(in) :: self
@@ -67,7 +67,7 @@ contains
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
       real(wp), contiguous, intent(in) :: filtered(:, :)     !! (3, node) Sum of the series w [m/s]
       real(wp), contiguous, intent(in) :: last(:, :)         !! (3, node) Its last term y [m/s]
-      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Lost by it [J/kg]
+      real(wp), contiguous, intent(in) :: loss(:, :)         !! (1, node) Dissipated energy [J/kg]
       real(wp), allocatable, intent(inout) :: fields(:, :)   !! (9, node) w, a dt, y
       real(wp), allocatable, intent(inout) :: scalar(:, :)   !! (1, node) [J/kg]
 

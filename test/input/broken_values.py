@@ -250,7 +250,7 @@ NUMBERS = [
     ("sand", "cfl = 0.3", "wall_limit = 'soon'", 4,
      "&time: wall_limit = 'soon' must be 'none', 'slurm', or hours, minutes and seconds"),
     ("sand", "cfl = 0.3", "stop_when = 'at_rest'", 4,
-     "&time: stop_value must be given (kinetic_below: energy in J; at_rest: fraction of the"),
+     "&time: stop_value must be given (threshold: kinetic_below: energy in J; at_rest: fraction"),
     ("sand", "cfl = 0.3", "stop_when = 'at_rest'  stop_value = 0", 4,
      "&time: stop_value = 0  <- must be > 0"),
     ("sand", "cfl = 0.3", "on_bad = 'retire'  retire_max = 2", 4,

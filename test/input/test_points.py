@@ -196,7 +196,7 @@ class Points(unittest.TestCase):
         first = self.lattice()[0]
         said = self.run_of("told", f"shape = 'points'  file = '{first.path('_p_000000.hdf')}'",
                            options=("--check", "--no-estimate")).output
-        self.assertIn(f"points     {first.summary['particles']} in 1 bodies", said)
+        self.assertIn(f"particles  {first.summary['particles']} in 1 bodies", said)
         self.assertIn("list       one: 1088 of 1088 points of the file, which hold 0.265625 m3", said)
 
     def test_refused(self):

@@ -136,7 +136,7 @@ def write(folder, seed=1, stages=STAGES, snapshots=12, count=300):
     lines = [",".join(COLUMNS), *(",".join(f"{value:.17g}" for value in row) for row in rows)]
     (folder / f"{CASE}_history.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     (folder / f"{CASE}.echo.nml").write_text(echo(stages), encoding="utf-8")
-    summary = json.dumps({"exit_code": 0, "reason": "last stage done"})
+    summary = json.dumps({"exit_code": 0, "reason": "last stage finished"})
     (folder / f"{CASE}.summary.json").write_text(summary, encoding="utf-8")
     write_contacts(folder, stages, ends, generator, snapshots, count)
     head = "step,stage,time [s],relaxed,component,xx [Pa],yy [Pa],zz [Pa],xy [Pa],xz [Pa],yz [Pa],pressure [Pa]"
