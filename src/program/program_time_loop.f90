@@ -39,6 +39,8 @@ module program_time_loop
    contains
       procedure :: begin => time_loop_begin          !! Write the first output
       procedure :: step => time_loop_step            !! Do one step
+      procedure :: write_all => time_loop_write_all  !! Write all output now
+      procedure :: checkpoint => time_loop_checkpoint !! Write a checkpoint now
       procedure :: end => time_loop_end              !! Write the last output
    end type time_loop_t
 
@@ -129,6 +131,30 @@ contains
       self%code = code
       self%reason = reason
    end subroutine test_criteria
+
+   !> Write the present state to all streams that have not written it yet. What is due later does
+   !! not change. Collective.
+   subroutine time_loop_write_all(self, simulation, outputs, log, error)
+      class(time_loop_t), intent(in) :: self
+      type(simulation_t), intent(inout) :: simulation
+      type(outputs_t), intent(inout) :: outputs      !! Open streams
+      type(log_t), intent(inout) :: log              !! Gets names of files
+      type(error_t), allocatable, intent(out) :: error !! A file cannot be written
+
+      call write_outputs(simulation, outputs, .true., log, error)
+   end subroutine time_loop_write_all
+
+   !> Write a checkpoint of the present state. Collective.
+   subroutine time_loop_checkpoint(self, simulation, outputs, place, log, error)
+      class(time_loop_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
+      type(outputs_t), intent(in) :: outputs         !! Their counters are part of it
+      type(checkpoint_place_t), intent(inout) :: place !! Folder and numbers of checkpoints
+      type(log_t), intent(inout) :: log              !! Gets its name
+      type(error_t), allocatable, intent(out) :: error !! Not written; older ones are unchanged
+
+      call write_logged_checkpoint(simulation, outputs, place, log, self%clock, error)
+   end subroutine time_loop_checkpoint
 
    !> Write the final state, and a checkpoint where one is due. Collective.
    subroutine time_loop_end(self, simulation, outputs, place, limits, log, error)

@@ -17,22 +17,25 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import plot as plot
-    from .errors import DeckError, FileProblem, InternalError, Interrupted, PhysicsError, ScreeError
+    from .errors import DeckError, FileProblem, InternalError, Interrupted, PhysicsError, ScreeError, StaleView
     from .launch import run
     from .program import find_program
     from .results import Run, Tables, read_table
     from .results import open_run as open
+    from .simulation import Simulation
     from .snapshot import Snapshot, Snapshots
     from .study import sweep
 
 __version__ = "0.1.0"
-__all__ = ["DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Run", "ScreeError", "Snapshot",
-           "Snapshots", "Tables", "find_program", "open", "plot", "read_table", "run", "sweep"]
+__all__ = ["DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Run", "ScreeError",
+           "Simulation", "Snapshot", "Snapshots", "StaleView", "Tables", "find_program", "open", "plot", "read_table",
+           "run", "sweep"]
 
 _MODULES = {
-    "errors": ("DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "ScreeError"),
+    "errors": ("DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "ScreeError",
+               "StaleView"),
     "launch": ("run",), "program": ("find_program",), "results": ("Run", "Tables", "open_run", "read_table"),
-    "snapshot": ("Snapshot", "Snapshots"), "study": ("sweep",),
+    "simulation": ("Simulation",), "snapshot": ("Snapshot", "Snapshots"), "study": ("sweep",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
