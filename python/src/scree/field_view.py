@@ -17,7 +17,7 @@ class Owner(Protocol):
         """Changes whenever views become invalid."""
 
 
-_HARMLESS = frozenset(("shape", "dtype", "ndim", "size", "itemsize", "nbytes", "strides", "flags"))
+_HARMLESS = frozenset(("base", "shape", "dtype", "ndim", "size", "itemsize", "nbytes", "strides", "flags"))
 
 
 class FieldView(np.ndarray[Any, Any]):
@@ -28,8 +28,8 @@ class FieldView(np.ndarray[Any, Any]):
     `numpy.asarray(view)` is an ordinary array in the same memory, which no longer checks.
     """
 
-    _owner: Owner | None
-    _generation: int
+    _owner: Owner | None = None
+    _generation: int = 0
 
     def __array_finalize__(self, template: Any) -> None:
         part = isinstance(template, FieldView) and self.base is not None
