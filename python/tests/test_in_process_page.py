@@ -17,8 +17,8 @@ PAGE = Path(__file__).resolve().parents[2] / "doc/guide/in_process.md"
 
 
 def test_examples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Would catch an example that does not run, or results that are not those of the page: a law that relaxes no stress,
-    a spring of another period, a piston that does not reach its stress."""
+    """Would catch an example that does not run, or results that are not those of the page: a law that relaxes no
+    stress, a spring of another period, a piston that does not reach its stress."""
     text = PAGE.read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     said = io.StringIO()

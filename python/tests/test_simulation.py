@@ -62,7 +62,7 @@ def test_two_at_the_same_time(run: scree.Run, tmp_path: Path) -> None:
     fine = scree.run(DECK, {"grid.dx": 0.5}, outdir=tmp_path / "program", progress=False)
     with simulate(tmp_path / "one", DECK) as one, simulate(tmp_path / "two", DECK, set={"grid.dx": 0.5}) as two:
         while one.step() + two.step(3):
-            assert not one.fields["velocity"].shape == two.fields["velocity"].shape
+            assert one.fields["velocity"].shape != two.fields["velocity"].shape
     assert one.finish().summary["digest"] == run.summary["digest"]
     assert two.finish().summary["digest"] == fine.summary["digest"] != run.summary["digest"]
 
@@ -154,7 +154,7 @@ def test_walls_are_steered(tmp_path: Path) -> None:
         left = sim.fields["position"][:, 0].min()
         assert left == pytest.approx(0.4025 + sim.time, abs=1e-4)  # not reached yet: it flies as before
         sim.run()
-        reached = 0.36 + 0.02 + 8.0 * 0.02               # 0.68 if all its way were at 8 m/s; the block rebounds a little
+        reached = 0.36 + 0.02 + 8.0 * 0.02               # 0.68 if all its way were at 8 m/s
         assert reached - 0.01 < sim.fields["position"][:, 0].min() < reached + 0.05
 
 
@@ -193,7 +193,7 @@ def test_several_stores(tmp_path: Path) -> None:
         assert [store.material for store in sim.stores] == ["copper", "iron"]
         assert [store["velocity"][:, 0].mean() for store in sim.stores] == pytest.approx([1000.0, 0.0])
         assert sum(len(store["mass"]) for store in sim.stores) == sim.count
-        with pytest.raises(KeyError, match="stores of copper, iron|those of copper, iron"):
+        with pytest.raises(KeyError, match="those of copper, iron"):
             _ = sim.fields
 
 
@@ -201,11 +201,11 @@ def test_errors_by_exit_code(deck: Path, run: scree.Run, tmp_path: Path, capfd: 
     """Would catch an error that ends the process, prints, or leaves a simulation half open."""
     for options in ({"set": {"grid.dy": 1}}, {"options": ["--check"]}, {"options": ["--colour"]}):
         with pytest.raises(scree.DeckError) as wrong:
-            scree.Simulation(deck, outdir=tmp_path / "never", **options)     # type: ignore[arg-type]
+            scree.Simulation(deck, outdir=tmp_path / "never", **options)
         assert wrong.value.code == 2 and wrong.value.messages
     with pytest.raises(scree.FileProblem, match="overwrite=True"):
         scree.Simulation(deck, outdir=run.folder)
-    with pytest.raises(scree.FileProblem, match="no such file|cannot read|missing"):
+    with pytest.raises(scree.FileProblem, match=r"missing\.nml"):
         scree.Simulation(tmp_path / "missing.nml")
     assert not (tmp_path / "never").exists()
     sim = simulate(tmp_path / "broken")
