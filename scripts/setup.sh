@@ -144,7 +144,7 @@ setup_python() {
    "${python}" -m pip install --quiet --disable-pip-version-check --requirement "${requirements}" \
       || stop_with 3 "pip could not install the packages of scripts/requirements.txt"
    "${python}" -m pip install --quiet --disable-pip-version-check --requirement "${optional}" \
-      || say "pip could not install the packages of scripts/requirements_optional.txt, which says what lacks without them"
+      || say "pip could not install scripts/requirements_optional.txt, which names the effect"
    link_packages || stop_with 3 "pip could not install the folder python"
    cat "${requirements}" "${optional}" > "${stamp}"
    printf '%s\n' "${root}" > "${root}/build/venv/place.stamp"

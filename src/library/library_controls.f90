@@ -90,7 +90,7 @@ contains
    subroutine get_control(simulation, name, values, error)
       type(simulation_t), intent(in) :: simulation
       character(len=*), intent(in) :: name           !! From `control_names`
-      real(wp), intent(out) :: values(3)
+      real(wp), intent(out) :: values(3)             !! Velocity, factor or gravity
       type(error_t), allocatable, intent(out) :: error !! No such control
       integer :: n
 
@@ -198,7 +198,7 @@ contains
       character(len=*), intent(in) :: name
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, exit_input, "no control '"//name//"' in this simulation; only boundaries "// &
-         "that move, rigid regions, loads and constant gravity have one")
+      call fail(error, exit_input, "no control '"//name//"' in this simulation; only "// &
+         "boundaries that move, rigid regions, loads and constant gravity have one")
    end subroutine refuse
 end module library_controls

@@ -150,6 +150,8 @@ contains
          if (known) text = session%simulation%stores(place)%name
       case (text_fields)
          if (known) text = field_list(session%simulation%stores(place))
+      case default
+         text = ""
       end select
    end function answer
 
@@ -182,7 +184,7 @@ contains
    integer(c_int) function scree_control(handle, name, values) bind(c) result(code)
       type(c_ptr), value, intent(in) :: handle
       character(kind=c_char), intent(in) :: name(*)  !! Ends with a null
-      real(c_double), intent(out) :: values(3)
+      real(c_double), intent(out) :: values(3)       !! Velocity, factor or gravity
       type(library_session_t), pointer :: session
       type(error_t), allocatable :: error
 
@@ -197,7 +199,7 @@ contains
    integer(c_int) function scree_steer(handle, name, values) bind(c) result(code)
       type(c_ptr), value, intent(in) :: handle
       character(kind=c_char), intent(in) :: name(*)  !! Ends with a null
-      real(c_double), intent(in) :: values(3)
+      real(c_double), intent(in) :: values(3)        !! Velocity, factor or gravity
       type(library_session_t), pointer :: session
       type(error_t), allocatable :: error
 

@@ -97,8 +97,8 @@ contains
 
       if (message_passing_has_started()) then
          if (message_passing_has_ended()) then
-            call fail(error, exit_input, "MPI was finished in this process, so no simulation can "// &
-               "begin; begin it before, or in another process")
+            call fail(error, exit_input, "MPI was finished in this process, so no simulation "// &
+               "can begin; begin it before, or in another process")
             return
          end if
       else if (given) then
@@ -150,8 +150,8 @@ contains
       type(error_t), allocatable :: error
 
       call self%refuse_ended(error)
-      if (.not. allocated(error)) call self%loop%write_all(self%simulation, self%outputs, self%log, &
-         error)
+      if (.not. allocated(error)) call self%loop%write_all(self%simulation, self%outputs, &
+         self%log, error)
       code = self%note(error)
    end function session_write_output
 
@@ -208,8 +208,8 @@ contains
       class(library_session_t), intent(in) :: self
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. self%running) call fail(error, exit_input, "the simulation has ended; begin a new "// &
-         "one")
+      if (.not. self%running) call fail(error, exit_input, &
+         "the simulation has ended; begin a new one")
    end subroutine session_refuse_ended
 
    !> Keep the message of an error and return its exit code; 0 without an error.

@@ -26,7 +26,7 @@ contains
 
    !> A text of C that ends with a null.
    pure function from_c(letters) result(text)
-      character(kind=c_char), intent(in) :: letters(*)
+      character(kind=c_char), intent(in) :: letters(*) !! From C
       character(len=:), allocatable :: text
       integer :: length, n
 
@@ -42,7 +42,7 @@ contains
 
    !> Words of C, each of which ends with a null.
    subroutine words_from_c(letters, count, words)
-      character(kind=c_char), intent(in) :: letters(*)
+      character(kind=c_char), intent(in) :: letters(*) !! From C
       integer, intent(in) :: count                     !! Number of words
       type(text_t), allocatable, intent(out) :: words(:)
       character(len=:), allocatable :: word

@@ -33,7 +33,7 @@ module program_time_loop
       type(loop_clock_t) :: clock
       type(stop_criteria_t) :: criteria
       logical :: finished = .false.                  !! Has a criterion, or an error, ended the run?
-      logical :: warned = .false.                    !! Has the warning of processor time been given?
+      logical :: warned = .false.                    !! Was the lack of processor time reported?
       integer :: code = exit_success                 !! Exit code
       character(len=:), allocatable :: reason        !! Why the run ended
    contains

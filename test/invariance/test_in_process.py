@@ -3,9 +3,9 @@
 # cores: 2
 """A run in the process of Python has the bits of the program, step by step, on one rank and on two.
 
-Would catch: a time loop of the library that differs from that of the program, state that one simulation leaves to the
-next, results that depend on where the particles are in memory, which reading fields changes, and ranks that do not share
-the run. Guards: runs make many steps, tiles move between ranks, and a field that is written changes the digest.
+Would catch: a time loop of the library that differs from that of the program, state that one simulation leaves to
+the next, results that depend on where the particles are in memory, which reading fields changes, and ranks that do
+not share the run. Guards: runs make many steps, and a field that is written changes the digest.
 """
 
 import importlib.util
