@@ -11,7 +11,13 @@ from pathlib import Path
 import pytest
 
 import scree
+from scree import library
 from scree.simulation import Simulation
+
+try:
+    library.find_library()
+except scree.FileProblem as error:
+    pytest.skip(str(error), allow_module_level=True)
 
 PAGE = Path(__file__).resolve().parents[2] / "doc/guide/in_process.md"
 

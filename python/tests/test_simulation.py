@@ -20,6 +20,11 @@ import scree
 from scree import launch, library
 from scree.field_view import FieldView
 
+try:
+    library.find_library()
+except scree.FileProblem as error:
+    pytest.skip(str(error), allow_module_level=True)
+
 # A block that flies, is pressed by a load, or meets walls that move.
 BLOCK = """
 &run       case = 'block'  dimension = '1d' /
@@ -65,6 +70,22 @@ def test_two_at_the_same_time(run: scree.Run, tmp_path: Path) -> None:
             assert one.fields["velocity"].shape != two.fields["velocity"].shape
     assert one.finish().summary["digest"] == run.summary["digest"]
     assert two.finish().summary["digest"] == fine.summary["digest"] != run.summary["digest"]
+
+
+def test_many_in_a_row(tmp_path: Path) -> None:
+    """Would catch files, communicators and memory that a simulation keeps: open files are as many as before, and a
+    communicator is left for the last one."""
+    with simulate(tmp_path / "first") as sim:
+        sim.step()
+    open_files = len(os.listdir("/proc/self/fd"))
+    for number in range(30):
+        sim = simulate(tmp_path / str(number % 3), overwrite=True)
+        sim.step()
+        if number % 2:
+            sim.close()                                  # without a summary
+        else:
+            sim.finish()
+    assert len(os.listdir("/proc/self/fd")) == open_files
 
 
 def test_fields_are_memory(tmp_path: Path) -> None:

@@ -155,7 +155,7 @@ contains
       end select
    end function answer
 
-   !> Memory of a field of a store, valid until the next step, output or end of the simulation.
+   !> Memory of a field of a store, valid until the next step or the end of the simulation.
    integer(c_int) function scree_field(handle, store, name, view) bind(c) result(code)
       type(c_ptr), value, intent(in) :: handle
       integer(c_int), value, intent(in) :: store     !! From 0

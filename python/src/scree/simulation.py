@@ -301,6 +301,10 @@ class Simulation:
             self._library.scree_close(self._handle)
         self._handle = None
 
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None) is not None and self.ranks == 1:
+            self.close()
+
     def __enter__(self) -> Simulation:
         return self
 
