@@ -19,6 +19,9 @@ install(FILES "${PROJECT_BINARY_DIR}/cmake/screeConfig.cmake"
 if(TARGET scree)
    install(TARGETS scree RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
+if(TARGET scree_shared)
+   install(TARGETS scree_shared LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+endif()
 foreach(name scree scree-bench)
    install(FILES "${PROJECT_SOURCE_DIR}/doc/man/${name}.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
    install(FILES "${PROJECT_SOURCE_DIR}/scripts/completion/${name}.bash"

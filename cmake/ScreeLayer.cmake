@@ -27,8 +27,13 @@ function(scree_layer folder)
    endforeach()
    target_link_libraries(${target} PRIVATE
       $<BUILD_INTERFACE:scree_options> OpenMP::OpenMP_Fortran ${layer_LINKS})
+   target_compile_options(${target} PRIVATE -fPIE)
    foreach(lower IN LISTS layer_USES)
       target_link_libraries(${target} PRIVATE scree_${lower})
    endforeach()
    set_property(GLOBAL APPEND PROPERTY scree_layers ${target})
+endfunction()
+
+function(scree_uses_foreign_variables)
+   set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -fPIC)
 endfunction()

@@ -28,6 +28,7 @@ BOXES = {
     "grains": (3, "periodic cell of grains"),
     "step": (1.5, "one time step"), "scene": (1.5, "deck to first state"),
     "output": (1.5, "streams, checkpoints"), "program": (1.5, "command line, time loop"),
+    "library": (1.5, "runs in other programs"),
 }
 BOX_WIDTH, BOX_HEIGHT, GAP_X, GAP_Y, MARGIN = 190, 46, 30, 44, 12
 

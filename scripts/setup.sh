@@ -123,11 +123,12 @@ install_missing() {
 }
 
 setup_python() {
-   local requirements="${scripts}/requirements.txt" stamp="${root}/build/venv/requirements.stamp"
+   local requirements="${scripts}/requirements.txt" optional="${scripts}/requirements_optional.txt"
+   local stamp="${root}/build/venv/requirements.stamp"
    local commands="${root}/build/venv/bin"
    # what cannot be brought here is made anew below
    renew_python || rm -rf "${root}/build/venv"
-   if [[ -x "${python}" ]] && cmp -s "${requirements}" "${stamp}" \
+   if [[ -x "${python}" ]] && cat "${requirements}" "${optional}" | cmp -s - "${stamp}" \
       && "${commands}/scree-post" --version > /dev/null 2>&1; then
       return
    fi
@@ -142,8 +143,10 @@ setup_python() {
    say "Installing Python packages into build/venv"
    "${python}" -m pip install --quiet --disable-pip-version-check --requirement "${requirements}" \
       || stop_with 3 "pip could not install the packages of scripts/requirements.txt"
+   "${python}" -m pip install --quiet --disable-pip-version-check --requirement "${optional}" \
+      || say "pip could not install scripts/requirements_optional.txt, which names the effect"
    link_packages || stop_with 3 "pip could not install the folder python"
-   cp "${requirements}" "${stamp}"
+   cat "${requirements}" "${optional}" > "${stamp}"
    printf '%s\n' "${root}" > "${root}/build/venv/place.stamp"
 }
 

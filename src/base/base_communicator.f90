@@ -4,16 +4,19 @@ module base_communicator
    use base_kinds, only: int64, wp
    use base_process, only: set_default
    use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_any_source, mpi_barrier, &
-      mpi_bcast, mpi_character, mpi_comm, mpi_comm_rank, mpi_comm_size, mpi_comm_world, &
-      mpi_double_precision, mpi_exscan, mpi_finalize, mpi_get_count, mpi_get_library_version, &
-      mpi_ibarrier, mpi_info, mpi_info_null, mpi_init_thread, mpi_initialized, mpi_integer8, &
+      mpi_bcast, mpi_character, mpi_comm, mpi_comm_dup, mpi_comm_free, mpi_comm_rank, &
+      mpi_comm_set_errhandler, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
+      mpi_errors_are_fatal, mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, &
+      mpi_get_library_version, mpi_ibarrier, mpi_info, mpi_info_null, mpi_init_thread, &
+      mpi_initialized, mpi_integer8, &
       mpi_iprobe, mpi_issend, mpi_max, mpi_max_library_version_string, mpi_min, mpi_recv, &
       mpi_request, mpi_status, mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, &
       mpi_testall, mpi_thread_funneled
    implicit none
    private
 
-   public :: communicator_t, message_passing_version, posted_t, traffic_t
+   public :: communicator_t, message_passing_has_ended, message_passing_has_started, &
+      message_passing_version, posted_t, traffic_t
 
    !> Messages of a rank so far, and its waiting time.
    type :: traffic_t
@@ -40,6 +43,8 @@ module base_communicator
    contains
       procedure :: start => communicator_start        !! Start MPI
       procedure :: adopt => communicator_adopt        !! Use an existing communicator
+      procedure :: duplicate => communicator_duplicate !! Use a copy of an existing one
+      procedure :: release => communicator_release    !! Free that copy
       procedure :: finish => communicator_finish      !! Finish MPI
       procedure :: native => communicator_native      !! Handle for parallel HDF5
       procedure :: barrier => communicator_barrier    !! Wait for all
@@ -97,15 +102,53 @@ contains
       call mpi_comm_size(self%handle, self%size)
    end subroutine communicator_adopt
 
-   !> Finish MPI, if it was started.
+   !> Use a copy of the communicator of a program that Scree is a part of: its messages are not
+   !! mixed with those of that program. A failure of MPI ends the process, as it does in the program
+   !! scree, whatever the other communicator does. Collective over the other communicator.
+   subroutine communicator_duplicate(self, handle)
+      class(communicator_t), intent(out) :: self
+      integer, intent(in) :: handle                   !! Fortran handle of the other communicator
+      type(mpi_comm) :: other
+
+      other%mpi_val = handle
+      call prefer_romio()
+      call mpi_comm_dup(other, self%handle)
+      call mpi_comm_set_errhandler(self%handle, mpi_errors_are_fatal)
+      call mpi_comm_rank(self%handle, self%rank)
+      call mpi_comm_size(self%handle, self%size)
+   end subroutine communicator_duplicate
+
+   !> Free the copy that `duplicate` made. Collective.
+   subroutine communicator_release(self)
+      class(communicator_t), intent(inout) :: self
+
+      self%rank = 0
+      self%size = 1
+      if (message_passing_has_ended()) return
+      if (self%handle%mpi_val /= mpi_comm_world%mpi_val) call mpi_comm_free(self%handle)
+      self%handle = mpi_comm_world
+   end subroutine communicator_release
+
+   !> True if MPI has been started, by whatever part of the process.
+   logical function message_passing_has_started() result(started)
+      call mpi_initialized(started)
+   end function message_passing_has_started
+
+   !> True if MPI has been finished, so that it cannot be used any more.
+   logical function message_passing_has_ended() result(ended)
+      call mpi_finalized(ended)
+   end function message_passing_has_ended
+
+   !> Finish MPI, if it was started and is not finished.
    subroutine communicator_finish(self)
       class(communicator_t), intent(inout) :: self
-      logical :: started
+      logical :: ended, started
 
       self%rank = 0
       self%size = 1
       call mpi_initialized(started)
-      if (started) call mpi_finalize()
+      call mpi_finalized(ended)
+      if (started .and. .not. ended) call mpi_finalize()
    end subroutine communicator_finish
 
    !> The handle of the group and an empty hint object, as integers, for parallel HDF5.

@@ -17,6 +17,7 @@ module base_log
    type :: log_t
       integer :: level = log_info                        !! Greatest level written
       integer :: warnings = 0                            !! Warnings so far
+      logical :: mute = .false.                          !! Is nothing written to the screen?
       logical, private :: writes = .true.                !! Does this rank write?
       logical, private :: screen = .true.                !! Also to the screen?
       integer, private :: unit = no_unit                 !! Unit of the file
@@ -114,7 +115,7 @@ contains
             self%hinted = .true.
          end if
       end if
-      call write_to_stream(error_unit, with_codes)
+      if (.not. self%mute) call write_to_stream(error_unit, with_codes)
       call write_to_file(self, with_codes)
    end subroutine write_message
 
@@ -124,7 +125,7 @@ contains
       character(len=*), intent(in) :: text               !! One or more lines
 
       if (.not. self%writes .or. self%level < log_info) return
-      if (self%screen) call write_to_stream(output_unit, text)
+      if (self%screen .and. .not. self%mute) call write_to_stream(output_unit, text)
       call write_to_file(self, text)
    end subroutine log_print_info
 
@@ -145,7 +146,8 @@ contains
       if (self%unit == no_unit) return
       close (self%unit, iostat=status)
       self%unit = no_unit
-      if (status /= 0) call write_to_stream(error_unit, "warning: the end of the log is lost")
+      if (status /= 0 .and. .not. self%mute) call write_to_stream(error_unit, &
+         "warning: the end of the log is lost")
    end subroutine log_close
 
    !> Write to the file, if there is one. After a write error, such as a full disk, the file is
@@ -161,7 +163,8 @@ contains
       if (status == 0) return
       close (self%unit, iostat=status)
       self%unit = no_unit
-      call write_to_stream(error_unit, "warning: the log cannot be written; it continues only here")
+      if (.not. self%mute) call write_to_stream(error_unit, &
+         "warning: the log cannot be written; it continues only here")
    end subroutine write_to_file
 
    !> Write to a standard stream and flush it. A closed stream is not an error.

@@ -21,6 +21,7 @@ module mesh_motion
       procedure :: shift => motion_shift             !! Displacement since the wall began
       procedure :: mean => motion_mean               !! Mean velocity of some time
       procedure :: moves => motion_moves             !! Does it move at all?
+      procedure :: steer => motion_steer             !! Change the velocity from a time on
    end type motion_t
 
 contains
@@ -83,6 +84,23 @@ contains
       mean = self%steady
       if (allocated(self%time)) mean = mean + table_way(self, from, from + length)/length
    end function motion_mean
+
+   !> Change the velocity from a time on, in a straight line over some time, and constant after it.
+   !! What the table says of later times is replaced; the displacement so far is kept.
+   pure subroutine motion_steer(self, from, over, velocity)
+      class(motion_t), intent(inout) :: self
+      real(wp), intent(in) :: from                   !! The velocity is as before until then [s]
+      real(wp), intent(in) :: over                   !! Length of the change, above 0 [s]
+      real(wp), intent(in) :: velocity(3)            !! After the change [m/s]
+      real(wp) :: now(3)
+      integer :: kept
+
+      now = self%velocity(from) - self%steady
+      if (.not. allocated(self%time)) allocate (self%time(0), self%speed(3, 0))
+      kept = count(self%time < from)
+      self%speed = reshape([self%speed(:, :kept), now, velocity - self%steady], [3, kept + 2])
+      self%time = [self%time(:kept), from, from + over]
+   end subroutine motion_steer
 
    !> Displacement by the velocity of the table alone [m].
    pure function table_way(self, from, until) result(way)

@@ -59,6 +59,7 @@ module particle_store
       procedure :: walk => store_walk                 !! Pass each allocated field to a worker
       procedure :: words => store_words               !! Words of 8 bytes of a particle
       procedure :: layout => store_layout             !! Give each tile a new range
+      procedure :: pack => store_pack                 !! Leave no spare capacity between tiles
       procedure :: fits => store_fits                 !! Do new counts fit into the arrays?
       procedure :: reserve => store_reserve           !! Make new counts fit
    end type store_t
@@ -171,6 +172,31 @@ contains
       call move_alloc(home, self%home)
       self%first = mover%to
    end subroutine store_layout
+
+   !> Move the particles to the beginning of the arrays, so that a reader outside sees them in one
+   !! piece. Tiles that grow then get ranges at the end; no result depends on it.
+   subroutine store_pack(self)
+      class(store_t), intent(inout) :: self
+      type(mover_t) :: mover
+      integer, allocatable :: home(:)
+      integer :: tile, n
+
+      if (self%is_packed()) return
+      mover%from = self%first
+      mover%count = self%count
+      mover%size = size(self%identity)
+      call self%pack_ranges(mover%to)
+      call self%walk(mover)
+      allocate (home(mover%size))
+      home = 0
+      do tile = 1, size(self%count)
+         n = self%count(tile)
+         home(mover%to(tile):mover%to(tile) + n - 1) = &
+            self%home(self%first(tile):self%first(tile) + n - 1)
+      end do
+      call move_alloc(home, self%home)
+      self%first = mover%to
+   end subroutine store_pack
 
    !> True if each tile can have its new count without longer arrays.
    pure logical function store_fits(self, new_count) result(fits)

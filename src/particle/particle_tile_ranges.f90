@@ -27,6 +27,8 @@ module particle_tile_ranges
       procedure :: particles => ranges_particles      !! Number of particles on this rank
       procedure :: remap => ranges_remap              !! Renumber the tiles
       procedure :: plan_ranges => ranges_plan         !! Plan ranges for new counts
+      procedure :: is_packed => ranges_is_packed      !! Is there no spare capacity?
+      procedure :: pack_ranges => ranges_pack         !! Plan ranges without spare capacity
       procedure :: extend => ranges_extend            !! Move ranges that are too short to the end
       procedure :: fit_into => ranges_fit_into        !! Do new counts fit into the arrays?
    end type tile_ranges_t
@@ -115,6 +117,28 @@ contains
       end do
       length = self%used + self%used/32 + 64
    end subroutine ranges_plan
+
+   !> True if the particles fill the arrays from the beginning without gaps.
+   pure logical function ranges_is_packed(self) result(packed)
+      class(tile_ranges_t), intent(in) :: self
+
+      packed = self%used == self%particles()
+   end function ranges_is_packed
+
+   !> Give the tiles consecutive ranges without spare capacity. No particle is moved.
+   pure subroutine ranges_pack(self, first)
+      class(tile_ranges_t), intent(inout) :: self
+      integer, allocatable, intent(out) :: first(:)   !! (tile) First particle of the new range
+      integer :: tile
+
+      allocate (first(size(self%count)))
+      self%used = 0
+      do tile = 1, size(self%count)
+         first(tile) = self%used + 1
+         self%capacity(tile) = self%count(tile)
+         self%used = self%used + self%count(tile)
+      end do
+   end subroutine ranges_pack
 
    !> Give tiles whose new count exceeds their capacity a new range at the end.
    pure subroutine ranges_extend(self, new_count)

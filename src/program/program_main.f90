@@ -1,52 +1,31 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The program: from the command line to the exit code. The only place that prints errors.
 module program_main
-   use base_agreement, only: agree
-   use base_deck, only: group_t
    use base_error, only: error_t, exit_again, exit_success
-   use base_kinds, only: wp
-   use base_log, only: log_t
    use base_text, only: append
-   use base_timer, only: wall_seconds
-   use io_deck_changes, only: changes_t
    use io_file, only: join_path, write_file
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-   use omp_lib, only: omp_get_max_threads
-   use output_summary, only: summarise
-   use output_walls, only: write_walls
-   use program_batch_job, only: job_text, resume_command
+   use program_batch_job, only: job_text
    use program_command_line, only: parse_command_line, program_arguments
    use program_cost_report, only: cost_report
    use program_examples, only: copied_t, copy_example, next_steps
-   use program_existing_results, only: existing_results_text, protect_results
-   use program_expected_steps, only: expected_steps
+   use program_existing_results, only: existing_results_text
    use program_grains, only: run_grains
    use program_information, only: print_information
-   use program_log_files, only: open_log
    use program_material_point, only: drive_point
-   use program_messages, only: add_codes, coded, with_code
+   use program_messages, only: add_codes, coded
    use program_preview, only: draw_preview, write_preview
-   use program_restart, only: log_restart, restart_run
-   use program_run_setup, only: build_setup, declare_deck_keys, read_setup, run_setup_t
+   use program_run_setup, only: build_setup, declare_deck_keys, read_setup
    use program_run_time_estimate, only: estimate_text, most_particles
+   use program_session, only: advance_run, begin_run, end_run, limit_threads, session_t
    use program_signals, only: ignore_file_size_limit
-   use program_threads, only: choose_threads, share_cores, yield_when_waiting
-   use program_time_loop, only: run_to_end
+   use program_threads, only: share_cores, yield_when_waiting
    use scene_effects, only: effects_text
-   use scene_first_state, only: make_first_state
    use scene_run, only: check_case
-   use step_trust, only: number_lattices
    implicit none
    private
 
    public :: run_program
-
-   !> State of one call of the program.
-   type, extends(run_setup_t) :: session_t
-      type(log_t) :: log                             !! Screen and log file
-      integer :: most_threads = 1                    !! Threads of a rank that are available
-      character(len=:), allocatable :: preview_folder !! Preview that is to be drawn
-   end type session_t
 
 contains
 
@@ -158,17 +137,6 @@ contains
       end associate
    end subroutine process_deck
 
-   !> Use no more threads than the scene keeps busy.
-   subroutine limit_threads(session)
-      type(session_t), intent(inout) :: session
-
-      session%most_threads = omp_get_max_threads()
-      associate (survey => session%survey, ranks => session%simulation%machine%communicator%size)
-         call choose_threads(session%most_threads, int((survey%tiles + ranks - 1)/ranks), &
-            survey%particles/ranks)
-      end associate
-   end subroutine limit_threads
-
    !> Print warnings, effects, costs and an estimate of the run time.
    subroutine print_check(session, error)
       type(session_t), intent(inout) :: session
@@ -199,87 +167,18 @@ contains
       if (.not. allocated(error)) write (output_unit, "(a)") note
    end subroutine run_point
 
-   !> Run the simulation from its first state or a checkpoint, and write the summary.
+   !> Run the simulation from its first state or a checkpoint to its end.
    subroutine run_simulation(session, code, error)
       type(session_t), intent(inout) :: session      !! Complete, without particles
       integer, intent(out) :: code                   !! Exit code
       type(error_t), allocatable, intent(out) :: error
-      character(len=:), allocatable :: reason
-      type(error_t), allocatable :: late
-      type(group_t) :: group
-      logical :: timing
-      real(wp) :: begin
 
-      begin = wall_seconds()
       code = exit_success
-      call start_simulation(session, error)
+      call begin_run(session, error)
       if (allocated(error)) return
-      call run_to_end(session%simulation, session%outputs, session%place, session%limits, &
-         session%log, code, reason, error)
-      if (allocated(error)) then
-         code = error%code
-         reason = error%message
-      end if
-      call session%outputs%close(session%simulation%machine%communicator, late)
-      if (allocated(late) .and. .not. allocated(error)) then
-         call move_alloc(late, error)
-         code = error%code
-         reason = error%message
-      end if
-      group = session%deck%group("log")
-      call group%get("timing", timing)
-      call summarise(session%simulation, session%outputs, session%log, wall_seconds() - begin, &
-         timing, code, reason, late)
-      call agree(session%simulation%machine%communicator, late)
-      if (.not. allocated(error)) then
-         call session%log%info(with_code("ended     "//reason))
-         if (code == exit_again) call session%log%info("go on     "//resume_command( &
-            session%simulation%machine%communicator%size))
-         call move_alloc(late, error)
-      end if
-   end subroutine run_simulation
-
-   !> Make or read the particles, and open the log and the output files.
-   subroutine start_simulation(session, error)
-      type(session_t), intent(inout) :: session
-      type(error_t), allocatable, intent(out) :: error
-      character(len=:), allocatable :: note
-      type(changes_t) :: changes
-
-      session%simulation%clock%guard%expected = expected_steps(session%simulation, session%bodies, &
-         session%limits)
-      ! before the log is opened: a run that is refused changes no file of the previous one
-      call protect_results(session, error)
-      if (allocated(error)) return
-      if (session%command%restart) call restart_run(session, note, changes, error)
-      if (allocated(error)) return
-      call open_log(session, session%most_threads, session%log, error)
-      if (allocated(error)) return
-      if (session%command%restart) then
-         call log_restart(session%log, note, changes)
-      else
-         call make_first_state(session%simulation, session%bodies, session%survey, &
-            session%shapes, error)
-      end if
-      if (allocated(error)) return
-      call number_lattices(session%simulation, session%bodies)
-      call free_shapes(session)
-      call session%outputs%open(session%simulation, session%command%restart, note, error)
-      if (allocated(error)) return
-      if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
-      if (session%outputs%has_series()) call write_walls(session%simulation, &
-         session%outputs, session%outputs%folder, session%limits%time_end, error)
-   end subroutine start_simulation
-
-   !> Free voxels, facets and lists of points and tiles, which only the first state needs.
-   subroutine free_shapes(session)
-      type(session_t), intent(inout) :: session
-      integer :: n
-
-      deallocate (session%shapes, session%survey%key, session%survey%particles_of)
-      do n = 1, size(session%bodies)
-         if (allocated(session%bodies(n)%shape%shape)) deallocate (session%bodies(n)%shape%shape)
-         if (allocated(session%bodies(n)%given)) deallocate (session%bodies(n)%given)
+      do while (.not. session%loop%finished)
+         call advance_run(session)
       end do
-   end subroutine free_shapes
+      call end_run(session, code, error)
+   end subroutine run_simulation
 end module program_main

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Runs a simulation from its first state to its end: steps, output, checkpoints, progress lines.
+!> The time loop: steps, output, checkpoints, progress lines. The program makes all steps of a run
+!! in one go; a program that Scree is a part of makes them one by one.
 module program_time_loop
    use base_error, only: error_t, exit_again, exit_success
    use base_kinds, only: wp
@@ -23,71 +24,156 @@ module program_time_loop
    implicit none
    private
 
-   public :: run_to_end
+   public :: time_loop_t
+
+   character(len=*), parameter :: not_finished = "ended by the calling program"
+
+   !> State of the time loop between two steps.
+   type :: time_loop_t
+      type(loop_clock_t) :: clock
+      type(stop_criteria_t) :: criteria
+      logical :: finished = .false.                  !! Has a criterion, or an error, ended the run?
+      logical :: warned = .false.                    !! Was the lack of processor time reported?
+      integer :: code = exit_success                 !! Exit code
+      character(len=:), allocatable :: reason        !! Why the run ended
+   contains
+      procedure :: begin => time_loop_begin          !! Write the first output
+      procedure :: step => time_loop_step            !! Do one step
+      procedure :: write_all => time_loop_write_all  !! Write all output now
+      procedure :: checkpoint => time_loop_checkpoint !! Write a checkpoint now
+      procedure :: end => time_loop_end              !! Write the last output
+   end type time_loop_t
 
 contains
 
-   !> Run to the end. After an error the last valid checkpoint is unchanged. Collective.
-   subroutine run_to_end(simulation, outputs, place, limits, log, code, reason, error)
+   !> Start the clocks, write the output of the first state, and test whether it is the last one.
+   !! Collective.
+   subroutine time_loop_begin(self, simulation, outputs, limits, log, error)
+      class(time_loop_t), intent(out) :: self
       type(simulation_t), intent(inout) :: simulation !! In its first state
       type(outputs_t), intent(inout) :: outputs      !! Open streams
-      type(checkpoint_place_t), intent(inout) :: place !! Folder and numbers of checkpoints
       type(limits_t), intent(in) :: limits           !! When to stop
       type(log_t), intent(inout) :: log              !! Gets progress
-      integer, intent(out) :: code                   !! Exit code
-      character(len=:), allocatable, intent(out) :: reason !! Why the run ended
-      type(error_t), allocatable, intent(out) :: error !! The run failed
-      type(loop_clock_t) :: clock
-      type(stop_criteria_t) :: criteria
-      real(wp) :: dt
-      logical :: finished, advanced, warned
+      type(error_t), allocatable, intent(out) :: error !! A file cannot be written
 
-      call start_loop(simulation, limits, log, clock, error)
+      self%reason = not_finished
+      call start_loop(simulation, limits, log, self%clock, error)
       if (allocated(error)) return
       call begin_trust(simulation)
       call write_outputs(simulation, outputs, .false., log, error)
       if (allocated(error)) return
-      finished = .false.
-      warned = .false.
-      code = exit_success
-      do
-         call criteria%test(simulation, limits, finished, code, reason)
-         if (finished) exit
-         call choose_step(simulation, limits, dt, error)
-         advanced = .not. allocated(error)
-         if (allocated(error)) exit
-         call set_requests(simulation, limits, clock)
-         call watch_costs(simulation, limits%balancing)
-         call adjust_threads(simulation)
-         call advance_timed(simulation, dt, clock, error)
-         if (simulation%machine%requests%line > 0.0_wp) &
-            call warn_if_starved(simulation, log, clock, warned)
-         if (allocated(error)) exit
-         call watch_trust(simulation, log, error)
-         if (allocated(error)) exit
-         call balance_ranks(simulation, limits%balancing)
-         call write_outputs(simulation, outputs, .false., log, error)
-         if (allocated(error)) return
-         if (simulation%machine%requests%line > 0.0_wp) call log_progress(simulation, limits, &
-            log, clock)
-         if (clock%is_checkpoint_due(simulation, limits)) then
-            call write_logged_checkpoint(simulation, outputs, place, log, clock, error)
-            if (allocated(error)) return
-         end if
-      end do
+      call test_criteria(self, simulation, limits)
+   end subroutine time_loop_begin
+
+   !> Do one step, write what is due after it, and test whether it was the last one. Without an
+   !! error the state is that of a run that has made all its steps in one call. After an error the
+   !! last valid checkpoint is unchanged. Collective.
+   subroutine time_loop_step(self, simulation, outputs, place, limits, log, error)
+      class(time_loop_t), intent(inout) :: self      !! Not finished
+      type(simulation_t), intent(inout) :: simulation
+      type(outputs_t), intent(inout) :: outputs      !! Open streams
+      type(checkpoint_place_t), intent(inout) :: place !! Folder and numbers of checkpoints
+      type(limits_t), intent(in) :: limits           !! When to stop
+      type(log_t), intent(inout) :: log              !! Gets progress
+      type(error_t), allocatable, intent(out) :: error !! The run failed
+      logical :: advanced
+
+      call advance_once(self, simulation, limits, log, advanced, error)
       if (allocated(error)) then
-         call keep_state(simulation, outputs, place, log, clock, &
+         call keep_state(simulation, outputs, place, log, self%clock, &
             is_step_allowed(simulation) .and. .not. advanced)
          return
       end if
-      call warn_if_starved(simulation, log, clock, warned)
-      if (reason == none_left) call log%warn("warning: "//none_left//" before t_end, through "// &
-         "open boundaries or by removal; the ledger lists the amounts")
-      if (code == exit_success) call write_outputs(simulation, outputs, .true., log, error)
+      call balance_ranks(simulation, limits%balancing)
+      call write_outputs(simulation, outputs, .false., log, error)
       if (allocated(error)) return
-      if (code == exit_again .or. limits%checkpoint_at_end) &
-         call write_logged_checkpoint(simulation, outputs, place, log, clock, error)
-   end subroutine run_to_end
+      if (simulation%machine%requests%line > 0.0_wp) call log_progress(simulation, limits, log, &
+         self%clock)
+      if (self%clock%is_checkpoint_due(simulation, limits)) &
+         call write_logged_checkpoint(simulation, outputs, place, log, self%clock, error)
+      if (allocated(error)) return
+      call test_criteria(self, simulation, limits)
+   end subroutine time_loop_step
+
+   !> Advance the simulation by a step of the length that it allows, and watch the result.
+   subroutine advance_once(self, simulation, limits, log, advanced, error)
+      class(time_loop_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
+      type(limits_t), intent(in) :: limits
+      type(log_t), intent(inout) :: log
+      logical, intent(out) :: advanced               !! Has the step begun?
+      type(error_t), allocatable, intent(out) :: error !! The run failed
+      real(wp) :: dt
+
+      call choose_step(simulation, limits, dt, error)
+      advanced = .not. allocated(error)
+      if (allocated(error)) return
+      call set_requests(simulation, limits, self%clock)
+      call watch_costs(simulation, limits%balancing)
+      call adjust_threads(simulation)
+      call advance_timed(simulation, dt, self%clock, error)
+      if (simulation%machine%requests%line > 0.0_wp) &
+         call warn_if_starved(simulation, log, self%clock, self%warned)
+      if (allocated(error)) return
+      call watch_trust(simulation, log, error)
+   end subroutine advance_once
+
+   !> Test whether the run ends with the present state. Called once for each state.
+   subroutine test_criteria(self, simulation, limits)
+      class(time_loop_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
+      type(limits_t), intent(in) :: limits
+      character(len=:), allocatable :: reason
+      integer :: code
+
+      call self%criteria%test(simulation, limits, self%finished, code, reason)
+      if (.not. self%finished) return
+      self%code = code
+      self%reason = reason
+   end subroutine test_criteria
+
+   !> Write the present state to all streams that have not written it yet. What is due later does
+   !! not change. Collective.
+   subroutine time_loop_write_all(self, simulation, outputs, log, error)
+      class(time_loop_t), intent(in) :: self
+      type(simulation_t), intent(inout) :: simulation
+      type(outputs_t), intent(inout) :: outputs      !! Open streams
+      type(log_t), intent(inout) :: log              !! Gets names of files
+      type(error_t), allocatable, intent(out) :: error !! A file cannot be written
+
+      call write_outputs(simulation, outputs, .true., log, error)
+   end subroutine time_loop_write_all
+
+   !> Write a checkpoint of the present state. Collective.
+   subroutine time_loop_checkpoint(self, simulation, outputs, place, log, error)
+      class(time_loop_t), intent(inout) :: self
+      type(simulation_t), intent(inout) :: simulation
+      type(outputs_t), intent(in) :: outputs         !! Their counters are part of it
+      type(checkpoint_place_t), intent(inout) :: place !! Folder and numbers of checkpoints
+      type(log_t), intent(inout) :: log              !! Gets its name
+      type(error_t), allocatable, intent(out) :: error !! Not written; older ones are unchanged
+
+      call write_logged_checkpoint(simulation, outputs, place, log, self%clock, error)
+   end subroutine time_loop_checkpoint
+
+   !> Write the final state, and a checkpoint where one is due. Collective.
+   subroutine time_loop_end(self, simulation, outputs, place, limits, log, error)
+      class(time_loop_t), intent(inout) :: self      !! Without an error
+      type(simulation_t), intent(inout) :: simulation
+      type(outputs_t), intent(inout) :: outputs      !! Open streams
+      type(checkpoint_place_t), intent(inout) :: place !! Folder and numbers of checkpoints
+      type(limits_t), intent(in) :: limits           !! When to write a checkpoint
+      type(log_t), intent(inout) :: log              !! Gets warnings
+      type(error_t), allocatable, intent(out) :: error !! A file cannot be written
+
+      call warn_if_starved(simulation, log, self%clock, self%warned)
+      if (self%reason == none_left) call log%warn("warning: "//none_left//" before t_end, "// &
+         "through open boundaries or by removal; the ledger lists the amounts")
+      if (self%code == exit_success) call write_outputs(simulation, outputs, .true., log, error)
+      if (allocated(error)) return
+      if (self%code == exit_again .or. limits%checkpoint_at_end) &
+         call write_logged_checkpoint(simulation, outputs, place, log, self%clock, error)
+   end subroutine time_loop_end
 
    !> Do one step and add its wall and processor time.
    subroutine advance_timed(simulation, dt, clock, error)

@@ -37,6 +37,7 @@ ARROWS["scene"] = set(ARROWS)
 ARROWS["output"] = set(ARROWS)
 ARROWS["grains"] = {"base", "mesh", "constitutive", "particle", "io"}
 ARROWS["program"] = set(ARROWS)
+ARROWS["library"] = set(ARROWS)
 # Families of modules whose names begin otherwise than their folder. The products of explosives stand beside their burn,
 # the table of states beside its reading.
 FAMILIES = {"law": {"constitutive", "ductile"}, "eos": {"constitutive", "explosive", "tabulated"},

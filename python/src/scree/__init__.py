@@ -17,24 +17,25 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import plot as plot
-    from .errors import DeckError, FileProblem, InternalError, Interrupted, PhysicsError, ScreeError
+    from .errors import DeckError, FileProblem, InternalError, Interrupted, PhysicsError, ScreeError, StaleView
     from .launch import run
     from .program import example, find_program
     from .refinement import Accuracy, accuracy
     from .results import Run, Tables, read_table
     from .results import open_run as open
+    from .simulation import Simulation
     from .snapshot import Snapshot, Snapshots
     from .study import sweep
 
 __version__ = "0.1.0"
 __all__ = ["Accuracy", "DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Run", "ScreeError",
-           "Snapshot", "Snapshots", "Tables", "accuracy", "example", "find_program", "open", "plot",
-           "read_table", "run", "sweep"]
+           "Simulation", "Snapshot", "Snapshots", "StaleView", "Tables", "accuracy", "example", "find_program", "open",
+           "plot", "read_table", "run", "sweep"]
 
 _MODULES = {
-    "refinement": ("Accuracy", "accuracy"),
-    "errors": ("DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "ScreeError"),
-    "launch": ("run",), "program": ("example", "find_program"), "results": ("Run", "Tables", "open_run", "read_table"),
+    "errors": ("DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "ScreeError", "StaleView"),
+    "launch": ("run",), "program": ("example", "find_program"), "refinement": ("Accuracy", "accuracy"),
+    "results": ("Run", "Tables", "open_run", "read_table"), "simulation": ("Simulation",),
     "snapshot": ("Snapshot", "Snapshots"), "study": ("sweep",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

@@ -62,6 +62,12 @@ class Interrupted(ScreeError):
     default = EXIT_STOPPED
 
 
+class StaleView(ScreeError):
+    """A view of a field of a Simulation was used after the simulation had stepped on."""
+
+    default = EXIT_USAGE
+
+
 BY_CODE: dict[int, type[ScreeError]] = {
     EXIT_USAGE: DeckError, EXIT_FILE: FileProblem, EXIT_PHYSICS: PhysicsError, EXIT_STOPPED: Interrupted}
 

@@ -1,0 +1,226 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!> A simulation in the process of another program. It goes through `program_session` as the program
+!! scree does, writes nothing to the screen unless told, and leaves signals and the number of
+!! threads of the caller as they are.
+module library_session
+   use base_communicator, only: message_passing_has_ended, message_passing_has_started
+   use base_error, only: error_t, exit_input, exit_success, fail
+   use base_kinds, only: int64, wp
+   use base_text, only: text_t
+   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+   use program_command_line, only: command_t, parse_command_line
+   use program_run_setup, only: build_setup, read_setup
+   use program_session, only: advance_run, begin_run, end_run, limit_threads, session_t
+   use program_threads, only: share_cores
+   use, intrinsic :: iso_c_binding, only: c_char
+   implicit none
+   private
+
+   public :: library_session_t
+
+   !> A session and what its caller sees of it.
+   type, extends(session_t) :: library_session_t
+      logical :: running = .false.                   !! Has it begun, and not been ended?
+      logical :: began_messages = .false.            !! Did it start MPI?
+      logical :: copied = .false.                    !! Has it a communicator of its own?
+      integer :: threads = 1                         !! Threads between calls
+      integer(int64) :: generation = 0               !! Changes whenever views become invalid
+      character(len=:), allocatable :: message       !! Of the last error
+      character(kind=c_char), allocatable :: answer(:) !! Text for the caller, ends with a null
+   contains
+      procedure :: open => session_open              !! Deck to first state
+      procedure :: step => session_step              !! Some steps
+      procedure :: write_output => session_write_output !! All output now
+      procedure :: write_checkpoint => session_write_checkpoint !! A checkpoint now
+      procedure :: finish => session_finish          !! End the run, with its summary
+      procedure :: close => session_close            !! Give everything back
+      procedure :: refuse_ended => session_refuse_ended !! Error if it does not run
+      procedure :: note => session_note              !! Exit code of an error, keeps its message
+   end type library_session_t
+
+contains
+
+   !> Read the deck and make the first state. Collective.
+   integer function session_open(self, arguments, given, communicator) result(code)
+      class(library_session_t), intent(inout) :: self
+      type(text_t), intent(in) :: arguments(:)       !! As on the command line of scree
+      logical, intent(in) :: given                   !! Is there a communicator?
+      integer, intent(in) :: communicator            !! Its Fortran handle
+      type(error_t), allocatable :: error
+      integer :: host
+
+      host = omp_get_max_threads()
+      call parse_command_line(arguments, self%command, error)
+      self%log%mute = self%command%output%quiet
+      if (.not. allocated(error)) call require_run(self%command, error)
+      if (.not. allocated(error)) call join_ranks(self, given, communicator, error)
+      if (.not. allocated(error)) then
+         call share_cores()
+         call read_setup(self, error)
+      end if
+      if (.not. allocated(error)) call build_setup(self, error)
+      if (.not. allocated(error)) then
+         ! signals belong to the caller
+         deallocate (self%limits%signals)
+         allocate (character(len=4) :: self%limits%signals(0))
+         call limit_threads(self)
+         call begin_run(self, error)
+         self%running = .not. allocated(error)
+      end if
+      self%threads = omp_get_max_threads()
+      call omp_set_num_threads(host)
+      if (allocated(self%failure)) then
+         code = self%finish()
+      else
+         code = self%note(error)
+      end if
+   end function session_open
+
+   !> Refuse a command line that asks for something else than a run.
+   subroutine require_run(command, error)
+      type(command_t), intent(in) :: command
+      type(error_t), allocatable, intent(out) :: error
+
+      if (command%information%is_set() .or. allocated(command%example%name) .or. command%check &
+         .or. command%preview .or. command%point .or. command%grains &
+         .or. allocated(command%job%scheduler)) call fail(error, exit_input, "the library runs "// &
+         "decks only; use the program scree for this option")
+   end subroutine require_run
+
+   !> Use a copy of the communicator of the caller, or of all ranks. Collective.
+   subroutine join_ranks(self, given, communicator, error)
+      class(library_session_t), intent(inout) :: self
+      logical, intent(in) :: given                   !! Is there a communicator?
+      integer, intent(in) :: communicator            !! Its Fortran handle
+      type(error_t), allocatable, intent(out) :: error !! MPI is not available
+      integer :: all, hints
+
+      if (message_passing_has_started()) then
+         if (message_passing_has_ended()) then
+            call fail(error, exit_input, "MPI was finished in this process, so no simulation "// &
+               "can begin; begin it before, or in another process")
+            return
+         end if
+      else if (given) then
+         call fail(error, exit_input, "a communicator needs MPI to be started")
+         return
+      end if
+      associate (own => self%simulation%machine%communicator)
+         self%began_messages = .not. message_passing_has_started()
+         call own%start()
+         call own%native(all, hints)
+         if (given) all = communicator
+         call own%duplicate(all)
+         self%copied = .true.
+      end associate
+   end subroutine join_ranks
+
+   !> Do steps until a number of them, a time, or the end of the run is reached. A step is not
+   !! shortened to meet the time, so results do not depend on how steps are called. Collective.
+   integer function session_step(self, steps, until) result(code)
+      class(library_session_t), intent(inout) :: self
+      integer(int64), intent(in) :: steps            !! At most so many
+      real(wp), intent(in) :: until                  !! Not beyond the first time from here on [s]
+      type(error_t), allocatable :: error
+      integer(int64) :: last
+      integer :: host
+
+      call self%refuse_ended(error)
+      if (allocated(error)) then
+         code = self%note(error)
+         return
+      end if
+      code = exit_success
+      host = omp_get_max_threads()
+      call omp_set_num_threads(self%threads)
+      last = self%simulation%clock%step + min(steps, huge(last) - self%simulation%clock%step)
+      do while (.not. self%loop%finished .and. self%simulation%clock%step < last .and. &
+         self%simulation%clock%time < until)
+         self%generation = self%generation + 1
+         call advance_run(self)
+      end do
+      self%threads = omp_get_max_threads()
+      call omp_set_num_threads(host)
+      if (allocated(self%failure)) code = self%finish()
+   end function session_step
+
+   !> Write the present state to all output streams. Collective.
+   integer function session_write_output(self) result(code)
+      class(library_session_t), intent(inout) :: self
+      type(error_t), allocatable :: error
+
+      call self%refuse_ended(error)
+      if (.not. allocated(error)) call self%loop%write_all(self%simulation, self%outputs, &
+         self%log, error)
+      code = self%note(error)
+   end function session_write_output
+
+   !> Write a checkpoint. Collective.
+   integer function session_write_checkpoint(self) result(code)
+      class(library_session_t), intent(inout) :: self
+      type(error_t), allocatable :: error
+
+      call self%refuse_ended(error)
+      if (.not. allocated(error)) call self%loop%checkpoint(self%simulation, self%outputs, &
+         self%place, self%log, error)
+      code = self%note(error)
+   end function session_write_checkpoint
+
+   !> End the run, finished or not: last output, summary, and the exit code of the program.
+   !! Collective.
+   integer function session_finish(self) result(code)
+      class(library_session_t), intent(inout) :: self
+      type(error_t), allocatable :: error
+      integer :: host
+
+      call self%refuse_ended(error)
+      if (.not. allocated(error)) then
+         host = omp_get_max_threads()
+         call omp_set_num_threads(self%threads)
+         call end_run(self, code, error)
+         call omp_set_num_threads(host)
+         if (allocated(error)) call self%log%error(error%message)
+         call self%log%close()
+         self%running = .false.
+         self%generation = self%generation + 1
+         if (.not. allocated(error)) then
+            self%message = self%loop%reason
+            return
+         end if
+      end if
+      code = self%note(error)
+   end function session_finish
+
+   !> Give files and communicator back. A run that was not ended gets no summary. Collective.
+   subroutine session_close(self)
+      class(library_session_t), intent(inout) :: self
+      type(error_t), allocatable :: ignored
+
+      if (self%running) call self%outputs%close(self%simulation%machine%communicator, ignored)
+      call self%log%close()
+      self%running = .false.
+      if (self%copied) call self%simulation%machine%communicator%release()
+      self%copied = .false.
+   end subroutine session_close
+
+   !> Refuse a call for a run that has ended or could not begin.
+   subroutine session_refuse_ended(self, error)
+      class(library_session_t), intent(in) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. self%running) call fail(error, exit_input, &
+         "the simulation has ended; begin a new one")
+   end subroutine session_refuse_ended
+
+   !> Keep the message of an error and return its exit code; 0 without an error.
+   integer function session_note(self, error) result(code)
+      class(library_session_t), intent(inout) :: self
+      type(error_t), allocatable, intent(in) :: error
+
+      code = exit_success
+      self%message = ""
+      if (.not. allocated(error)) return
+      code = error%code
+      self%message = error%message
+   end function session_note
+end module library_session
