@@ -7,6 +7,8 @@ from .errors import EXIT_USAGE, PostError, modules
 
 # Colours that people with any colour vision tell apart (Okabe and Ito 2008).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
+SEQUENTIAL, SIGNED = "viridis", "coolwarm"               # colour maps of sizes, and of numbers of both signs
+HEAT, SOOT = "magma", "cividis"                          # further maps of sizes, for a second field on a page
 ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
 
 

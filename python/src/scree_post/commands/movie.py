@@ -52,9 +52,10 @@ def run(arguments):
     """Read, draw, encode."""
     source = series_file(arguments.source)
     stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
+    frames = choose(series(source), arguments)
+    view_options.settle_colour(arguments, frames[-1][1])
     out = arguments.out or os.path.join(
         os.path.dirname(source) or ".", f"{stem}_{arguments.colour.replace('.', '_')}.mp4")
-    frames = choose(series(source), arguments)
     film.check_film(out)
     page = view_options.pages(arguments, view_options.sample(frames))
 

@@ -12,7 +12,7 @@ import os
 import numpy as np
 
 from .. import film, look
-from ..areal_density import checked, radiograph
+from ..areal_density import SMEARS, checked, radiograph
 from ..errors import EXIT_DEFECT, EXIT_USAGE, PostError
 from scree.files import series, series_file, snapshot
 from ..progress import Progress
@@ -42,6 +42,8 @@ def add_arguments(parser):
     add("--pixel", type=in_unit("mm"), metavar="L",
         help="size of a pixel, in mm or with a unit; default: 700 over the cloud")
     add("--mu", type=float, metavar="MU", help="absorption [m2/kg]; default: chosen for contrast")
+    add("--smear", choices=SMEARS, default="spacing", help="spread particles that moved apart over "
+        "the gaps between them (spacing), or draw each as wide as its volume (volume)")
     add("--unit", choices=("kg/m2", "g/cm2"), default="kg/m2",
         help="of the areal density (kg/m2)")
     add("--view", type=in_unit("mm"), nargs=4, metavar=("ZLO", "ZHI", "VLO", "VHI"),
@@ -138,7 +140,8 @@ def run(arguments):
     title = arguments.title or last.title
 
     def make(file):
-        return radiograph(snapshot(file, FIELDS), pixel, arguments.axis, options["towards"])
+        return radiograph(snapshot(file, FIELDS), pixel, arguments.axis, options["towards"],
+                          arguments.smear)
 
     look.check_picture(out)
     chosen = [make(file) for _, file in choose(frames, arguments)]
