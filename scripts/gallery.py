@@ -38,6 +38,7 @@ def arguments():
     parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree", help="the program")
     parser.add_argument("--out", type=Path, default=Path("out/scenes"), help="folder of the results")
     parser.add_argument("--only", nargs="+", metavar="SCENE", help="run these scenes and no others")
+    parser.add_argument("--pictures", action="store_true", help="renew the pictures alone, no numbers")
     parser.add_argument("--page", action="store_true", help="run nothing, make the page alone")
     return parser.parse_args()
 
@@ -58,7 +59,7 @@ def run(options):
         print(f"{number} of {len(chosen)}: {folder.name}", flush=True)
         answer = subprocess.run(
             [sys.executable, folder / "measure.py", "--scree", options.scree, "--out",
-             options.out / folder.name, "--write"], check=False, stdout=subprocess.DEVNULL)
+             options.out / folder.name, "--pictures" if options.pictures else "--write"], check=False, stdout=subprocess.DEVNULL)
         print(f"   {'done' if answer.returncode == 0 else 'failed'} in {time.time() - begin:.0f} s",
               flush=True)
         if answer.returncode:

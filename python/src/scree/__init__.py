@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from . import plot as plot
     from .errors import DeckError, FileProblem, InternalError, Interrupted, PhysicsError, ScreeError
     from .launch import run
+    from .pictures import Radiograph, picture, radiograph
     from .program import find_program
     from .results import Run, Tables, read_table
     from .results import open_run as open
@@ -26,12 +27,14 @@ if TYPE_CHECKING:
     from .study import sweep
 
 __version__ = "0.1.0"
-__all__ = ["DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Run", "ScreeError", "Snapshot",
-           "Snapshots", "Tables", "find_program", "open", "plot", "read_table", "run", "sweep"]
+__all__ = ["DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Radiograph", "Run",
+           "ScreeError", "Snapshot", "Snapshots", "Tables", "find_program", "open", "picture", "plot", "radiograph",
+           "read_table", "run", "sweep"]
 
 _MODULES = {
     "errors": ("DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "ScreeError"),
-    "launch": ("run",), "program": ("find_program",), "results": ("Run", "Tables", "open_run", "read_table"),
+    "launch": ("run",), "pictures": ("Radiograph", "picture", "radiograph"), "program": ("find_program",),
+    "results": ("Run", "Tables", "open_run", "read_table"),
     "snapshot": ("Snapshot", "Snapshots"), "study": ("sweep",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

@@ -14,6 +14,7 @@ from .radiograph_page import scale_bar
 from .view import matter
 from .walls import STYLES, at_time, is_seen, walls_of
 
+ABOVE, BELOW = 0.65, 0.65                                # room above and below the picture [inch]
 SHARP = 2                # pixels of the image a pixel of the page, along each side
 SPREAD = 1.15            # of balls over the spacing of particles
 MOVING = 0.05            # of the greatest speed: what is faster moves
@@ -109,16 +110,16 @@ class SpacePage:
         part = matter(snap, self.options)
         image = self.balls(part, share, snap)
         wide, high = self.shape()
-        page = (wide + 1.9, high + 0.9)
+        page = (wide + 1.9, high + ABOVE + BELOW)
         figure = self.plot.figure(figsize=page)
-        axes = figure.add_axes((0.15 / page[0], 0.2 / page[1], wide / page[0], high / page[1]))
+        axes = figure.add_axes((0.15 / page[0], BELOW / page[1], wide / page[0], high / page[1]))
         k, box = self.metres, self.box
         axes.imshow(image, extent=[k * edge for edge in box], interpolation="antialiased",
                     aspect="equal")
         axes.set_axis_off()
-        self.scale(axes)
+        self.scale(axes, high)
         self.triad(figure, page, share)
-        slot = figure.add_axes(((wide + 0.2) / page[0], 0.2 / page[1], 1.6 / page[0],
+        slot = figure.add_axes(((wide + 0.2) / page[0], BELOW / page[1], 1.6 / page[0],
                                 high / page[1]))
         slot.set_axis_off()
         self.colour_bar(figure, slot, page, wide, high)
@@ -139,20 +140,21 @@ class SpacePage:
             slot.get_legend().set_bbox_to_anchor((0.0, 1.0))
             return
         tall = min(high, 4.0)
-        bar = figure.add_axes(((wide + 0.3) / page[0], (0.2 + 0.5 * (high - tall)) / page[1],
+        bar = figure.add_axes(((wide + 0.3) / page[0], (BELOW + 0.5 * (high - tall)) / page[1],
                                0.16 / page[0], tall / page[1]))
         colours.legend(figure, None, self.options.colour, bar)
 
-    def scale(self, axes):
-        """Scale bar below to the left."""
+    def scale(self, axes, high):
+        """Scale bar below the picture."""
         k, box = self.metres, self.box
         length = scale_bar(0.25 * k * (box[1] - box[0]))
         left = k * box[0] + 0.03 * k * (box[1] - box[0])
-        level = k * box[2] + 0.03 * k * (box[3] - box[2])
+        level = k * (box[2] - 0.3 * (box[3] - box[2]) / high)
         axes.plot([left, left + length], [level, level], color="black", linewidth=2.5,
-                  solid_capstyle="butt")
-        axes.text(left + 0.5 * length, level, f"{length:g} {self.unit}\n", ha="center",
-                  va="center", fontsize=10, linespacing=2.0)
+                  solid_capstyle="butt", clip_on=False)
+        axes.text(left + length, level, f"  {length:g} {self.unit}", ha="left", va="center", fontsize=10)
+        axes.set_xlim(k * box[0], k * box[1])
+        axes.set_ylim(k * box[2], k * box[3])
 
     def triad(self, figure, page, share):
         """The directions x, y, z, below to the right."""
