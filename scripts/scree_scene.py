@@ -20,7 +20,6 @@ import scree_post
 from scree_post import PostError, study
 from scree_post.written import Written
 
-LARGEST = 150000                       # bytes of a picture that keeps all its colours
 WIDE = 1800                            # pixels of a picture
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
@@ -100,7 +99,7 @@ class Study:
             if figure:
                 picture = folder / name
                 scree_post.save(figure, str(picture), WIDE / figure.get_figwidth())
-                make_small(picture)
+                scree_post.make_small(picture)
                 print(picture)
         return 0
 
@@ -197,15 +196,6 @@ def with_phrase(path, text, phrase):
     numbers = iter(NUMBER.findall(phrase))
     begin, end = found[0].span()
     return text[:begin] + NUMBER.sub(lambda _: next(numbers), found[0][0]) + text[end:]
-
-
-def make_small(picture):
-    """Leave 256 colours to a picture that takes too much room with all of them."""
-    if picture.stat().st_size > LARGEST:
-        (image,) = scree_post.modules("PIL.Image")
-        with image.open(picture) as page:
-            few = page.convert("RGB").quantize(256, image.Quantize.MAXCOVERAGE)
-        few.save(picture, optimize=True)
 
 
 def two_digits(value):

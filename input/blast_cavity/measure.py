@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
-from scree_post import look, panel     # noqa: E402
+from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 RADIUS = 5.0                           # of the charge [mm]
@@ -66,7 +66,7 @@ def draw(runs, plot):
         snap = runs["blast"].near(moment)
         gas, _, _, _ = state(snap)
         if what == "pressure":
-            shown = panel.particles(axes, snap, 1e-6 * snap.fields["pressure"], low=0.0, high=400.0, colours=look.HEAT)
+            shown = panel.particles(axes, snap, 1e-6 * snap.fields["pressure"], low=0.0, high=400.0)
             figure.colorbar(shown, ax=axes, label="pressure [MPa]", location="bottom", shrink=0.8, extend="both")
         else:
             failed = ~gas & (snap.fields["failed"] > 0)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
-from scree_post import look, panel     # noqa: E402
+from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 SPEED, GURNEY = 7980.0, 2700.0         # of the detonation and of Gurney, composition B [m/s]
@@ -47,12 +47,12 @@ def tables(runs):
 
 def draw(runs, plot):
     """Products and plate at three times."""
-    figure, panels = plot.subplots(3, 1, figsize=(8.4, 8.6), sharex=True, layout="constrained")
+    figure, panels = plot.subplots(3, 1, figsize=(7.4, 9.6), sharex=True, layout="constrained")
     run = runs["along"]
     for axes, moment in zip(panels, (4.0e-6, 10.0e-6, 18.0e-6)):
         snap = run.near(moment)
         plate = snap.fields["material"] == PLATE
-        shown = panel.particles(axes, snap, 1e-9 * snap.fields["pressure"], low=0.0, high=20.0, colours=look.HEAT,
+        shown = panel.particles(axes, snap, 1e-9 * snap.fields["pressure"], low=0.0, high=20.0,
                                 rows=~plate)
         panel.particles(axes, snap, "#0072b2", rows=plate)
         panel.window(axes, (-10, 130, -20, 50), "", "z [mm]", f"{1e6 * snap.time:.0f} µs")

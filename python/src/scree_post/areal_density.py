@@ -146,7 +146,9 @@ def parts_of(snap, positions, size, smear):
     if smear == "volume" or len(size) == 0:
         return rows, positions, np.ones(len(size)), size
     plane = [0, 1, 2] if snap.dimension == "3d" else [0, 2]
-    rows, offsets, share, half = smeared(positions[:, plane], size)
+    failed = snap.fields.get("failed")                   # intact material that moved apart has the volume for it
+    loose = np.ones(len(size), bool) if failed is None else failed >= 0.5
+    rows, offsets, share, half = smeared(positions[:, plane], size, loose)
     moved = positions[rows]
     moved[:, plane] += offsets
     if snap.dimension == "axisymmetric":                 # what passes the axis is on the other side

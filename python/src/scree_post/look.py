@@ -9,6 +9,7 @@ from .errors import EXIT_USAGE, PostError, modules
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
 SEQUENTIAL, SIGNED = "viridis", "coolwarm"               # colour maps of sizes, and of numbers of both signs
 HEAT, SOOT = "magma", "cividis"                          # further maps of sizes, for a second field on a page
+LARGEST = 150000         # bytes of a picture that keeps all its colours
 ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
 
 
@@ -97,3 +98,14 @@ def save(figure, path, dpi):
         raise PostError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         pyplot().close(figure)
+
+
+def make_small(path, largest=LARGEST):
+    """Leave 256 colours to a picture in a file of more bytes than that."""
+    (image,) = modules("PIL.Image")
+    if os.path.getsize(path) > largest:
+        with image.open(path) as page:
+            page = page.convert("RGB")
+            palette = page.quantize(256, image.Quantize.MAXCOVERAGE)
+            few = page.quantize(palette=palette, dither=image.Dither.FLOYDSTEINBERG)
+        few.save(path, optimize=True)

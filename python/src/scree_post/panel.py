@@ -25,6 +25,9 @@ def particles(axes, snap, values, *, low=None, high=None, colours=look.SEQUENTIA
     """
     from matplotlib.collections import PolyCollection
     rows = np.arange(len(snap.points)) if rows is None else np.flatnonzero(rows) if rows.dtype == bool else rows
+    if "volume" not in snap.fields:
+        mass, density = snap.need("mass", "density")
+        snap.fields["volume"] = mass / density
     size = particle_size(snap, snap.points[:, 0])
     middle, edges = snap.points[rows][:, [0, 2]], 0.5 * plane_edges(snap, size)[rows]
     corners = np.stack([middle + a * edges[:, 0] + b * edges[:, 1] for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))],

@@ -3,15 +3,16 @@
 
 A particle of failed material keeps its volume while its neighbours fly away, so a cloud of debris that covers an area
 evenly would be seen as dots, and as stripes where each dot is a ring. The particles around each particle, in blocks of
-cells that hold a few, tell in which directions they are spaced and how far. A particle that is wider than the spacing
-keeps its width; any other is spread over the spacing, along a row of particles in the direction of the row only.
+cells that hold some, tell in which directions they are spaced and how far. A particle that is as wide as the spacing
+keeps its width; any other is spread over a third of the block, along a row of particles in the direction of the row only.
 """
 import numpy as np
 
-ENOUGH = {2: 6, 3: 10}   # particles in a block that tell the spacing
+ENOUGH = {2: 80, 3: 40}  # particles in a block that tell the spacing
 LEVELS = 10              # sizes of blocks, each twice the one before
 APART = 1.5              # spacing over width from which on a particle is spread
-FARTHEST = 30.0          # most spacing over width
+FARTHEST = 60.0          # most spacing over width
+SHARE = 1.0 / 3.0        # of the extent of a block over which a particle is spread, since debris flies in clumps
 MOST_PARTS = {2: 16, 3: 4}                               # parts of a particle along a direction
 
 
@@ -42,7 +43,7 @@ def block_moments(places, width):
 
 
 def spacing(places, size):
-    """Spacing (n, d) of the particles around each one, the largest first, and its directions (n, d, d) in columns.
+    """Lengths (n, d) to spread each particle over, the largest first, and their directions (n, d, d) in columns.
 
     places  positions (n, d) with d = 2 or 3 [m]
     size    widths (n) [m]
@@ -67,7 +68,8 @@ def spacing(places, size):
 
 
 def shares(extent, number, size):
-    """Spacing (n, d) of a number of particles that fill a box of these extents (n, d), the largest first [m]."""
+    """Lengths (n, d) to spread particles over, of which a number fill a box of these extents (n, d), the largest first
+    [m]."""
     found = np.empty_like(extent)
     open_axes = np.full(len(size), extent.shape[1])
     product = np.cumprod(np.maximum(extent, size[:, None]), axis=1)
@@ -78,17 +80,18 @@ def shares(extent, number, size):
         found[rest, :axes] = even[rest, None]
         found[thin, axes - 1] = np.maximum(extent[thin, axes - 1], size[thin])
         open_axes[thin] -= 1
+    found = np.where(found > APART * size[:, None], np.maximum(found, SHARE * extent), found)
     return np.clip(found, size[:, None], FARTHEST * size[:, None])
 
 
-def smeared(places, size):
+def smeared(places, size, loose=True):
     """Rows, offsets (m, d) [m], shares of mass and half widths [m] of the parts that particles are spread over.
 
-    The shares of a particle add up to 1 and its parts lie evenly about it, so mass and centre of mass are kept.
+    `loose` says which particles (n) may be spread. The shares of a particle add up to 1 and its parts lie evenly about it, so mass and centre of mass are kept.
     """
     axes = places.shape[1]
     found, ways = spacing(places, size)
-    apart = found[:, 0] > APART * size
+    apart = loose & (found[:, 0] > APART * size)
     half = np.where(apart, np.maximum(found[:, -1], found[:, 0] / MOST_PARTS[axes]), size)
     parts = np.where(apart[:, None], np.clip(np.ceil(found / half[:, None] - 1.0e-9), 1, MOST_PARTS[axes]), 1).astype(int)
     rows, offsets, share = [], [], []
