@@ -52,13 +52,13 @@ def draw(runs, plot):
     for axes, moment in zip(panels, (4.0e-6, 10.0e-6, 18.0e-6)):
         snap = run.near(moment)
         plate = snap.fields["material"] == PLATE
-        shown = panel.particles(axes, snap, 1e-9 * snap.fields["pressure"], low=0.0, high=20.0,
-                                rows=~plate)
+        shown = panel.particles(axes, snap, 1e-9 * snap.fields["pressure"], low=0.02, high=20.0,
+                                rows=~plate, log=True)
         panel.particles(axes, snap, "#0072b2", rows=plate)
         panel.window(axes, (-10, 130, -20, 50), "", "z [mm]", f"{1e6 * snap.time:.0f} µs")
     panels[-1].set_xlabel("x [mm]")
     panels[0].legend(handles=panel.patches({"plate": "#0072b2"}), loc="upper right")
-    figure.colorbar(shown, ax=panels, label="pressure of the explosive [GPa]", shrink=0.5)
+    figure.colorbar(shown, ax=panels, label="pressure of the explosive [GPa]", shrink=0.5, extend="both")
     return figure
 
 

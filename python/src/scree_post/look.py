@@ -108,4 +108,10 @@ def make_small(path, largest=LARGEST):
             page = page.convert("RGB")
             palette = page.quantize(256, image.Quantize.MAXCOVERAGE)
             few = page.quantize(palette=palette, dither=image.Dither.FLOYDSTEINBERG)
+            entries = few.getpalette()
+            lightest = max(range(0, len(entries), 3), key=lambda first: sum(entries[first:first + 3]))
+            entries[lightest:lightest + 3] = [255, 255, 255]
+            white = page.convert("L").point(lambda level: 255 * (level == 255))
+            few.paste(lightest // 3, mask=white)                                  # the page stays white
+            few.putpalette(entries)
         few.save(path, optimize=True)

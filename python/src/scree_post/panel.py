@@ -10,17 +10,19 @@ import numpy as np
 from . import look
 from .shape import particle_size, plane_edges
 
+BELOW = 1.3              # width of the layer below over that of a particle
 SEAM = 0.25              # line around each particle, which closes seams and shows the smallest ones [points]
 
 
 def particles(axes, snap, values, *, low=None, high=None, colours=look.SEQUENTIAL, rows=None, sides=(1.0,),
-              factor=1.0e3, along=0.0):
+              factor=1.0e3, along=0.0, log=False):
     """Draw particles as large as their volume; what is drawn, for a colour bar.
 
     values  numbers (n) for the colour map, colours (n, 3) or (n, 4), or one colour for all
     rows    the particles that are drawn (all)
     sides   1 for the model, -1 for its mirror image at x = 0
     factor  from metres to the unit of the axes (mm)
+    log     logarithmic colours; smaller numbers are drawn as `low`
     along   shift of the axis of the mirror image in the unit of the axes
     """
     from matplotlib.collections import PolyCollection
@@ -30,20 +32,28 @@ def particles(axes, snap, values, *, low=None, high=None, colours=look.SEQUENTIA
         snap.fields["volume"] = mass / density
     size = particle_size(snap, snap.points[:, 0])
     middle, edges = snap.points[rows][:, [0, 2]], 0.5 * plane_edges(snap, size)[rows]
-    corners = np.stack([middle + a * edges[:, 0] + b * edges[:, 1] for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))],
-                       axis=1)
-    corners = np.concatenate([factor * corners * (side, 1.0) + (along, 0.0) for side in sides])
-    shown = PolyCollection(corners, linewidths=SEAM, antialiaseds=False, rasterized=True)
+    if not isinstance(values, str):
+        values = np.concatenate([np.asarray(values)[rows] for _ in sides])
+    for layer, spread in ((0.95, BELOW), (1.0, 1.0)):    # the layer below closes gaps between neighbours
+        corners = np.stack([middle + spread * (a * edges[:, 0] + b * edges[:, 1])
+                            for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1)
+        corners = np.concatenate([factor * corners * (side, 1.0) + (along, 0.0) for side in sides])
+        shown = PolyCollection(corners, linewidths=SEAM, antialiaseds=False, rasterized=True, zorder=layer)
+        dress(shown, values, low, high, colours, log)
+        axes.add_collection(shown)
+    return shown
+
+
+def dress(shown, values, low, high, colours, log):
+    """Colours of a layer: of a map, of each particle, or one for all."""
+    from matplotlib.colors import LogNorm, Normalize
     if isinstance(values, str):
         shown.set(facecolor=values, edgecolor=values)
+    elif values.ndim == 2:
+        shown.set(facecolors=values, edgecolors=values)
     else:
-        values = np.concatenate([np.asarray(values)[rows] for _ in sides])
-        if values.ndim == 2:
-            shown.set(facecolors=values, edgecolors=values)
-        else:
-            shown.set(array=values, cmap=colours, clim=(low, high), edgecolor="face")
-    axes.add_collection(shown)
-    return shown
+        norm = LogNorm(low, high) if log else Normalize(low, high)
+        shown.set(array=np.maximum(values, low) if log else values, cmap=colours, norm=norm, edgecolor="face")
 
 
 def window(axes, limits, across="", up="", title=""):
