@@ -48,13 +48,13 @@ def work():
     if options.only in (None, "picture"):
         main(["picture", results("quarter", options), *LOOK, "--camera", "25,14", "--dpi", "214",
               "--out", str(PAGES / "debris_cloud_space.png")])
-        scree_post.make_small(PAGES / "debris_cloud_space.png")
+        scree_post.make_small(PAGES / "debris_cloud_space.png", dither=True)
     if options.only in (None, "film"):
         main(["movie", results("quarter", options), *LOOK, "--camera", "60,18", "--turn", "-35", "--dpi", "107",
               "--rate", "12", "--quality", "30", "--out", str(PAGES / "debris_cloud.mp4")])
     if options.only in (None, "radiograph"):
         main(["radiograph", results("round", options), "--dpi", "130", "--out", str(PAGES / "debris_cloud.png")])
-        scree_post.make_small(PAGES / "debris_cloud.png", 400000)
+        scree_post.make_small(PAGES / "debris_cloud.png", 800000)
     return 0
 
 

@@ -9,7 +9,7 @@ from .errors import EXIT_USAGE, PostError, modules
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
 SEQUENTIAL, SIGNED = "viridis", "coolwarm"               # colour maps of sizes, and of numbers of both signs
 HEAT, SOOT = "magma", "cividis"                          # further maps of sizes, for a second field on a page
-LARGEST = 150000         # bytes of a picture that keeps all its colours
+LARGEST = 250000         # bytes of a picture that keeps all its colours
 ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
 
 
@@ -100,14 +100,15 @@ def save(figure, path, dpi):
         pyplot().close(figure)
 
 
-def make_small(path, largest=LARGEST):
-    """Leave 256 colours to a picture in a file of more bytes than that."""
+def make_small(path, largest=LARGEST, dither=False):
+    """Leave 256 colours to a picture in a file of more bytes than that; dots of several colours stand for others."""
     (image,) = modules("PIL.Image")
     if os.path.getsize(path) > largest:
         with image.open(path) as page:
             page = page.convert("RGB")
             palette = page.quantize(256, image.Quantize.MAXCOVERAGE)
-            few = page.quantize(palette=palette, dither=image.Dither.FLOYDSTEINBERG)
+            few = page.quantize(palette=palette,
+                                dither=image.Dither.FLOYDSTEINBERG if dither else image.Dither.NONE)
             entries = few.getpalette()
             lightest = max(range(0, len(entries), 3), key=lambda first: sum(entries[first:first + 3]))
             entries[lightest:lightest + 3] = [255, 255, 255]

@@ -13,7 +13,7 @@ LEVELS = 10              # sizes of blocks, each twice the one before
 APART = 1.5              # spacing over width from which on a particle is spread
 FARTHEST = 60.0          # most spacing over width
 SHARE = 1.0 / 3.0        # of the extent of a block over which a particle is spread, since debris flies in clumps
-MOST_PARTS = {2: 16, 3: 4}                               # parts of a particle along a direction
+MOST_PARTS = 16          # of a particle along a row, or over a sheet
 
 
 def block_moments(places, width):
@@ -92,8 +92,11 @@ def smeared(places, size, loose=True):
     axes = places.shape[1]
     found, ways = spacing(places, size)
     apart = loose & (found[:, 0] > APART * size)
-    half = np.where(apart, np.maximum(found[:, -1], found[:, 0] / MOST_PARTS[axes]), size)
-    parts = np.where(apart[:, None], np.clip(np.ceil(found / half[:, None] - 1.0e-9), 1, MOST_PARTS[axes]), 1).astype(int)
+    least = np.maximum(found[:, -1], found[:, 0] / MOST_PARTS)
+    if axes == 3:
+        least = np.maximum(least, np.sqrt(found[:, 0] * found[:, 1] / MOST_PARTS))
+    half = np.where(apart, least, size)
+    parts = np.where(apart[:, None], np.clip(np.ceil(found / half[:, None] - 1.0e-9), 1, MOST_PARTS), 1).astype(int)
     rows, offsets, share = [], [], []
     for kind in np.unique(parts, axis=0):
         chosen = np.flatnonzero((parts == kind).all(axis=1))
