@@ -143,7 +143,7 @@ def draw_stages(runs, plot):
         panel.particles(axes, snap, layer, low=-0.4, high=1.3, colours=look.SOOT, factor=100.0)
         axes.axvline(100 * flows.HALF_WIDTH * (1.0 + flows.measured_runout(2.0, False)), color="k", linestyle=":")
         panel.window(axes, (0.0, 50.0, 0.0, 22.0))
-        axes.set_title(f"{snap.time:.2f} s", loc="right", y=0.8)
+        axes.text(0.97, 0.92, f"{snap.time:.2f} s", ha="right", va="top", transform=axes.transAxes)
     for axes in panels[:, 0]:
         axes.set_ylabel("z [cm]")
     for axes in panels[1]:

@@ -62,7 +62,7 @@ def phrases(runs):
 
 def draw(runs, plot):
     """The bed at three times, and the way of the ball."""
-    figure, panels = plot.subplots(1, 4, figsize=(10.5, 4.2), width_ratios=(1, 1, 1, 1.5), layout="constrained")
+    figure, panels = plot.subplots(1, 4, figsize=(10.5, 3.8), width_ratios=(1, 1, 1, 1.2), layout="constrained")
     run = runs["plane_strain_2.0"]
     for axes, moment in zip(panels, (0.0, 0.012, 0.05)):
         snap = run.near(moment)
@@ -72,6 +72,8 @@ def draw(runs, plot):
         panel.particles(axes, snap, "#d55e00", rows=ball, sides=(-1, 1))
         panel.window(axes, (-75, 75, -100, 35), "r [mm]", title=f"{1e3 * snap.time:.0f} ms")
     panels[0].set_ylabel("z [mm]")
+    for axes in panels[1:3]:
+        axes.set_yticklabels([])
     figure.colorbar(shown, ax=panels[:3], label="speed of the beads [m/s]",
                     location="bottom", shrink=0.6)
     for speed, colour in zip(SPEEDS, ("#0072b2", "#009e73", "#e69f00")):

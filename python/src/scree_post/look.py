@@ -22,6 +22,8 @@ def pyplot():
         "font.family": "DejaVu Sans", "font.size": 11, "axes.titlesize": 11, "axes.labelsize": 11,
         "axes.linewidth": 0.8, "xtick.labelsize": 10, "ytick.labelsize": 10, "legend.fontsize": 10,
         "xtick.direction": "out", "ytick.direction": "out", "legend.frameon": False,
+        "axes.prop_cycle": plot.cycler(color=COLOURS), "image.cmap": SEQUENTIAL,
+        "figure.constrained_layout.w_pad": 0.06, "figure.constrained_layout.h_pad": 0.06,
         "savefig.facecolor": "white", "mathtext.default": "regular", "svg.fonttype": "none"})
     return plot
 
