@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of one snapshot as figures and numbers: what the commands picture and radiograph and the package scree share.
+"""Figures and numbers of one snapshot: what the commands picture and radiograph and the package scree share.
 
     figure = drawing.picture("out/case/case_p_000012.hdf", drawing.options(colour="pressure", camera="x"))
     frame = drawing.radiograph("out/case/case_p_000012.hdf")

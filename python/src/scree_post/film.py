@@ -51,7 +51,8 @@ def even(page):
 def encode(pages, path, rate, quality=CLEAR):
     """Write pages (height, width, 3 or 4) of bytes, all of one size, as a film.
 
-    `quality` is that of an .mp4, from 0, the best, to 51. Returns the files written. A film appears under its name when it is whole.
+    `quality` is that of an .mp4, from 0, the best, to 51. Returns the files written. A film appears under its
+    name when it is whole.
     """
     stem, ending = os.path.splitext(path)
     part = f"{stem}.part{ending}"

@@ -4,7 +4,8 @@
 A particle of failed material keeps its volume while its neighbours fly away, so a cloud of debris that covers an area
 evenly would be seen as dots, and as stripes where each dot is a ring. The particles around each particle, in blocks of
 cells that hold some, tell in which directions they are spaced and how far. A particle that is as wide as the spacing
-keeps its width; any other is spread over a third of the block, along a row of particles in the direction of the row only.
+keeps its width; any other is spread over a third of the block, along a row of particles in the direction of the row
+only.
 """
 import numpy as np
 
@@ -87,7 +88,8 @@ def shares(extent, number, size):
 def smeared(places, size, loose=True):
     """Rows, offsets (m, d) [m], shares of mass and half widths [m] of the parts that particles are spread over.
 
-    `loose` says which particles (n) may be spread. The shares of a particle add up to 1 and its parts lie evenly about it, so mass and centre of mass are kept.
+    `loose` says which particles (n) may be spread. The shares of a particle add up to 1 and its parts lie evenly about
+    it, so mass and centre of mass are kept.
     """
     axes = places.shape[1]
     found, ways = spacing(places, size)
