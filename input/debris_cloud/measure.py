@@ -190,6 +190,7 @@ def draw_sheets(runs, plot):
                                      (failed, 1, "#999999"), (~failed, 1, "#000000")):
             panel.particles(axes, snap, colour, rows=chosen, sides=(side,))
         panel.window(axes, (-50, 50, -40, 135), "r [mm]", title=f"t/D = {SHEETS[name][0]}")
+        axes.set_xticks((-40, 0, 40))
     panels[0, 0].set_ylabel("z [mm]")
     names = {"sphere": "#d55e00", "sheet": "#0072b2", "failed": "#999999", "intact": "#000000"}
     figure.legend(handles=panel.patches(names), loc="outside lower center", ncol=4)
