@@ -3,7 +3,7 @@
 
     python input/debris_cloud/space.py --scree build/bin/scree
 
-runs a quarter in three dimensions with six cells through the sheet (345 000 particles, about 5 minutes of two cores)
+runs a quarter in three dimensions with six cells through the sheet (345 000 particles, 280 s of processor time)
 and the axisymmetric scene, unless their results are there, and writes doc/learn/debris_cloud_space.png,
 doc/learn/debris_cloud.mp4 and doc/learn/debris_cloud.png. Mirror images at x = 0 and y = 0 complete the quarter.
 """
