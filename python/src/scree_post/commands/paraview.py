@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes a script that opens a run in ParaView 5.11 or newer: particles of their size, coloured by a field.
+"""Writes a script that opens a run in ParaView 5.11 or newer: particles of their size, by a field.
 
     paraview --script=CASE_view.py               # in a window: press play
     pvbatch CASE_view.py picture.png             # without a window: the last time as a picture
