@@ -8,6 +8,7 @@ Scenes that measure themselves (input/SCENE/measure.py) are run first, unless th
 tables and pictures go into their folders. Then doc/gallery.md is put together from the READMEs.
 """
 import argparse
+import os
 import re
 import subprocess
 import sys
@@ -38,6 +39,7 @@ def arguments():
     parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree", help="the program")
     parser.add_argument("--out", type=Path, default=Path("out/scenes"), help="folder of the results")
     parser.add_argument("--only", nargs="+", metavar="SCENE", help="run these scenes and no others")
+    parser.add_argument("--pictures", action="store_true", help="renew the pictures alone, no numbers")
     parser.add_argument("--page", action="store_true", help="run nothing, make the page alone")
     return parser.parse_args()
 
@@ -58,7 +60,8 @@ def run(options):
         print(f"{number} of {len(chosen)}: {folder.name}", flush=True)
         answer = subprocess.run(
             [sys.executable, folder / "measure.py", "--scree", options.scree, "--out",
-             options.out / folder.name, "--write"], check=False, stdout=subprocess.DEVNULL)
+             options.out / folder.name, "--pictures" if options.pictures else "--write"], check=False,
+            stdout=subprocess.DEVNULL)
         print(f"   {'done' if answer.returncode == 0 else 'failed'} in {time.time() - begin:.0f} s",
               flush=True)
         if answer.returncode:
@@ -73,7 +76,7 @@ def section(folder):
     title = paragraphs[0].removeprefix("# ")
     lines = [f"## {title}", re.sub(r"\]\((?!http)([^)]+)\)", lambda link: relink(folder, link[1]),
                                    re.sub(r"\n(?![|*-])", " ", paragraphs[1]))]
-    lines += [f"![{words}](../{(folder / place).resolve().relative_to(ROOT)})"
+    lines += [f"![{words}{relink(folder, place)}"
               for words, place in PICTURE.findall(text)]
     found = FIGURES.search(text)
     if found:
@@ -84,7 +87,7 @@ def section(folder):
 
 def relink(folder, target):
     """A link of a scene as one of the page."""
-    return f"](../{(folder / target).resolve().relative_to(ROOT)})"
+    return f"]({os.path.relpath((folder / target).resolve(), PAGE.parent)})"
 
 
 def minutes():

@@ -20,7 +20,7 @@ import scree_post
 from scree_post import PostError, study
 from scree_post.written import Written
 
-LARGEST = 150000                       # bytes of a picture in the repository
+WIDE = 1800                            # pixels of a picture
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
@@ -80,20 +80,27 @@ class Study:
         """All of it; the exit code."""
         options = self.arguments()
         runs = self.run(options)
+        if options.pictures:
+            return self.draw(runs, self.folder)
         text = "\n".join(table.text() for table in self.tables(runs))
         print(text)
         if options.check:
             return self.check(self.documents(runs, text))
         documents = self.documents(runs, text, self.times(runs)) if options.write else {}
+        self.draw(runs, self.folder if options.write else options.out)
+        for path, (_, now) in documents.items():
+            path.write_text(now, encoding="utf-8")
+        return 0
+
+    def draw(self, runs, folder):
+        """The pictures, into a folder; the exit code."""
         for name, draw in self.pictures.items():
             figure = draw(runs, scree_post.pyplot())
             if figure:
-                picture = (self.folder if options.write else options.out) / name
-                scree_post.save(figure, str(picture), 85)
-                make_small(picture)
+                picture = folder / name
+                scree_post.save(figure, str(picture), WIDE / figure.get_figwidth())
+                scree_post.make_small(picture)
                 print(picture)
-        for path, (_, now) in documents.items():
-            path.write_text(now, encoding="utf-8")
         return 0
 
     def arguments(self):
@@ -106,6 +113,8 @@ class Study:
         parser.add_argument("--only", nargs="+", metavar="CASE", help="these cases and no others")
         parser.add_argument("--write", action="store_true",
                             help="renew the figures of the scene and its pictures")
+        parser.add_argument("--pictures", action="store_true",
+                            help="renew the pictures of the scene alone; with --only those that the cases allow")
         parser.add_argument("--check", action="store_true",
                             help="hold the figures of the scene against the runs; exit code 1 if they differ")
         options = parser.parse_args()
@@ -187,15 +196,6 @@ def with_phrase(path, text, phrase):
     numbers = iter(NUMBER.findall(phrase))
     begin, end = found[0].span()
     return text[:begin] + NUMBER.sub(lambda _: next(numbers), found[0][0]) + text[end:]
-
-
-def make_small(picture):
-    """Leave 256 colours to a picture that takes too much room with all of them."""
-    if picture.stat().st_size > LARGEST:
-        (image,) = scree_post.modules("PIL.Image")
-        with image.open(picture) as page:
-            few = page.convert("RGB").quantize(256, image.Quantize.MAXCOVERAGE)
-        few.save(picture, optimize=True)
 
 
 def two_digits(value):

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
+from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 RADIUS = 5.0                           # of the charge [mm]
@@ -60,20 +61,21 @@ def tables(runs):
 
 def draw(runs, plot):
     """Pressure while the wave runs, and failed rock at the end."""
-    figure, panels = plot.subplots(1, 2, figsize=(12.0, 5.4), layout="constrained")
-    for panel, (moment, what) in zip(panels, ((15.0e-6, "pressure"), (TIMES[-1], "failed"))):
+    figure, panels = plot.subplots(1, 2, figsize=(9.6, 5.0), sharey=True, layout="constrained")
+    for axes, (moment, what) in zip(panels, ((15.0e-6, "pressure"), (TIMES[-1], "failed"))):
         snap = runs["blast"].near(moment)
         gas, _, _, _ = state(snap)
-        x, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
         if what == "pressure":
-            shown = panel.scatter(x, z, s=2.0, marker="s", c=1e-6 * snap.fields["pressure"], cmap="inferno", vmin=0,
-                                  vmax=400, linewidths=0)
-            figure.colorbar(shown, ax=panel, label="pressure [MPa]", shrink=0.8, extend="both")
+            shown = panel.particles(axes, snap, 1e-6 * snap.fields["pressure"], low=0.0, high=400.0)
+            figure.colorbar(shown, ax=axes, label="pressure [MPa]", location="bottom", shrink=0.8, extend="both")
         else:
-            colour = np.where(gas, "#d55e00", np.where(snap.fields["failed"] > 0, "#f0c040", "#203050"))
-            panel.scatter(x, z, s=2.0, marker="s", c=colour, linewidths=0)
-        panel.set(title=f"{1e6 * snap.time:.0f} us", aspect="equal", xlabel="x [mm]", ylabel="z [mm]", xlim=(0, 165),
-                  ylim=(0, 165))
+            failed = ~gas & (snap.fields["failed"] > 0)
+            names = {"products": "#d55e00", "failed rock": "#f0c040", "intact rock": "#203050"}
+            for chosen, tint in zip((gas, failed, ~gas & ~failed), names.values()):
+                panel.particles(axes, snap, tint, rows=chosen)
+            figure.legend(handles=panel.patches(names), loc="lower right", bbox_to_anchor=(0.95, 0.06), ncol=3)
+        panel.window(axes, (0, 165, 0, 165), "x [mm]", title=f"{1e6 * snap.time:.0f} µs")
+    panels[0].set_ylabel("z [mm]")
     return figure
 
 

@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python/src"), str(ROOT / "test/support")]
 import scree_post                      # noqa: E402
 import taylor                          # noqa: E402
+from scree_post import look, panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 METHODS = {"mpm": ("plain", {"run.method": "mpm"}),
@@ -93,22 +94,22 @@ def phrases(runs):
 
 def draw(runs, plot):
     """The bars at the end by method, and how far they are off."""
-    figure, panels = plot.subplots(1, 7, figsize=(12.0, 4.0), width_ratios=(1, 1, 1, 0.75, 0.75, 0.75, 2.2),
+    figure, panels = plot.subplots(1, 7, figsize=(11.0, 4.6), width_ratios=(1, 1, 1, 0.9, 0.9, 0.9, 2.4),
                                    layout="constrained")
     for bar, first, limits in (("glass", 0, (-18, 18, 0, 58)), ("copper", 3, (-8, 8, 0, 17))):
-        for panel, (name, (title, _)) in zip(panels[first:first + 3], METHODS.items()):
+        for axes, (name, (title, _)) in zip(panels[first:first + 3], METHODS.items()):
             snap = runs[f"{bar}_{name}_{BARS[bar][2][1]}"].last_snapshot()
-            r, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
             if bar == "glass":
-                values, top, colours = snap.fields["velocity"][:, 0], 300.0, "inferno"
+                values, top, colours = snap.fields["velocity"][:, 0], 300.0, look.HEAT
             else:
-                values, top, colours = snap.fields["plastic_strain"], 1.2, "viridis"
-            for sign in (-1, 1):
-                panel.scatter(sign * r, z, s=0.5, c=values, cmap=colours, vmin=0, vmax=top, linewidths=0)
-            panel.set(title=f"{title}", xlim=limits[:2], ylim=limits[2:], aspect="equal", xlabel="r [mm]")
+                values, top, colours = snap.fields["plastic_strain"], 1.2, look.SEQUENTIAL
+            shown = panel.particles(axes, snap, values, low=0.0, high=top, colours=colours, sides=(-1, 1))
+            panel.window(axes, limits, "r [mm]", title=title)
             if name != "mpm":
-                panel.set_yticks([])
+                axes.set_yticks([])
         panels[first].set_ylabel(f"{bar}: z [mm]")
+        figure.colorbar(shown, ax=list(panels[first:first + 3]), location="bottom", shrink=0.8, extend="max",
+                        label="radial speed [m/s]" if bar == "glass" else "plastic strain")
     places, heights, colours = [], [], ("#d55e00", "#e69f00", "#0072b2")
     for number, bar in enumerate(BARS):
         for place, name in enumerate(METHODS):
@@ -116,7 +117,7 @@ def draw(runs, plot):
             heights.append(100 * off(runs, bar, name, BARS[bar][2][1])[1])
     panels[6].bar(places, heights, color=colours * 2)
     panels[6].set(xticks=places, xticklabels=[title for title, _ in METHODS.values()] * 2,
-                  ylabel="off the finest GIMP [%]", title="glass                    copper")
+                  ylabel="off the finest GIMP [%]", title="glass          copper")
     panels[6].tick_params(axis="x", rotation=60)
     return figure
 

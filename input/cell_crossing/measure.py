@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
+from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table  # noqa: E402
 
 METHODS = {"mpm": ("plain", "mpm", "linear"), "gimp": ("GIMP", "mpm", "gimp"),
@@ -65,18 +66,18 @@ def phrases(_):
 def draw(runs, plot):
     """Blocks coloured by stress, and profiles."""
     right = exact()[0]
-    figure, panels = plot.subplots(1, 5, figsize=(11.0, 4.2), width_ratios=(1, 1, 1, 1, 2.6),
+    figure, panels = plot.subplots(1, 5, figsize=(9.6, 4.4), width_ratios=(1, 1, 1, 1, 3.2),
                                    layout="constrained")
     colours = {"mpm": "#d55e00", "gimp": "#e69f00", "quadratic": "#009e73", "ddmp": "#0072b2"}
-    for panel, (name, (title, _, _)) in zip(panels, METHODS.items()):
+    for axes, (name, (title, _, _)) in zip(panels, METHODS.items()):
         snap = runs[f"{name}_coarse"].last_snapshot()
-        shown = panel.scatter(snap.points[:, 0], snap.points[:, 2], c=snap.fields["stress"][:, 2] / right,
-                              s=5, vmin=0.0, vmax=1.5, cmap="viridis", linewidths=0)
-        panel.set(title=title, aspect="equal", xlim=(0, 0.4), ylim=(0, 1.0), xticks=[])
+        shown = panel.particles(axes, snap, snap.fields["stress"][:, 2] / right, low=0.0, high=1.5, factor=1.0)
+        panel.window(axes, (0, 0.4, 0, 1.0), title=title)
+        axes.set_xticks([])
         if name == "mpm":
-            panel.set_ylabel("height [m]")
+            axes.set_ylabel("height [m]")
         else:
-            panel.set_yticks([])
+            axes.set_yticks([])
         order = np.argsort(snap.points[:, 2], kind="stable")
         panels[-1].plot(snap.points[order, 2], snap.fields["stress"][order, 2] / right, ".", ms=2.5,
                         color=colours[name], label=title)

@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python/src"), str(ROOT / "test/support")]
 import flows                           # noqa: E402
 import scree_post                      # noqa: E402
+from scree_post import look, panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 ASPECTS = (0.5, 1.0, 2.0, 4.0)
@@ -104,7 +105,7 @@ def phrases(runs):
 
 def draw(runs, plot):
     """Run-out by aspect ratio beside the measured laws, and the deposits."""
-    figure, panels = plot.subplots(1, 3, figsize=(11.5, 3.6), width_ratios=(1.0, 1.15, 1.15), layout="constrained")
+    figure, panels = plot.subplots(1, 3, figsize=(10.5, 3.9), width_ratios=(1.0, 1.1, 1.1), layout="constrained")
     line = np.geomspace(0.4, 5.0, 80)
     for kind, axisymmetric in KINDS.items():
         law = np.array([flows.measured_runout(aspect, axisymmetric) for aspect in line])
@@ -119,11 +120,11 @@ def draw(runs, plot):
     for axis, ticks in ((panels[0].xaxis, ASPECTS), (panels[0].yaxis, (0.5, 1.0, 2.0, 4.0))):
         axis.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
         axis.set_ticks([], minor=True)
-    panels[0].legend(fontsize=8)
+    panels[0].legend(fontsize=9)
     for panel, kind in zip(panels[1:], KINDS):
         panel.set(title=f"deposits, {kind}", xlabel="distance over half width", ylabel="thickness over half width",
                   xlim=(0, 6.5), ylim=(0, 1.7))
-        panel.legend(fontsize=8)
+        panel.legend(fontsize=9)
     return figure
 
 
@@ -135,19 +136,18 @@ def draw_stages(runs, plot):
     begin = run.near(0.0)
     order = np.argsort(begin.fields["identity"])
     whose, height = begin.fields["identity"][order], begin.points[order, 2]
-    figure, panels = plot.subplots(2, 2, figsize=(9.0, 4.3), sharex=True, sharey=True, layout="constrained")
-    for panel, moment in zip(panels.flat, (0.0, 0.15, 0.3, 0.75)):
+    figure, panels = plot.subplots(2, 2, figsize=(9.6, 4.7), sharex=True, sharey=True, layout="constrained")
+    for axes, moment in zip(panels.flat, (0.0, 0.15, 0.3, 0.75)):
         snap = run.near(moment)
         layer = np.floor(height[np.searchsorted(whose, snap.fields["identity"])] / LAYER) % 2
-        panel.scatter(100 * snap.points[:, 0], 100 * snap.points[:, 2], s=6.0, c=layer, cmap="copper", vmin=-0.3,
-                      vmax=1.5, linewidths=0)
-        panel.axvline(100 * flows.HALF_WIDTH * (1.0 + flows.measured_runout(2.0, False)), color="k", linestyle=":")
-        panel.set(ylim=(0.0, 22.0), xlim=(0.0, 50.0), aspect="equal")
-        panel.set_title(f"{snap.time:.2f} s", loc="right", y=0.8)
-    for panel in panels[:, 0]:
-        panel.set_ylabel("z [cm]")
-    for panel in panels[1]:
-        panel.set_xlabel("x [cm]")
+        panel.particles(axes, snap, layer, low=-0.4, high=1.3, colours=look.SOOT, factor=100.0)
+        axes.axvline(100 * flows.HALF_WIDTH * (1.0 + flows.measured_runout(2.0, False)), color="k", linestyle=":")
+        panel.window(axes, (0.0, 50.0, 0.0, 22.0))
+        axes.text(0.97, 0.92, f"{snap.time:.2f} s", ha="right", va="top", transform=axes.transAxes)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("z [cm]")
+    for axes in panels[1]:
+        axes.set_xlabel("x [cm]")
     return figure
 
 

@@ -12,6 +12,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in 
 import scree_post                      # noqa: E402
 from scree_post.areal_density import radiograph      # noqa: E402
 from scree_post.radiograph_page import exposure      # noqa: E402
+from scree_post import panel           # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 DIAMETER, SPEED, DENSITY = 9.53e-3, 6710.0, 2785.0
@@ -156,20 +157,20 @@ def draw_films(runs, plot):
     names = [name for name in SHEETS if name in runs]
     if not names:
         return None
-    figure, panels = plot.subplots(len(names), len(TIMES), figsize=(11.0, 1.56 * len(names) + 0.4), squeeze=False,
+    figure, panels = plot.subplots(len(names), len(TIMES), figsize=(10.5, 1.5 * len(names) + 0.4), squeeze=False,
                                    sharex=True, sharey=True, layout="constrained")
     absorption = exposure(radiograph(runs[names[len(names) // 2]].near(TIMES[-1]), PIXEL))
     for row, name in zip(panels, names):
-        for panel, moment in zip(row, TIMES):
+        for axes, moment in zip(row, TIMES):
             frame = radiograph(runs[name].near(moment), PIXEL)
-            panel.set_facecolor("white")
-            panel.imshow(np.exp(-absorption * frame.sigma), extent=[1e3 * edge for edge in frame.box],
-                         origin="lower", cmap="gray", vmin=0.0, vmax=1.0, interpolation="antialiased")
-            panel.set(xlim=(-42, 148), ylim=(-52, 52))
+            axes.set_facecolor("white")
+            axes.imshow(np.exp(-absorption * frame.sigma), extent=[1e3 * edge for edge in frame.box],
+                        origin="lower", cmap="gray", vmin=0.0, vmax=1.0, interpolation="antialiased")
+            axes.set(xlim=(-42, 148), ylim=(-52, 52))
             if name == names[0]:
-                panel.set_title(f"{1e6 * frame.time:.0f} us", fontsize=10)
+                axes.set_title(f"{1e6 * frame.time:.0f} µs")
             if name == names[-1]:
-                panel.set_xlabel("z [mm]")
+                axes.set_xlabel("z [mm]")
         row[0].set_ylabel(f"t/D = {SHEETS[name][0]}\nr [mm]")
     return figure
 
@@ -179,18 +180,20 @@ def draw_sheets(runs, plot):
     names = [name for name in SHEETS if name in runs]
     if not names:
         return None
-    figure, panels = plot.subplots(1, len(names), figsize=(2.4 * len(names), 4.6), squeeze=False,
-                                   layout="constrained")
-    for panel, name in zip(panels[0], names):
+    figure, panels = plot.subplots(1, len(names), figsize=(2.1 * len(names), 4.6), squeeze=False,
+                                   sharey=True, layout="constrained")
+    for axes, name in zip(panels[0], names):
         snap = runs[name].last_snapshot()
-        r, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
         sphere = snap.fields["body"] == SPHERE
         failed = snap.fields["failed"] > 0.5
         for chosen, side, colour in ((sphere, -1, "#d55e00"), (~sphere, -1, "#0072b2"),
                                      (failed, 1, "#999999"), (~failed, 1, "#000000")):
-            panel.scatter(side * r[chosen], z[chosen], s=0.25, c=colour, linewidths=0)
-        panel.set(title=f"t/D = {SHEETS[name][0]}", aspect="equal", xlim=(-50, 50), ylim=(-40, 135), xlabel="r [mm]")
+            panel.particles(axes, snap, colour, rows=chosen, sides=(side,))
+        panel.window(axes, (-50, 50, -40, 135), "r [mm]", title=f"t/D = {SHEETS[name][0]}")
+        axes.set_xticks((-40, 0, 40))
     panels[0, 0].set_ylabel("z [mm]")
+    names = {"sphere": "#d55e00", "sheet": "#0072b2", "failed": "#999999", "intact": "#000000"}
+    figure.legend(handles=panel.patches(names), loc="outside lower center", ncol=4)
     return figure
 
 

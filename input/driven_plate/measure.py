@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
+from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 SPEED, GURNEY = 7980.0, 2700.0         # of the detonation and of Gurney, composition B [m/s]
@@ -46,18 +47,18 @@ def tables(runs):
 
 def draw(runs, plot):
     """Products and plate at three times."""
-    figure, panels = plot.subplots(3, 1, figsize=(8.0, 8.6), sharex=True, layout="constrained")
+    figure, panels = plot.subplots(3, 1, figsize=(7.4, 9.6), sharex=True, layout="constrained")
     run = runs["along"]
-    for panel, moment in zip(panels, (4.0e-6, 10.0e-6, 18.0e-6)):
+    for axes, moment in zip(panels, (4.0e-6, 10.0e-6, 18.0e-6)):
         snap = run.near(moment)
-        x, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
         plate = snap.fields["material"] == PLATE
-        shown = panel.scatter(x[~plate], z[~plate], s=1.5, c=1e-9 * snap.fields["pressure"][~plate], cmap="inferno",
-                              vmin=0, vmax=20, linewidths=0)
-        panel.scatter(x[plate], z[plate], s=1.5, c="#0072b2", linewidths=0)
-        panel.set(title=f"{1e6 * snap.time:.0f} us", aspect="equal", xlim=(-10, 130), ylim=(-20, 50), ylabel="z [mm]")
+        shown = panel.particles(axes, snap, 1e-9 * snap.fields["pressure"], low=0.02, high=20.0,
+                                rows=~plate, log=True)
+        panel.particles(axes, snap, "#0072b2", rows=plate)
+        panel.window(axes, (-10, 130, -20, 50), "", "z [mm]", f"{1e6 * snap.time:.0f} µs")
     panels[-1].set_xlabel("x [mm]")
-    figure.colorbar(shown, ax=panels, label="pressure of the explosive [GPa]", shrink=0.5)
+    panels[0].legend(handles=panel.patches({"plate": "#0072b2"}), loc="upper right")
+    figure.colorbar(shown, ax=panels, label="pressure of the explosive [GPa]", shrink=0.5, extend="both")
     return figure
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
 import scree_post                      # noqa: E402
+from scree_post import look, panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 #: Title, density [kg/m3], speeds of longitudinal and shear waves [m/s].
@@ -95,17 +96,15 @@ def tables(runs):
 
 def draw(runs, plot):
     """Rods at three times, and the speed of the front by stress."""
-    figure, panels = plot.subplots(1, 4, figsize=(10.5, 4.4), width_ratios=(1, 1, 1, 2.4), layout="constrained")
+    figure, panels = plot.subplots(1, 4, figsize=(10.5, 5.0), width_ratios=(1, 1, 1, 2.6), layout="constrained")
     run = runs["soda_4.0"]
-    for panel, moment in zip(panels, (3.0e-6, 6.0e-6, 9.0e-6)):
+    for axes, moment in zip(panels, (3.0e-6, 6.0e-6, 9.0e-6)):
         snap = run.near(moment)
-        r, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
         broken = snap.fields["failed"] > 0.5
-        for sign in (-1, 1):
-            panel.scatter(sign * r[~broken], z[~broken], s=0.6, c="#b8d4e8", linewidths=0)
-            shown = panel.scatter(sign * r[broken], z[broken], s=0.6, c=snap.fields["velocity"][broken, 0],
-                                  cmap="inferno", vmin=0, vmax=500, linewidths=0)
-        panel.set(title=f"{1e6 * snap.time:.0f} µs", aspect="equal", xlim=(-12, 12), ylim=(0, 62), xlabel="r [mm]")
+        panel.particles(axes, snap, "#b8d4e8", rows=~broken, sides=(-1, 1))
+        shown = panel.particles(axes, snap, snap.fields["velocity"][:, 0], low=0.0, high=500.0, colours=look.HEAT,
+                                rows=broken, sides=(-1, 1))
+        panel.window(axes, (-12, 12, 0, 62), "r [mm]", title=f"{1e6 * snap.time:.0f} µs")
     panels[0].set_ylabel("z [mm]")
     figure.colorbar(shown, ax=panels[:3], label="radial speed of failed glass [m/s]", location="bottom", shrink=0.7)
     for glass, (title, _, longitudinal, shear) in GLASS.items():
@@ -123,17 +122,14 @@ def draw(runs, plot):
 
 def draw_fronts(runs, plot):
     """Where glass that takes time to fail has failed, by stress."""
-    figure, panels = plot.subplots(1, 8, figsize=(9.0, 4.6), layout="constrained", sharey=True)
-    for panel, (stress, moment) in zip(panels, ((stress, moment) for stress in STRESS[1:]
+    figure, panels = plot.subplots(1, 8, figsize=(9.6, 5.0), layout="constrained", sharey=True)
+    for axes, (stress, moment) in zip(panels, ((stress, moment) for stress in STRESS[1:]
                                                 for moment in (4.0e-6, 8.0e-6))):
         snap = runs[f"slow_{stress}"].near(moment)
         broken = snap.fields["failed"] > 0.5
-        for sign in (-1, 1):
-            for chosen, colour in ((~broken, "#b8d4e8"), (broken, "#333333")):
-                panel.scatter(sign * 1e3 * snap.points[chosen, 0], 1e3 * snap.points[chosen, 2], s=0.5, c=colour,
-                              linewidths=0)
-        panel.set(title=f"{stress:g} GPa\n{1e6 * snap.time:.0f} µs", aspect="equal", xlim=(-7, 7), ylim=(0, 60),
-                  xlabel="r [mm]")
+        for chosen, colour in ((~broken, "#b8d4e8"), (broken, "#333333")):
+            panel.particles(axes, snap, colour, rows=chosen, sides=(-1, 1))
+        panel.window(axes, (-7, 7, 0, 60), "r [mm]", title=f"{stress:g} GPa\n{1e6 * snap.time:.0f} µs")
     panels[0].set_ylabel("z [mm]")
     return figure
 

@@ -68,7 +68,7 @@ def tables(runs):
 
 def draw(runs, plot):
     """Profiles at the end, and those of one slope on the way there."""
-    figure, panels = plot.subplots(1, 2, figsize=(9.5, 3.8), layout="constrained")
+    figure, panels = plot.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained")
     heights = np.linspace(0.0, HEIGHT, 100)
     for angle, run in on_slopes(runs).items():
         place, speed = profile(run.last_snapshot())
@@ -82,7 +82,7 @@ def draw(runs, plot):
                            label=f"{time:.2f} s" if file in (series[1][1], series[4][1], series[9][1]) else None)
     for panel, title in zip(panels, ("at the end; lines: steady flow of the law", "24 degrees, from rest")):
         panel.set(title=title, xlabel="speed along the slope [m/s]", ylabel="height above the base [mm]")
-        panel.legend(fontsize=8)
+        panel.legend(fontsize=9)
     return figure
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
 import scree_post                      # noqa: E402
+from scree_post import look, panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 SPEEDS = (1.0, 2.0, 3.0)               # [m/s]
@@ -61,19 +62,18 @@ def phrases(runs):
 
 def draw(runs, plot):
     """The bed at three times, and the way of the ball."""
-    figure, panels = plot.subplots(1, 4, figsize=(11.0, 3.8), width_ratios=(1, 1, 1, 1.3), layout="constrained")
+    figure, panels = plot.subplots(1, 4, figsize=(10.5, 3.8), width_ratios=(1, 1, 1, 1.2), layout="constrained")
     run = runs["plane_strain_2.0"]
-    for panel, moment in zip(panels, (0.0, 0.012, 0.05)):
+    for axes, moment in zip(panels, (0.0, 0.012, 0.05)):
         snap = run.near(moment)
-        r, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
         ball = snap.fields["body"] == BODY
         speed = np.linalg.norm(snap.fields["velocity"], axis=1)
-        for sign in (-1, 1):
-            shown = panel.scatter(sign * r[~ball], z[~ball], s=0.8, c=speed[~ball], cmap="cividis", vmin=0, vmax=1,
-                                  linewidths=0)
-            panel.scatter(sign * r[ball], z[ball], s=0.8, c="#d55e00", linewidths=0)
-        panel.set(title=f"{1e3 * snap.time:.0f} ms", aspect="equal", xlim=(-75, 75), ylim=(-100, 35), xlabel="r [mm]")
+        shown = panel.particles(axes, snap, speed, low=0.0, high=1.0, colours=look.SOOT, rows=~ball, sides=(-1, 1))
+        panel.particles(axes, snap, "#d55e00", rows=ball, sides=(-1, 1))
+        panel.window(axes, (-75, 75, -100, 35), "r [mm]", title=f"{1e3 * snap.time:.0f} ms")
     panels[0].set_ylabel("z [mm]")
+    for axes in panels[1:3]:
+        axes.set_yticklabels([])
     figure.colorbar(shown, ax=panels[:3], label="speed of the beads [m/s]",
                     location="bottom", shrink=0.6)
     for speed, colour in zip(SPEEDS, ("#0072b2", "#009e73", "#e69f00")):

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
+from scree_post import panel           # noqa: E402
 from scree_scene import Study, Table  # noqa: E402
 
 GRAVITY, DENSITY, WIDTH, HEIGHT = 9.81, 1477.0, 0.1, 0.3     # of the deck: half the silo, height of the filling
@@ -98,25 +99,23 @@ def draw(runs, plot):
     """The beads at three times, coloured by speed, and what has left over time."""
     if not {"middle", "narrow", "wide", "fluid"} <= set(runs):
         return None
-    figure, panels = plot.subplots(1, 5, figsize=(8.8, 3.6), width_ratios=(1, 1, 1, 1, 2.2), layout="constrained")
-    for panel, (name, moment) in zip(panels, (("middle", 0.2), ("middle", 0.5), ("middle", 0.85), ("fluid", 0.85))):
+    figure, panels = plot.subplots(1, 5, figsize=(10.5, 4.4), width_ratios=(1, 1, 1, 1, 2.6), layout="constrained")
+    for axes, (name, moment) in zip(panels, (("middle", 0.2), ("middle", 0.5), ("middle", 0.85), ("fluid", 0.85))):
         snap = runs[name].near(moment)
         speed = np.linalg.norm(snap.fields["velocity"], axis=1)
-        for side in (-1.0, 1.0):
-            shown = panel.scatter(side * snap.points[:, 0], snap.points[:, 2], c=speed, s=1.5, vmin=0.0, vmax=0.8,
-                                  cmap="viridis", linewidths=0)
-        panel.plot([-WIDTH, -0.03125], [0, 0], "k", [0.03125, WIDTH], [0, 0], "k", lw=2)
-        panel.set(aspect="equal", xlim=(-WIDTH, WIDTH), ylim=(-0.01, HEIGHT + 0.02), xticks=[],
-                  title=f"{RUNS[name][0]}, {moment - 0.15:.2f} s")
-        if panel is not panels[0]:
-            panel.set_yticks([])
+        shown = panel.particles(axes, snap, speed, low=0.0, high=0.8, sides=(-1, 1), factor=1.0)
+        axes.plot([-WIDTH, -0.03125], [0, 0], "k", [0.03125, WIDTH], [0, 0], "k", lw=2)
+        panel.window(axes, (-WIDTH, WIDTH, -0.01, HEIGHT + 0.02), title=f"{RUNS[name][0]}\n{moment - 0.15:.2f} s")
+        axes.set_xticks([])
+        if axes is not panels[0]:
+            axes.set_yticks([])
     panels[0].set_ylabel("height [m]")
     figure.colorbar(shown, ax=panels[:4], label="speed [m/s]", location="bottom", shrink=0.5, pad=0.02)
     for name, colour in (("narrow", "#56b4e9"), ("middle", "#0072b2"), ("wide", "#009e73"), ("fluid", "#d55e00")):
         history = runs[name].history
         panels[-1].plot(history["time"] - 0.15, history["lost_mass"] / history["mass"][0], color=colour,
                         label=f"{RUNS[name][0]}, {1000 * RUNS[name][1]:g} mm")
-    panels[-1].set(xlabel="time since the gate opened [s]", ylabel="part of the filling that has left", xlim=(0, None),
+    panels[-1].set(xlabel="time since the gate opened [s]", ylabel="share of the filling that has left", xlim=(0, None),
                    ylim=(0, 1.45), yticks=np.linspace(0, 1, 6))
     panels[-1].legend(frameon=False)
     return figure

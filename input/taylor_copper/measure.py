@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python/src"), str(ROOT / "test/support")]
 import scree_post                      # noqa: E402
 import taylor                          # noqa: E402
+from scree_post import panel           # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 METHODS = {"mpm": ("plain", {"run.method": "mpm"}),
@@ -108,15 +109,13 @@ def draw(runs, plot):
     names = ("scene_ddmp_3", "scene_ddmp_6", "scene_ddmp_12", "scene_bbar_3")
     if not set(names) <= set(runs):
         return None
-    figure, (left, right) = plot.subplots(1, 2, figsize=(11.0, 3.6), width_ratios=(2.4, 1.0), layout="constrained")
+    figure, (left, right) = plot.subplots(1, 2, figsize=(10.5, 3.8), width_ratios=(2.2, 1.0), layout="constrained")
     for number, (time, file) in enumerate(runs["scene_ddmp_12"].series):
         snap = scree_post.snapshot(file)
-        r, z = 1e3 * snap.points[:, 0], 1e3 * snap.points[:, 2]
-        for sign in (-1.0, 1.0):
-            shown = left.scatter(17.0 * number + sign * r, z, c=snap.fields["plastic_strain"], s=2.0, vmin=0.0,
-                                 vmax=1.2, cmap="viridis", linewidths=0)
-        left.text(17.0 * number, z.max() + 0.6, f"{1e6 * time:.0f} µs", ha="center")
-    left.set(aspect="equal", ylim=(-0.5, 28.5), ylabel="z [mm]", xticks=[])
+        shown = panel.particles(left, snap, snap.fields["plastic_strain"], low=0.0, high=1.2, sides=(-1, 1),
+                                along=17.0 * number)
+        left.text(17.0 * number, 1e3 * snap.points[:, 2].max() + 0.6, f"{1e6 * time:.0f} µs", ha="center")
+    left.set(aspect="equal", xlim=(-9.0, 17.0 * number + 9.0), ylim=(-0.5, 28.5), ylabel="z [mm]", xticks=[])
     figure.colorbar(shown, ax=left, label="plastic strain", shrink=0.7)
     for name, style, label in zip(names, (":", "--", "-", "-."),
                                   ("DDMP, 3 cells", "6 cells", "12 cells", "bbar, 3 cells")):
@@ -127,7 +126,7 @@ def draw(runs, plot):
     length, foot, waist = taylor.EXPERIMENT
     right.plot([0.5 * foot, 0.5 * waist, 0.0], [0.0, WAIST, length], "ko", ms=6, clip_on=False, label="experiment")
     right.set(xlim=(0, 7.2), ylim=(0, 18), xlabel="r [mm]", ylabel="z [mm]")
-    right.legend(fontsize=8, loc="center left")
+    right.legend(fontsize=9, loc="center left")
     return figure
 
 

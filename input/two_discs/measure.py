@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
+from scree_post import look, panel   # noqa: E402
 from scree_scene import Study, Table  # noqa: E402
 
 RADIUS, OFFSET, SPEED, DENSITY = 0.2, 0.3, 0.1, 1000.0         # of the deck: [m], [m], [m/s], [kg/m3]
@@ -96,14 +97,16 @@ def draw(runs, plot):
     """The discs at four times by pressure, and the energies over time."""
     if not {"ddmp_usl", "mpm_musl", "mpm_usl"} <= set(runs):
         return None
-    figure, panels = plot.subplots(1, 5, figsize=(11.5, 2.7), width_ratios=(1, 1, 1, 1, 1.8), layout="constrained")
-    for panel, moment in zip(panels, (1.5, 1.75, 2.0, 2.5)):
+    figure, panels = plot.subplot_mosaic("abe;cde", figsize=(10.0, 5.0), width_ratios=(1, 1, 2.0),
+                                         layout="constrained")
+    panels = [panels[name] for name in "abcde"]
+    for axes, moment in zip(panels, (1.5, 1.75, 2.0, 2.5)):
         snap = runs["ddmp_usl"].near(moment)
-        shown = panel.scatter(snap.points[:, 0], snap.points[:, 2], c=snap.fields["pressure"], s=1.0, vmin=-100.0,
-                              vmax=100.0, cmap="coolwarm", linewidths=0)
-        panel.set(title=f"{snap.time:.2f} s", aspect="equal", xlim=(-0.48, 0.48), ylim=(-0.48, 0.48), xticks=[],
-                  yticks=[])
-    figure.colorbar(shown, ax=panels[:4], label="pressure [Pa]", shrink=0.8)
+        shown = panel.particles(axes, snap, snap.fields["pressure"], low=-100.0, high=100.0, colours=look.SIGNED,
+                                factor=1.0)
+        panel.window(axes, (-0.48, 0.48, -0.48, 0.48), title=f"{snap.time:.2f} s")
+        axes.set(xticks=[], yticks=[])
+    figure.colorbar(shown, ax=panels[:4], label="pressure [Pa]", shrink=0.7, extend="both")
     last = panels[-1]
     for name, label, colour in (("ddmp_usl", "DDMP", "#0072b2"), ("mpm_musl", "plain, musl", "#e69f00"),
                                 ("mpm_usl", "plain, usl", "#d55e00")):
@@ -113,7 +116,7 @@ def draw(runs, plot):
             last.plot(time, kinetic, "--", color=colour, label=f"kinetic, {label}")
     last.axvline(TOUCH, color="k", lw=0.8, ls=":")
     last.set(xlabel="time [s]", ylabel="energy over the first", xlim=(1.2, 3.5), ylim=(0.0, 1.25))
-    last.legend(fontsize=8, loc="lower right")
+    last.legend(fontsize=9, loc="lower right")
     return figure
 
 

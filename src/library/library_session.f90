@@ -10,6 +10,7 @@ module library_session
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use program_command_line, only: command_t, parse_command_line
    use program_run_setup, only: build_setup, read_setup
+   use program_messages, only: with_code
    use program_session, only: advance_run, begin_run, end_run, limit_threads, session_t
    use program_threads, only: share_cores
    use, intrinsic :: iso_c_binding, only: c_char
@@ -221,6 +222,6 @@ contains
       self%message = ""
       if (.not. allocated(error)) return
       code = error%code
-      self%message = error%message
+      self%message = with_code(error%message)
    end function session_note
 end module library_session

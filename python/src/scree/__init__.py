@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from . import plot as plot
     from .errors import DeckError, FileProblem, InternalError, Interrupted, PhysicsError, ScreeError, StaleView
     from .launch import run
+    from .pictures import Radiograph, picture, radiograph
     from .program import example, find_program
     from .refinement import Accuracy, accuracy
     from .results import Run, Tables, read_table
@@ -28,13 +29,14 @@ if TYPE_CHECKING:
     from .study import sweep
 
 __version__ = "0.1.0"
-__all__ = ["Accuracy", "DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Run", "ScreeError",
-           "Simulation", "Snapshot", "Snapshots", "StaleView", "Tables", "accuracy", "example", "find_program", "open",
-           "plot", "read_table", "run", "sweep"]
+__all__ = ["Accuracy", "DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "Radiograph", "Run",
+           "ScreeError", "Simulation", "Snapshot", "Snapshots", "StaleView", "Tables", "accuracy", "example",
+           "find_program", "open", "picture", "plot", "radiograph", "read_table", "run", "sweep"]
 
 _MODULES = {
     "errors": ("DeckError", "FileProblem", "InternalError", "Interrupted", "PhysicsError", "ScreeError", "StaleView"),
-    "launch": ("run",), "program": ("example", "find_program"), "refinement": ("Accuracy", "accuracy"),
+    "launch": ("run",), "pictures": ("Radiograph", "picture", "radiograph"), "program": ("example", "find_program"),
+    "refinement": ("Accuracy", "accuracy"),
     "results": ("Run", "Tables", "open_run", "read_table"), "simulation": ("Simulation",),
     "snapshot": ("Snapshot", "Snapshots"), "study": ("sweep",),
 }

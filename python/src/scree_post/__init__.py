@@ -14,9 +14,9 @@ scree-post, which draws and compares, stands in scree_post.commands.
 from .errors import EXIT_FILE, EXIT_USAGE, PostError, modules, readable, run
 from scree.files import (DIMENSIONS, History, Snapshot, history, series, series_file, snapshot,
                     snapshot_time, text)
-from .look import pyplot, save, scaled
+from .look import make_small, pyplot, save, scaled
 
 __version__ = "0.1.0"
 __all__ = ["DIMENSIONS", "EXIT_FILE", "EXIT_USAGE", "History", "PostError", "Snapshot", "history",
-           "modules", "pyplot", "readable", "run", "save", "scaled", "series", "series_file",
+           "make_small", "modules", "pyplot", "readable", "run", "save", "scaled", "series", "series_file",
            "snapshot", "snapshot_time", "text"]

@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Areal density of a snapshot along a line of sight.
 
-Every particle is spread over a tent as wide as its present size, and the tent is integrated
-exactly over the pixels, so the image holds the mass of the particles to round-off. In axisymmetry
-the mass is first spread in (r, z) and every thin annulus is then projected exactly (Abel transform
-of a uniform annulus, integrated over the pixels), so no caustic noise appears. 3-D models are
-mirrored at their planes of symmetry.
+Every particle is spread over a tent as wide as its present size, or over the gaps between particles that moved apart
+(see `smear`), and the tent is integrated exactly over the pixels, so the image holds the mass of the particles to
+round-off. In axisymmetry the mass is first spread in (r, z) and every thin annulus is then projected exactly (Abel
+transform of a uniform annulus, integrated over the pixels), so no caustic noise appears. 3-D models are mirrored at
+their planes of symmetry.
 """
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import EXIT_USAGE, PostError
+from .errors import EXIT_USAGE, PostError, unknown
 from .shape import images, particle_size, slice_depth
+from .smear import smeared
 
 MOVING = 0.05            # matter faster than this share of the top speed is flying
 LEADING = 1.0e-3         # the leading edge is this share of the flying mass
@@ -135,8 +137,33 @@ def leading_edge(position, mass, speed, towards):
     return float(position[flying][front[-1]]), float(mean)
 
 
-def radiograph(snap, pixel, sight="y", towards=1.0):
-    """The radiograph of a snapshot, line of sight along x or y, z to the right."""
+SMEARS = ("spacing", "volume")
+
+
+def parts_of(snap, positions, size, smear):
+    """Rows, positions, shares of mass and half widths of what is drawn, see `smear`."""
+    rows = np.arange(len(size))
+    if smear == "volume" or len(size) == 0:
+        return rows, positions, np.ones(len(size)), size
+    plane = [0, 1, 2] if snap.dimension == "3d" else [0, 2]
+    failed = snap.fields.get("failed")                   # intact material that moved apart has the volume for it
+    loose = np.ones(len(size), bool) if failed is None else failed >= 0.5
+    rows, offsets, share, half = smeared(positions[:, plane], size, loose)
+    moved = positions[rows]
+    moved[:, plane] += offsets
+    if snap.dimension == "axisymmetric":                 # what passes the axis is on the other side
+        moved[:, 0] = np.abs(moved[:, 0])
+    return rows, moved, share, half
+
+
+def radiograph(snap, pixel, sight="y", towards=1.0, smear="spacing"):
+    """The radiograph of a snapshot, line of sight along x or y, z to the right.
+
+    With `smear` "volume" every particle is as wide as its volume; with "spacing" particles that moved apart are spread
+    over the gaps between them.
+    """
+    if smear not in SMEARS:
+        raise unknown("way to smear", smear, SMEARS)
     mass, velocity = checked(snap)
     round_model = snap.dimension == "axisymmetric"
     if snap.dimension == "plane_strain" and sight == "x":
@@ -145,12 +172,15 @@ def radiograph(snap, pixel, sight="y", towards=1.0):
     size = particle_size(snap, snap.points[:, 0])
     if round_model and (snap.points[:, 0] < 0.0).any():
         raise PostError(f"{snap.file}: axisymmetric particles at a negative radius")
+    part, places, share, half = parts_of(snap, snap.points, size, smear)
     positions, rows, _ = images(snap)
+    drawn, whose, _ = images(dataclasses.replace(snap, points=places))
+    spread = (mass[part] * share)[whose]
     mass, size = mass[rows], size[rows]
     # No widening to a pixel: the tents are integrated over the pixels, and tents as wide as the
     # spacing of the particles add up to an even density, wider ones do not.
-    half = np.maximum(size, 1.0e-3 * pixel)
-    along, across = positions[:, 2], positions[:, side]
+    half = np.maximum(half[whose], 1.0e-3 * pixel)
+    along, across = drawn[:, 2], drawn[:, side]
     reach = float(half.max()) if len(half) else pixel
     left, right = grid_range(along - half, along + half, pixel)
     low, high = grid_range(across - half, across + half, pixel)
@@ -162,7 +192,7 @@ def radiograph(snap, pixel, sight="y", towards=1.0):
         raise PostError(f"--pixel {pixel * 1.0e3:g}: {shape[1]} x {shape[0]} pixels are too many",
                         EXIT_USAGE)
     if round_model:
-        rings = deposit((along, across), mass, half, (left * pixel, 0.0), (pixel, 0.5 * pixel),
+        rings = deposit((along, across), spread, half, (left * pixel, 0.0), (pixel, 0.5 * pixel),
                         (2 * high, shape[1]), radial=True)
         share = annulus_projection(
             0.5 * pixel * np.arange(2 * high + 1), pixel * np.arange(high + 1)
@@ -171,9 +201,9 @@ def radiograph(snap, pixel, sight="y", towards=1.0):
         image = np.concatenate([right_half[::-1], right_half])
     else:
         image = deposit(
-            (along, across), mass, half, (left * pixel, low * pixel), (pixel, pixel), shape
+            (along, across), spread, half, (left * pixel, low * pixel), (pixel, pixel), shape
         )
-    front, speed = leading_edge(along, mass, velocity[rows, 2], towards)
+    front, speed = leading_edge(positions[:, 2], mass, velocity[rows, 2], towards)
     return Frame(
         time=snap.time,
         sigma=image / pixel**2,

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import look
 from .errors import EXIT_USAGE, PostError, unknown
+from .shape import particle_size
 
 COMPONENTS = {3: ("x", "y", "z"), 6: ("xx", "yy", "zz", "xy", "yz", "xz"),
               9: ("xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", "zz")}
@@ -18,6 +19,7 @@ WHOLE = ("body", "material", "failed", "fragment")
 FAILED = ("intact", "failed")
 NO_FRAGMENT = "#c8c8c8"                                  # dust and what does not count
 NAMED = 6                                                # fragments with a colour of their own
+FEW = 2                                                  # fragments that are worth telling apart by default
 PALE = 0.55                                              # share of white in the tints of the others
 MAPS = ("viridis", "cividis", "inferno", "magma", "plasma", "coolwarm", "PuOr", "gray")
 
@@ -36,6 +38,7 @@ class Colour:
     names: tuple = ()                                    # of whole numbers, such as bodies
     tints: tuple = ()                                    # of fragments, see fragment_tints
     beyond: tuple = (False, False)                       # whether numbers lie below, above
+    log: bool = False                                    # logarithmic scale
 
 
 def field_of(name):
@@ -51,13 +54,15 @@ def choices(snap):
         found.append(name)
         if values.ndim == 2:
             found += [f"{name}.{part}" for part in COMPONENTS.get(values.shape[1], ())]
-    return found + ["x", "y", "z"]
+    return found + ["x", "y", "z"] + ["fragment_size"] * ("fragment" in snap.fields)
 
 
 def values_of(snap, name):
     """One number a particle [SI]: a field, a component, the length of a vector, a position."""
     if name in ("x", "y", "z"):
         return snap.points[:, "xyz".index(name)]
+    if name == "fragment_size":
+        return fragment_size(snap)
     field, part = field_of(name)
     if field not in snap.fields:
         raise unknown("field", name, choices(snap), snap.file)
@@ -79,6 +84,26 @@ def values_of(snap, name):
         raise PostError(f"{field} has components: write one of "
                         + ", ".join(f"{field}.{part}" for part in parts), EXIT_USAGE)
     return np.sqrt((values.astype("f8") ** 2).sum(axis=1))
+
+
+def fragment_size(snap):
+    """Diameter [m] of the sphere with the volume of the fragment of each particle, in a plane of the circle with its
+    area; not a number where a particle belongs to none."""
+    number, _ = snap.need("fragment", "volume")
+    number = number.astype(int)
+    size = particle_size(snap, snap.points[:, 0])
+    if snap.dimension == "3d":
+        width = np.cbrt(np.bincount(number, size ** 3) * 6.0 / np.pi)
+    else:
+        width = np.sqrt(np.bincount(number, size ** 2) * 4.0 / np.pi)
+    return np.where(number > 0, width[number], np.nan)
+
+
+def default_name(snap):
+    """What particles are coloured by unless the user says: size where there are fragments, else speed."""
+    number = snap.fields.get("fragment")
+    several = number is not None and len(np.unique(number[number > 0])) >= FEW
+    return "fragment_size" if several else "velocity"
 
 
 def label_of(snap, name):
@@ -105,11 +130,15 @@ def colour_for(name, snaps, wanted=None, chosen_map=None):
             if field == "material" and row < len(snap.materials) else f"material {row}"
             for row in range(count))
         return Colour(name, label_of(snap, name), names=names)
-    unit = "m" if name in ("x", "y", "z") else snap.units.get(field, "1")
+    unit = "m" if name in ("x", "y", "z", "fragment_size") else snap.units.get(field, "1")
     found = np.concatenate([values_of(one, name) for one in snaps])
     found = found[np.isfinite(found)]
+    log = name == "fragment_size" and not (wanted and wanted[0] <= 0.0)
     if wanted:
         low, high = wanted
+    elif log:
+        low, high = (float(found.min()), float(found.max())) if len(found) else (1.0, 10.0)
+        high = max(high, 1.01 * low)
     else:
         low, high = sensible(found)
         if low < 0.0 < high and min(-low, high) > 0.1 * max(-low, high):
@@ -120,7 +149,7 @@ def colour_for(name, snaps, wanted=None, chosen_map=None):
     slack = 1.0e-6 * (high - low)
     beyond = (bool((found < low - slack).any()), bool((found > high + slack).any()))
     return Colour(name, label_of(snap, name), unit, factor, factor * low, factor * high,
-                  chosen_map or ("coolwarm" if signed else "viridis"), beyond=beyond)
+                  chosen_map or (look.SIGNED if signed else look.SEQUENTIAL), beyond=beyond, log=log)
 
 
 def fragment_tints():
@@ -174,8 +203,11 @@ def paint(colour, values):
     if colour.names:
         tints = np.array([plot.matplotlib.colors.to_rgba(tint) for tint in tints_of(colour)])
         return tints[np.clip(values.astype(int), 0, len(colour.names) - 1) % len(tints)]
-    span = colour.high - colour.low
-    share = (colour.factor * values - colour.low) / span
+    values, low, high = colour.factor * values, colour.low, colour.high
+    if colour.log:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values, low, high = np.log(values), np.log(low), np.log(high)
+    share = (values - low) / (high - low)
     rgba = plot.get_cmap(colour.map)(np.clip(np.nan_to_num(share), 0.0, 1.0))
     rgba[~np.isfinite(values)] = (0.6, 0.6, 0.6, 1.0)
     return rgba
@@ -200,7 +232,8 @@ def legend(figure, axes, colour, slot=None):
                     handler_map={tuple: HandlerTuple(ndivide=None, pad=0.0)})
         return
     scale = plot.matplotlib.cm.ScalarMappable(
-        plot.matplotlib.colors.Normalize(colour.low, colour.high), colour.map)
+        (plot.matplotlib.colors.LogNorm if colour.log else plot.matplotlib.colors.Normalize)(
+            colour.low, colour.high), colour.map)
     where = {"cax": slot} if slot is not None else {
         "ax": axes, "fraction": 0.05, "pad": 0.02, "aspect": 30}
     bar = figure.colorbar(scale, **where,

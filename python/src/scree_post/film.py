@@ -10,6 +10,7 @@ import numpy as np
 from .errors import EXIT_USAGE, PostError, modules
 
 ENDINGS = (".mp4", ".gif", ".png")
+CLEAR = 18               # quality of an .mp4: 0 loses nothing, 51 is worst
 CHUNK = 4096             # colours that are compared with a palette in one go
 EXACT = 32               # most frequent colours of a .gif, which are kept as they are
 
@@ -47,10 +48,11 @@ def even(page):
     return np.ascontiguousarray(page[:height, :width, :3])
 
 
-def encode(pages, path, rate):
+def encode(pages, path, rate, quality=CLEAR):
     """Write pages (height, width, 3 or 4) of bytes, all of one size, as a film.
 
-    Returns the files written. A film appears under its name when it is whole.
+    `quality` is that of an .mp4, from 0, the best, to 51. Returns the files written. A film appears under its
+    name when it is whole.
     """
     stem, ending = os.path.splitext(path)
     part = f"{stem}.part{ending}"
@@ -60,7 +62,7 @@ def encode(pages, path, rate):
         if ending.lower() == ".gif":
             encode_gif(pages, part, rate)
         else:
-            encode_mp4(pages, part, rate)
+            encode_mp4(pages, part, rate, quality)
         os.replace(part, path)
     except OSError as error:
         raise PostError(f"cannot write {path}: {error.strerror or error}") from error
@@ -145,14 +147,14 @@ def numbered(pages, stem):
     return names
 
 
-def encode_mp4(pages, path, rate):
+def encode_mp4(pages, path, rate, quality=CLEAR):
     """Send pages to ffmpeg."""
     pages = iter(pages)
     first = even(next(pages))
     height, width = first.shape[:2]
     command = [encoder(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
                "-s", f"{width}x{height}", "-r", str(rate), "-i", "-", "-pix_fmt", "yuv420p",
-               "-crf", "18", path]
+               "-crf", str(quality), path]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         try:
             process.stdin.write(first.tobytes())

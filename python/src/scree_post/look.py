@@ -7,6 +7,9 @@ from .errors import EXIT_USAGE, PostError, modules
 
 # Colours that people with any colour vision tell apart (Okabe and Ito 2008).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
+SEQUENTIAL, SIGNED = "viridis", "coolwarm"               # colour maps of sizes, and of numbers of both signs
+HEAT, SOOT = "magma", "cividis"                          # further maps of sizes, for a second field on a page
+LARGEST = 250000         # bytes of a picture that keeps all its colours
 ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
 
 
@@ -19,6 +22,8 @@ def pyplot():
         "font.family": "DejaVu Sans", "font.size": 11, "axes.titlesize": 11, "axes.labelsize": 11,
         "axes.linewidth": 0.8, "xtick.labelsize": 10, "ytick.labelsize": 10, "legend.fontsize": 10,
         "xtick.direction": "out", "ytick.direction": "out", "legend.frameon": False,
+        "axes.prop_cycle": plot.cycler(color=COLOURS), "image.cmap": SEQUENTIAL,
+        "figure.constrained_layout.w_pad": 0.06, "figure.constrained_layout.h_pad": 0.06,
         "savefig.facecolor": "white", "mathtext.default": "regular", "svg.fonttype": "none"})
     return plot
 
@@ -95,3 +100,21 @@ def save(figure, path, dpi):
         raise PostError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         pyplot().close(figure)
+
+
+def make_small(path, largest=LARGEST, dither=False):
+    """Leave 256 colours to a picture in a file of more bytes than that; dots of several colours stand for others."""
+    (image,) = modules("PIL.Image")
+    if os.path.getsize(path) > largest:
+        with image.open(path) as page:
+            page = page.convert("RGB")
+            palette = page.quantize(256, image.Quantize.MAXCOVERAGE)
+            few = page.quantize(palette=palette,
+                                dither=image.Dither.FLOYDSTEINBERG if dither else image.Dither.NONE)
+            entries = few.getpalette()
+            lightest = max(range(0, len(entries), 3), key=lambda first: sum(entries[first:first + 3]))
+            entries[lightest:lightest + 3] = [255, 255, 255]
+            white = page.convert("L").point(lambda level: 255 * (level == 255))
+            few.paste(lightest // 3, mask=white)                                  # the page stays white
+            few.putpalette(entries)
+        few.save(path, optimize=True)

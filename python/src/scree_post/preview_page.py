@@ -12,6 +12,7 @@ from .walls import STYLES, draw_plane, walls_of
 
 MOST_LINES = 80          # of the grid along a side; more are thinned out
 MARGIN = 0.06            # of the page around the box
+FRAME = 0.012            # width of the edges of the box in space [inch]
 
 
 def options_for(snap, by, view, title, dpi, camera):
@@ -176,13 +177,15 @@ class ScenePage(SpacePage):
         """Title, and what there is."""
         return heading(self.snap, self.options)
 
-    def add_walls(self, snap):
+    def add_walls(self, image, snap, axes):
         """Rigid regions and closed faces, and the edges of the box."""
-        super().add_walls(snap)
-        low, high = self.ends
-        frame = self.pyvista.Box((low[0], high[0], low[1], high[1], low[2], high[2]))
-        self.plotter.add_mesh(frame.extract_all_edges(), color="#9a9a9a", line_width=1,
-                              reset_camera=False)
+        super().add_walls(image, snap, axes)
+        corners = np.array([[self.ends[i][0], self.ends[j][1], self.ends[k][2]]
+                            for i in (0, 1) for j in (0, 1) for k in (0, 1)]) @ axes.T
+        for one in range(8):
+            for bit in (1, 2, 4):
+                if not one & bit:
+                    image.line(corners[one], corners[one | bit], (0.6, 0.6, 0.6), FRAME * self.options.dpi)
 
 
 def draw_space(snap, options):

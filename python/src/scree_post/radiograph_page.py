@@ -6,8 +6,9 @@ import numpy as np
 
 from . import look
 
-TINTS = (("#b3311b", "#f0a36b"), ("#1f5a93", "#8fc1e3"), ("#2f7d3b", "#a8d8a0"),
-         ("#6a4098", "#c8b0dd"), ("#7a5a12", "#dcc07a"), ("#444444", "#b5b5b5"))
+# Of each body: intact and failed; colours of Okabe and Ito (2008) and paler ones.
+TINTS = (("#d55e00", "#f2b48a"), ("#0072b2", "#8fc1e3"), ("#009e73", "#99d8c7"), ("#cc79a7", "#ebc9dc"),
+         ("#e69f00", "#f5d999"), ("#444444", "#b5b5b5"))
 
 
 def exposure(frame):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pages of a run in three dimensions: spheres drawn by VTK without a display, axes by matplotlib.
+"""Pages of a run in three dimensions: lit balls drawn by `render`, scale bar and axes by matplotlib.
 
 The projection is parallel, so that the scale bar is right everywhere and a particle has the size on
 the page that it has in the run.
@@ -9,34 +9,28 @@ import math
 import numpy as np
 
 from . import colour as colours
-from . import look
-from .errors import modules
+from . import look, render
 from .radiograph_page import scale_bar
 from .view import matter
 from .walls import STYLES, at_time, is_seen, walls_of
 
-CLASSES = 8              # sizes of spheres: VTK draws those of one call in one size
-SHARP = 2                # pixels of VTK a pixel of the page, along each side
-LEAST = 1.5              # smallest sphere [pixels of VTK]
-SPREAD = 1.15            # of spheres over the spacing of particles
+ABOVE, BELOW = 0.65, 0.65                                # room above and below the picture [inch]
+SHARP = 2                # pixels of the image a pixel of the page, along each side
+SPREAD = 1.15            # of balls over the spacing of particles
+MOVING = 0.05            # of the greatest speed: what is faster moves
+FARTHER = 2.0            # all particles reach so many times farther than those that move: these set the window
 WALL = 0.25              # opacity of rigid regions
+LINE = 0.012             # width of edges [inch]
 
 
-def basis(azimuth, elevation):
-    """Unit vectors to the right, up and towards the camera."""
+def basis(azimuth, elevation, up=2):
+    """Unit vectors to the right, up and towards the camera; `up` is the axis that points up at elevation 0."""
     turn, lift = math.radians(azimuth), math.radians(elevation)
     towards = np.array([math.cos(lift) * math.cos(turn), math.cos(lift) * math.sin(turn),
                         math.sin(lift)])
     right = np.array([-math.sin(turn), math.cos(turn), 0.0])
-    return right, np.cross(towards, right), towards
-
-
-def quiet_pyvista():
-    """The package pyvista without the words of VTK about displays."""
-    vtk, pyvista = modules("vtk", "pyvista")
-    vtk.vtkObject.GlobalWarningDisplayOff()
-    vtk.vtkLogger.SetStderrVerbosity(vtk.vtkLogger.VERBOSITY_OFF)
-    return pyvista
+    place = [(axis - up + 2) % 3 for axis in range(3)]    # with x up: x, y, z are the third, first and second
+    return tuple(way[place] for way in (right, np.cross(towards, right), towards))
 
 
 class SpacePage:
@@ -44,18 +38,16 @@ class SpacePage:
 
     def __init__(self, snaps, options):
         self.options = options
-        self.pyvista = quiet_pyvista()
         self.plot = look.pyplot()
         self.walls = walls_of(snaps[-1]) if options.walls else []
         self.box = self.window([matter(snap, options) for snap in snaps])
         self.metres, self.unit = look.scaled(max(self.box[1] - self.box[0],
                                                  self.box[3] - self.box[2]), "m")
-        self.plotter = None
 
     def camera(self, share):
         """Directions of the camera after this share of a film."""
         azimuth, elevation = self.options.camera
-        return basis(azimuth + share * self.options.turn, elevation)
+        return basis(azimuth + share * self.options.turn, elevation, self.options.up)
 
     def window(self, parts):
         """Left, right, bottom, top that hold all particles of these times at any turn [m]."""
@@ -63,7 +55,7 @@ class SpacePage:
             return self.options.view
         ends = [[math.inf, -math.inf], [math.inf, -math.inf]]
         shares = np.linspace(0.0, 1.0, 13) if self.options.turn else [0.0]
-        for part in parts:
+        for part in framed(parts):
             half = 0.5 * part.size
             for share in shares if len(half) else []:
                 for pair, direction in zip(ends, self.camera(share)):
@@ -86,75 +78,48 @@ class SpacePage:
         scale = min(room / across, 7.5 / tall)
         return max(scale * across, 1.0), max(scale * tall, 1.0)
 
-    def add_walls(self, snap):
+    def add_walls(self, image, snap, axes):
         """Rigid regions as surfaces that are seen through, closed faces as their edges."""
+        rgb = self.plot.matplotlib.colors.to_rgb
         for wall in self.walls:
             pieces = at_time(wall, snap, self.options.mirror, snap.time)
             if not len(pieces) or not is_seen(wall, self.options.mirror):
                 continue
-            count, corners = pieces.shape[:2]
-            cells = np.arange(count * corners).reshape(count, corners)
-            faces = np.concatenate([np.full((count, 1), corners), cells], axis=1)
-            mesh = self.pyvista.PolyData(pieces.reshape(-1, 3).astype("f4"), faces.ravel())
-            tint = STYLES.get(wall.kind, STYLES["slip"])[0]
+            tint = rgb(STYLES.get(wall.kind, STYLES["slip"])[0])
+            turned = pieces @ axes.T
             if wall.face == 0:
-                self.plotter.add_mesh(mesh, color=tint, opacity=WALL, smooth_shading=False,
-                                      reset_camera=False)
+                for piece in turned[np.argsort(turned[..., 2].mean(axis=1))]:
+                    image.facet(piece, tint, WALL)
             else:
-                edges = mesh.clean().extract_feature_edges(feature_edges=False,
-                                                           manifold_edges=False)
-                self.plotter.add_mesh(edges, color=tint, line_width=2, reset_camera=False)
+                for start, end in outer_edges(turned):
+                    image.line(start, end, tint, SHARP * LINE * self.options.dpi)
 
-    def spheres(self, part, share, snap):
-        """The picture of the spheres as bytes (height, width, 3)."""
+    def balls(self, part, share, snap):
+        """The picture of the balls as bytes (height, width, 3)."""
         wide, high = (int(SHARP * self.options.dpi * side) for side in self.shape())
-        if self.plotter is None:
-            self.plotter = self.pyvista.Plotter(off_screen=True, window_size=(wide, high))
-            self.plotter.set_background("white")
-        plotter = self.plotter
-        plotter.clear_actors()
-        metres_a_pixel = (self.box[1] - self.box[0]) / wide
-        tints = (255.0 * colours.paint(self.options.colour, part.values)).astype("u1")
-        for rows in size_classes(part.size):
-            width = max(SPREAD * float(np.median(part.size[rows])) / metres_a_pixel, LEAST)
-            plotter.add_points(part.points[rows].astype("f4"), scalars=tints[rows], rgba=True,
-                               render_points_as_spheres=True, point_size=width, ambient=0.35,
-                               diffuse=0.75, specular=0.1, reset_camera=False)
-        self.add_walls(snap)
-        self.aim(part, share)
-        plotter.render()
-        return plotter.screenshot(return_img=True)
-
-    def aim(self, part, share):
-        """Put the camera where the window is its picture."""
-        right, up, towards = self.camera(share)
-        box, camera = self.box, self.plotter.camera
-        middle = 0.5 * (box[0] + box[1]) * right + 0.5 * (box[2] + box[3]) * up
-        held = [np.concatenate(wall.cells) for wall in self.walls if wall.cells]
-        depth = np.concatenate([part.points, *held]) @ towards
-        depth = depth if len(depth) else np.zeros(1)
-        reach = float(depth.max() - depth.min()) + (box[1] - box[0])
-        place = middle + (float(depth.max()) + reach) * towards
-        camera.parallel_projection = True
-        camera.focal_point, camera.position, camera.up = place - towards, place, up
-        camera.parallel_scale = 0.5 * (box[3] - box[2])
-        camera.clipping_range = (0.5 * reach, 3.0 * reach)
+        axes = np.stack(self.camera(share))
+        seen = part.points @ axes.T
+        tints = colours.paint(self.options.colour, part.values)[:, :3]
+        image = render.Image(wide, high, self.box,
+                             render.Balls(*seen.T, 0.5 * SPREAD * part.size, tints))
+        self.add_walls(image, snap, axes)
+        return image.halved(SHARP)
 
     def draw(self, snap, share=0.0):
         """The figure of one time."""
         part = matter(snap, self.options)
-        image = self.spheres(part, share, snap)
+        image = self.balls(part, share, snap)
         wide, high = self.shape()
-        page = (wide + 1.9, high + 0.9)
+        page = (wide + 1.9, high + ABOVE + BELOW)
         figure = self.plot.figure(figsize=page)
-        axes = figure.add_axes((0.15 / page[0], 0.2 / page[1], wide / page[0], high / page[1]))
+        axes = figure.add_axes((0.15 / page[0], BELOW / page[1], wide / page[0], high / page[1]))
         k, box = self.metres, self.box
         axes.imshow(image, extent=[k * edge for edge in box], interpolation="antialiased",
                     aspect="equal")
         axes.set_axis_off()
-        self.scale(axes)
+        self.scale(axes, high)
         self.triad(figure, page, share)
-        slot = figure.add_axes(((wide + 0.2) / page[0], 0.2 / page[1], 1.6 / page[0],
+        slot = figure.add_axes(((wide + 0.2) / page[0], BELOW / page[1], 1.6 / page[0],
                                 high / page[1]))
         slot.set_axis_off()
         self.colour_bar(figure, slot, page, wide, high)
@@ -175,20 +140,21 @@ class SpacePage:
             slot.get_legend().set_bbox_to_anchor((0.0, 1.0))
             return
         tall = min(high, 4.0)
-        bar = figure.add_axes(((wide + 0.3) / page[0], (0.2 + 0.5 * (high - tall)) / page[1],
+        bar = figure.add_axes(((wide + 0.3) / page[0], (BELOW + 0.5 * (high - tall)) / page[1],
                                0.16 / page[0], tall / page[1]))
         colours.legend(figure, None, self.options.colour, bar)
 
-    def scale(self, axes):
-        """Scale bar below to the left."""
+    def scale(self, axes, high):
+        """Scale bar below the picture."""
         k, box = self.metres, self.box
         length = scale_bar(0.25 * k * (box[1] - box[0]))
         left = k * box[0] + 0.03 * k * (box[1] - box[0])
-        level = k * box[2] + 0.03 * k * (box[3] - box[2])
+        level = k * (box[2] - 0.3 * (box[3] - box[2]) / high)
         axes.plot([left, left + length], [level, level], color="black", linewidth=2.5,
-                  solid_capstyle="butt")
-        axes.text(left + 0.5 * length, level, f"{length:g} {self.unit}\n", ha="center",
-                  va="center", fontsize=10, linespacing=2.0)
+                  solid_capstyle="butt", clip_on=False)
+        axes.text(left + length, level, f"  {length:g} {self.unit}", ha="left", va="center", fontsize=10)
+        axes.set_xlim(k * box[0], k * box[1])
+        axes.set_ylim(k * box[2], k * box[3])
 
     def triad(self, figure, page, share):
         """The directions x, y, z, below to the right."""
@@ -208,11 +174,20 @@ class SpacePage:
         axes.set_axis_off()
 
 
-def size_classes(size):
-    """Rows of particles of about the same size, some classes of them."""
-    if len(size) == 0:
-        return []
-    order = np.argsort(size, kind="stable")
-    if size[order[-1]] <= 1.05 * size[order[0]]:
-        return [order]
-    return [part for part in np.array_split(order, CLASSES) if len(part)]
+def framed(parts):
+    """Particles that set the window: those that move, where all others reach much farther than they do."""
+    moving = [part.rows(part.speed > MOVING * part.speed.max()) if len(part.size) and part.speed is not None
+              and part.speed.max() > 0.0 else part for part in parts]
+    spans = [np.ptp(np.concatenate([part.points for part in some]), axis=0) if any(len(part.size) for part in some)
+             else np.zeros(3) for some in (moving, parts)]
+    return moving if spans[1].max() > FARTHER * spans[0].max() > 0.0 else parts
+
+
+def outer_edges(pieces):
+    """Edges of plane pieces (m, n, 3) that belong to one piece only."""
+    found = {}
+    for piece in pieces:
+        for start, end in zip(piece, np.roll(piece, -1, axis=0)):
+            key = tuple(sorted((tuple(np.round(start, 9)), tuple(np.round(end, 9)))))
+            found.setdefault(key, []).append((start, end))
+    return [ends[0] for ends in found.values() if len(ends) == 1]

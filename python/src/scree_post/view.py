@@ -28,6 +28,7 @@ class Options:
     dpi: int = 150
     wide: float = 9.0                                    # of the page [inch]
     camera: tuple = (-60.0, 20.0)                        # azimuth, elevation [deg]; 3-D only
+    up: int = 2                                          # axis that points up; 3-D only
     turn: float = 0.0                                    # of the camera over a film [deg]
     zoom: float = 1.0
     keep: tuple = ()                                     # axis, sign, place; 3-D only
@@ -44,11 +45,17 @@ class Matter:
     size: object                                         # (n) [m]
     values: object                                       # (n) what they are coloured by [SI]
     edges: object = None                                 # (n, 2, 2) in two dimensions, see shape
+    speed: object = None                                 # (n) [m/s], None where the file holds no velocity
+
+    def rows(self, chosen):
+        """Some of the particles."""
+        return Matter(self.time, self.points[chosen], self.size[chosen], self.values[chosen], None, self.speed[chosen])
 
 
 def fields_for(name, hide_failed=False):
     """Fields that a picture needs."""
     return {colours.field_of(name)[0], "body", "volume", "mass", "deformation_gradient"} | (
+        {"fragment"} if name == "fragment_size" else set()) | (
         {"failed", "damage"} if hide_failed else set())
 
 
@@ -96,7 +103,9 @@ def matter(snap, options):
         points = np.concatenate([points, points * (-1.0, 1.0, 1.0)])
         rows = np.concatenate([rows, rows])
         edges = np.concatenate([edges, edges * (-1.0, 1.0)])
-    return Matter(snap.time, points, size[rows], values[rows], edges)
+    velocity = snap.fields.get("velocity")
+    speed = None if velocity is None else np.linalg.norm(velocity[rows], axis=1)
+    return Matter(snap.time, points, size[rows], values[rows], edges, speed)
 
 
 def bounds(parts, plane=(0, 2)):

@@ -19,9 +19,9 @@ SAMPLE = 6               # snapshots of a film that give the range of colours an
 def add_arguments(parser):
     """Options of what is drawn and how."""
     add = parser.add_argument
-    add("--colour", "--color", metavar="FIELD", default="velocity",
-        help="a field (velocity: its size), a component such as velocity.z or stress.xx, x, y, z, "
-        "or body (velocity)")
+    add("--colour", "--color", metavar="FIELD",
+        help="a field (velocity: its size), a component such as velocity.z or stress.xx, x, y, z, body, "
+        "or fragment_size (fragment_size where there are fragments, else velocity)")
     add("--range", type=quantity, nargs=2, metavar=("LOW", "HIGH"),
         help="ends of the colour bar, in SI or with a unit: --range 0 6km/s")
     add("--map", choices=colours.MAPS, help="colour map; default viridis, coolwarm for both signs")
@@ -34,9 +34,10 @@ def add_arguments(parser):
     add("--keep", metavar="SIDE", help="3-D: only one side of a plane, such as 'y>0' or 'z<5mm'")
     add("--camera", metavar="FROM", default="corner",
         help="3-D: x, y, z, corner, or azimuth,elevation in degrees (corner: -60,20)")
+    add("--up", choices=("x", "y", "z"), default="z", help="3-D: the axis that points up (z)")
     add("--zoom", type=float, default=1.0, help="3-D: enlarge the middle (1)")
     add("--title", help="default: the title of the run; '' for none")
-    add("--dpi", type=int, default=100, help="pixels per inch (100); a page is 9 inches wide")
+    add("--dpi", type=int, default=200, help="pixels per inch (200); a page is 9 inches wide")
 
 
 def camera(text):
@@ -82,6 +83,7 @@ def options_of(arguments, snaps):
         hide_failed=arguments.hide_failed,
         view=tuple(arguments.view) if arguments.view else (),
         title=title, dpi=arguments.dpi, camera=camera(arguments.camera), zoom=arguments.zoom,
+        up="xyz".index(arguments.up),
         turn=getattr(arguments, "turn", 0.0),
         clock=look.scaled(latest, "s") if latest > 0.0 else (1.0, "s"),
         walls=not arguments.no_walls,
@@ -90,7 +92,7 @@ def options_of(arguments, snaps):
 
 def read(file, arguments):
     """A snapshot with the fields that are drawn."""
-    return snapshot(file, fields_for(arguments.colour, arguments.hide_failed))
+    return snapshot(file, fields_for(arguments.colour, arguments.hide_failed) | {"velocity"})
 
 
 def sample(frames):
@@ -105,8 +107,15 @@ def check_field(name, file):
     colours.values_of(snap, name)
 
 
+def settle_colour(arguments, file):
+    """Put what particles are coloured by into the options, where the user does not say."""
+    if arguments.colour is None:
+        arguments.colour = colours.default_name(snapshot(file, ("fragment",)))
+
+
 def pages(arguments, files):
     """What draws a time of this run; `files` give ranges and window."""
+    settle_colour(arguments, files[-1])
     check_field(arguments.colour, files[-1])
     snaps = [read(file, arguments) for file in files]
     options = options_of(arguments, snaps)

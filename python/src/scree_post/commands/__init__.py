@@ -6,4 +6,4 @@ docstring (what --help says), add_arguments(parser), and run(arguments), which r
 or raises PostError.
 """
 COMMANDS = ("preview", "info", "plot", "picture", "movie", "radiograph", "fragments", "grains", "means",
-            "compare", "sweep", "accuracy", "check", "eos")
+            "paraview", "compare", "sweep", "accuracy", "check", "eos")

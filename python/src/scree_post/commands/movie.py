@@ -29,14 +29,19 @@ def add_arguments(parser):
     add("--to", type=quantity, dest="end", metavar="T", help="last time")
     add("--every", type=int, default=1, metavar="N", help="every n-th snapshot (1)")
     add("--rate", type=int, default=10, help="pictures a second (10)")
+    add("--quality", type=int, default=film.CLEAR, metavar="Q",
+        help=f".mp4: from 0, the best, to 51, the smallest file ({film.CLEAR})")
     add("--turn", type=float, default=0.0, metavar="DEG", help="3-D: turn the camera over the film")
     view_options.add_arguments(parser)
+    parser.set_defaults(dpi=100)
 
 
 def choose(frames, arguments):
     """The snapshots of the film."""
     if arguments.every < 1 or arguments.rate < 1:
         raise PostError("--every and --rate must be above 0", EXIT_USAGE)
+    if not 0 <= arguments.quality <= 51:
+        raise PostError("--quality must be from 0 to 51", EXIT_USAGE)
     times = [time for time, _ in frames]
     begin = times[0] if arguments.begin is None else arguments.begin
     end = times[-1] if arguments.end is None else arguments.end
@@ -52,9 +57,10 @@ def run(arguments):
     """Read, draw, encode."""
     source = series_file(arguments.source)
     stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
+    frames = choose(series(source), arguments)
+    view_options.settle_colour(arguments, frames[-1][1])
     out = arguments.out or os.path.join(
         os.path.dirname(source) or ".", f"{stem}_{arguments.colour.replace('.', '_')}.mp4")
-    frames = choose(series(source), arguments)
     film.check_film(out)
     page = view_options.pages(arguments, view_options.sample(frames))
 
@@ -65,7 +71,7 @@ def run(arguments):
                 yield to_pixels(page.draw(view_options.read(file, arguments), share), arguments.dpi)
                 progress.step()
 
-    written = film.encode(drawn(), out, arguments.rate)
+    written = film.encode(drawn(), out, arguments.rate, arguments.quality)
     print(f"wrote {written[0]}" + (f" to {written[-1]}" if len(written) > 1 else "")
           + f", {len(frames)} pages from {frames[0][0]:.6g} to {frames[-1][0]:.6g} s")
     return 0

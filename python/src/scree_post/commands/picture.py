@@ -6,10 +6,7 @@ in three dimensions as spheres. Models with mirror planes are completed.
 """
 import os
 
-import numpy as np
-
-from .. import look, view_options
-from ..errors import EXIT_USAGE, PostError
+from .. import drawing, look, view_options
 from scree.files import series, series_file
 from ..quantity import quantity
 
@@ -23,7 +20,7 @@ def add_arguments(parser):
     """The options."""
     parser.add_argument("source", metavar="SERIES_OR_SNAPSHOT",
                         help="CASE_p.hdf.series, CASE_p_000012.hdf or out/CASE")
-    parser.add_argument("--time", type=quantity, metavar="T",
+    parser.add_argument("--time", "--at", type=quantity, metavar="T",
                         help="nearest snapshot, in s or with a unit: 5us; default the last")
     parser.add_argument("--out", metavar="PNG",
                         help="picture (.png, .pdf, .svg); default CASE_FIELD.png beside the series")
@@ -35,16 +32,12 @@ def run(arguments):
     source = series_file(arguments.source)
     frames = series(source)
     stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
+    file = drawing.nearest(frames, arguments.time)
+    view_options.settle_colour(arguments, file)
     out = arguments.out or os.path.join(
         os.path.dirname(source) or ".", f"{stem}_{arguments.colour.replace('.', '_')}.png")
     look.check_picture(out)
-    times = np.array([time for time, _ in frames])
-    row = -1 if arguments.time is None else int(np.argmin(np.abs(times - arguments.time)))
-    file = frames[row][1]
-    page = view_options.pages(arguments, [file])
-    snap = view_options.read(file, arguments)
-    if len(snap.points) == 0:
-        raise PostError(f"{file} holds no particles", EXIT_USAGE)
-    look.save(page.draw(snap), out, arguments.dpi)
+    figure, snap = drawing.picture(file, arguments)
+    look.save(figure, out, arguments.dpi)
     print(f"wrote {out}, {len(snap.points)} particles at t = {snap.time:.6g} s")
     return 0

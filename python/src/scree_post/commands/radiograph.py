@@ -11,8 +11,8 @@ import os
 
 import numpy as np
 
-from .. import film, look
-from ..areal_density import checked, radiograph
+from .. import drawing, film, look
+from ..areal_density import SMEARS
 from ..errors import EXIT_DEFECT, EXIT_USAGE, PostError
 from scree.files import series, series_file, snapshot
 from ..progress import Progress
@@ -23,7 +23,6 @@ SUMMARY = "what a flash X-ray would see, as page and as film"
 EXAMPLES = ("radiograph out/debris_cloud",
             "radiograph out/debris_cloud --time 5 10 20",
             "radiograph out/debris_cloud --last --unit g/cm2 --movie cloud.gif")
-FIELDS = ("mass", "volume", "velocity", "body", "failed", "damage")
 
 
 def add_arguments(parser):
@@ -42,6 +41,8 @@ def add_arguments(parser):
     add("--pixel", type=in_unit("mm"), metavar="L",
         help="size of a pixel, in mm or with a unit; default: 700 over the cloud")
     add("--mu", type=float, metavar="MU", help="absorption [m2/kg]; default: chosen for contrast")
+    add("--smear", choices=SMEARS, default="spacing", help="spread particles that moved apart over "
+        "the gaps between them (spacing), or draw each as wide as its volume (volume)")
     add("--unit", choices=("kg/m2", "g/cm2"), default="kg/m2",
         help="of the areal density (kg/m2)")
     add("--view", type=in_unit("mm"), nargs=4, metavar=("ZLO", "ZHI", "VLO", "VHI"),
@@ -76,21 +77,6 @@ def choose(frames, arguments):
         wanted = [times[0] + (times[-1] - times[0]) * k / count for k in range(1, count + 1)]
     nearest = {int(np.argmin(np.abs(times - time))) for time in wanted}
     return [frames[index] for index in sorted(nearest)]
-
-
-def flight(snap):
-    """+1 if the matter flies towards larger z, -1 if its momentum points the other way."""
-    mass, velocity = checked(snap)
-    momentum = mass * velocity[:, 2]
-    return -1.0 if momentum.sum() < -0.01 * np.abs(momentum).sum() else 1.0
-
-
-def default_pixel(snap):
-    """A pixel [m] of which about 700 cover the longer side of the cloud, rounded to two digits."""
-    if len(snap.points) == 0:
-        return 1.0e-3
-    extent = float(np.ptp(snap.points, axis=0).max()) or 1.0e-3
-    return float(f"{extent / 700.0:.1e}")
 
 
 def movie(frames, make, title, options, arguments):
@@ -131,14 +117,14 @@ def run(arguments):
     stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
     out = arguments.out or os.path.join(os.path.dirname(source) or ".", f"{stem}_radiograph.png")
     frames = series(source)
-    last = snapshot(frames[-1][1], FIELDS)
-    pixel = arguments.pixel or default_pixel(last)
-    options = {"mu": arguments.mu, "unit": arguments.unit, "towards": flight(last),
+    last = snapshot(frames[-1][1], drawing.RADIOGRAPH_FIELDS)
+    pixel = arguments.pixel or drawing.default_pixel(last)
+    options = {"mu": arguments.mu, "unit": arguments.unit, "towards": drawing.flight(last),
                "view": arguments.view}
     title = arguments.title or last.title
 
     def make(file):
-        return radiograph(snapshot(file, FIELDS), pixel, arguments.axis, options["towards"])
+        return drawing.radiograph(file, pixel, arguments.axis, options["towards"], arguments.smear)
 
     look.check_picture(out)
     chosen = [make(file) for _, file in choose(frames, arguments)]

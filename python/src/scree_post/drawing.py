@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Figures and numbers of one snapshot: what the commands picture and radiograph and the package scree share.
+
+    figure = drawing.picture("out/case/case_p_000012.hdf", drawing.options(colour="pressure", camera="x"))
+    frame = drawing.radiograph("out/case/case_p_000012.hdf")
+"""
+import argparse
+
+import numpy as np
+
+from scree.files import snapshot
+from . import view_options
+from .areal_density import checked, radiograph as project
+from .errors import EXIT_USAGE, PostError
+
+RADIOGRAPH_FIELDS = ("mass", "volume", "velocity", "body", "failed", "damage")
+
+
+def options(**values):
+    """The options of scree-post picture by name, with the defaults of the command for those that are not named."""
+    parser = argparse.ArgumentParser()
+    view_options.add_arguments(parser)
+    found = parser.parse_args([])
+    for name, value in values.items():
+        if not hasattr(found, name):
+            raise PostError(f"a picture has no option '{name}'", EXIT_USAGE)
+        setattr(found, name, value)
+    return found
+
+
+def nearest(frames, time):
+    """File of the snapshot nearest to a time [s], of the last one if there is no time."""
+    times = np.array([moment for moment, _ in frames])
+    return frames[-1 if time is None else int(np.argmin(np.abs(times - time)))][1]
+
+
+def picture(file, arguments):
+    """The figure of a snapshot, and the snapshot."""
+    page = view_options.pages(arguments, [file])
+    snap = view_options.read(file, arguments)
+    if len(snap.points) == 0:
+        raise PostError(f"{file} holds no particles", EXIT_USAGE)
+    return page.draw(snap), snap
+
+
+def flight(snap):
+    """+1 if the material flies towards larger z, -1 if its momentum points the other way."""
+    mass, velocity = checked(snap)
+    momentum = mass * velocity[:, 2]
+    return -1.0 if momentum.sum() < -0.01 * np.abs(momentum).sum() else 1.0
+
+
+def default_pixel(snap):
+    """A pixel [m] of which about 700 cover the longer side of the cloud, rounded to two digits."""
+    if len(snap.points) == 0:
+        return 1.0e-3
+    extent = float(np.ptp(snap.points, axis=0).max()) or 1.0e-3
+    return float(f"{extent / 700.0:.1e}")
+
+
+def radiograph(file, pixel=None, sight="y", towards=None, smear="spacing"):
+    """The areal density of a snapshot, see areal_density.Frame."""
+    snap = snapshot(file, RADIOGRAPH_FIELDS)
+    return project(snap, pixel or default_pixel(snap), sight, flight(snap) if towards is None else towards, smear)
