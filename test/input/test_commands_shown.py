@@ -18,7 +18,6 @@ import sys
 from pathlib import Path
 
 import case
-import report
 from post_command import RUNS
 
 #: Pages that a test types from top to bottom.
@@ -138,10 +137,8 @@ class Clone:
         return False, "nobody knows how to try this command"
 
 
-def main():
+def test_commands_shown(options, sheet):
     """All pages; a command that stands twice is typed once."""
-    options = case.arguments()
-    sheet = report.Report()
     for page, test in TYPED.items():
         sheet.require(Path(page).name in (case.ROOT / "test/input" / test).read_text(encoding="utf-8"),
                       f"{test} types {page}")
@@ -155,8 +152,3 @@ def main():
         done.add(line)
         good, said = clone.type(line)
         sheet.require(good, f"{page}: {line}: {said[-400:]}")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
