@@ -8,13 +8,13 @@ no message fits any more.
 """
 
 import re
-import unittest
 
 import broken_scenes as scenes
 import broken_values as values
 import case
 
-PAGE = "".join((case.ROOT / f"doc/reference/{name}.md").read_text(encoding="utf-8") for name in ("errors", "errors_runs"))
+PAGE = "".join((case.ROOT / f"doc/reference/{name}.md").read_text(encoding="utf-8")
+               for name in ("errors", "errors_runs"))
 TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS, scenes.CELLS,
           scenes.NAMES, scenes.ORPHANS, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
           scenes.INCLUDES, scenes.WARNINGS]
@@ -42,35 +42,31 @@ def pattern(message):
     return re.compile(".*?".join(re.escape(part) for part in message.split("...")))
 
 
-class Page(unittest.TestCase):
+class TestPage:
     """Texts are compared; test_bad_decks compares them with the program."""
 
-    def test_each_row_is_said(self):
+    def test_each_row_is_said(self, sheet):
         """Would catch a row that no message fits: decks by the tables, others by their pages or the source."""
         said = [row[4] for table in TABLES for row in table]
         source = "".join(path.read_text(encoding="utf-8")
                          for path in sorted((case.ROOT / "src").rglob("*.f90")))
         source = re.sub(r'" *// *(&\s*)?"', "", source)
-        self.assertGreater(len(rows()), 60)
+        assert len(rows()) > 60
         for name, message in rows():
-            with self.subTest(message):
-                self.assertTrue(name, "the row has no page; run scripts/document_messages.py")
+            with sheet.part(message):
+                assert name, "the row has no page; run scripts/document_messages.py"
                 if any(pattern(message).search(text) for text in said + shown(name)):
                     continue
                 for part in message.split("..."):
                     part = part.strip(" '=()")
-                    self.assertTrue(part in source, f"nobody says '{part}'")
+                    assert part in source, f"nobody says '{part}'"
 
-    def test_each_message_is_explained(self):
+    def test_each_message_is_explained(self, sheet):
         """Would catch a message of the tables that the page does not have."""
         patterns = [pattern(message) for _, message in rows()]
         for table in TABLES:
             for row in table:
-                with self.subTest(row[4]):
-                    self.assertTrue(any(one.search(row[4]) for one in patterns),
-                                    "neither in doc/reference/errors.md nor in errors_runs.md")
-
-
-if __name__ == "__main__":
-    case.arguments(__doc__)
-    unittest.main()
+                with sheet.part(row[4]):
+                    assert any(one.search(row[4]) for one in patterns), (
+                        "neither in doc/reference/errors.md nor in errors_runs.md"
+                    )

@@ -7,63 +7,58 @@ no more than its row.
 """
 # timeout: 200
 
-import sys
-import unittest
+import pytest
 
-import case
+import document_messages as messages
 
-sys.path.insert(0, str(case.ROOT / "scripts"))
-import document_messages as messages  # noqa: E402
-
-OPTIONS = case.arguments(__doc__)
 SHORTEST, LONGEST = 8, 45    # lines of a page
 # No deck brings these about, or no two times with the same words.
 ALONE = {"declaration-of-the-deck", "s-of-wall-time-and-s-of"}
 
 
-class Pages(unittest.TestCase):
+class TestPages:
     """The generator runs the program on all examples."""
 
+    @pytest.fixture(autouse=True, scope="class")
     @classmethod
-    def setUpClass(cls):
-        cls.texts = messages.documents(OPTIONS.scree)
+    def made(cls, file_options):
+        cls.texts = messages.documents(file_options.scree)
 
     def test_pages_are_those_of_the_program(self):
         """Would catch a page that differs, is missing, or belongs to no row."""
-        self.assertGreater(len(self.texts), 100)
+        assert len(self.texts) > 100
         wrong = messages.out_of_date(self.texts)
-        self.assertEqual(wrong, [], "run scripts/document_messages.py and look at what has changed")
+        assert wrong == [], "run scripts/document_messages.py and look at what has changed"
 
     def test_what_is_out_of_date_is_seen(self):
         """Would catch a comparison that finds nothing."""
         name, text = next((path, text) for path, text in self.texts.items() if path not in messages.TABLES)
         changed = {**self.texts, name: text + "more\n", messages.PAGES / "new.md": text}
         del changed[messages.PAGES / "expects-a-number.md"]
-        self.assertEqual(set(messages.out_of_date(changed)), {
-            f"{name.name} differs", "new.md is missing", "expects-a-number.md belongs to no row of a table"})
+        assert set(messages.out_of_date(changed)) == {
+            f"{name.name} differs",
+            "new.md is missing",
+            "expects-a-number.md belongs to no row of a table",
+        }
 
     def test_a_new_row(self):
         """Would catch a row that gets no link, or a link made anew where there is one."""
         table = "| `it ... is: ... so`, `or so` (warning) | why | what |\n"
         linked = messages.linked(table)
-        self.assertEqual(linked, "| [`it ... is: ... so`, `or so`](messages/it-is-so.md) (warning) | why | what |\n")
-        self.assertEqual(messages.linked(linked), linked)
+        assert linked == "| [`it ... is: ... so`, `or so`](messages/it-is-so.md) (warning) | why | what |\n"
+        assert messages.linked(linked) == linked
         row = messages.rows("## Head\n" + linked)[0]
-        self.assertEqual((row.heading, row.name, row.messages), ("Head", "it-is-so", ["it ... is: ... so", "or so"]))
-        self.assertTrue(row.pattern().search("it surely is: just so") and not row.pattern().search("it was"))
+        assert (row.heading, row.name, row.messages) == ("Head", "it-is-so", ["it ... is: ... so", "or so"])
+        assert row.pattern().search("it surely is: just so") and not row.pattern().search("it was")
 
-    def test_pages_say_more(self):
+    def test_pages_say_more(self, sheet):
         """Would catch pages without an example, and such as nobody reads."""
         for path, text in self.texts.items():
             if path in messages.TABLES:
                 continue
-            with self.subTest(path.name):
+            with sheet.part(path.name):
                 lines = text.count("\n")
-                self.assertTrue(SHORTEST < lines < LONGEST, f"{lines} lines")
-                self.assertEqual("```console" in text, path.stem not in ALONE)
-                self.assertIn("[all messages](../errors.md)", text)
-                self.assertNotIn(str(messages.ROOT), text)
-
-
-if __name__ == "__main__":
-    unittest.main()
+                assert SHORTEST < lines < LONGEST, f"{lines} lines"
+                assert ("```console" in text) == (path.stem not in ALONE)
+                assert "[all messages](../errors.md)" in text
+                assert str(messages.ROOT) not in text

@@ -86,13 +86,13 @@ class Report:
         print(f"{'met     ' if met else 'FAILED  '} {name}: {value:.6g} ({limit})", flush=True)
 
     @contextlib.contextmanager
-    def part(self, *names):
+    def part(self, *names, **more):
         """A part of a test whose assertions are one check; what follows it runs all the same."""
         self.checks += 1
         try:
             yield
         except AssertionError as error:
-            name = ", ".join(map(str, names))
+            name = ", ".join([*map(str, names), *(f"{key} {value}" for key, value in more.items())])
             self.missed.append(name)
             print(f"FAILED   {name}: {error}", flush=True)
 
