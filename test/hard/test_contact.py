@@ -305,5 +305,3 @@ def test_numbers(options, sheet):
         names = [name.decode().strip() for name in file["/bodies/material_name"][:]]
         sheet.require(names == ["none", "m1", "m2"], "names of materials in the order of the deck")
         sheet.require(list(file["/bodies/material"][:]) == [3, 2, 3], "materials of the bodies")
-
-

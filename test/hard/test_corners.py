@@ -134,5 +134,3 @@ def test_outflow(options, sheet):
             sheet.near(f"{name}: lost energy", end["lost_energy"], start["kinetic"], 1.0e-12)
             for error in ("mass_error", "momentum_error", "energy_error"):
                 sheet.below(f"{name}: {error}", ledger[error], 1.0e-12)
-
-

@@ -162,5 +162,3 @@ def test_books(options, sheet):
     again.run("-q", "--restart")
     sheet.require(again.summary["digest"] == run.summary["digest"], "rod: the same bits after a restart")
     sheet.require(again.summary["trust"] == run.summary["trust"], "rod: the same trust after a restart")
-
-

@@ -94,5 +94,3 @@ def test_of_nodes(options, sheet):
         else:
             sheet.near(f"of nodes, alpha_0 = {alpha}: least share", float(least), 1.0, 1.0e-12)
             sheet.near(f"of nodes, alpha_0 = {alpha}: greatest share", float(shares.max()), 1.0, 1.0e-12)
-
-

@@ -120,5 +120,3 @@ def test_late(options, sheet, name, speed):
     sheet.below(f"{name}: energy", ledger["energy_error"], 1.0e-12)
     sheet.above(f"{name}: least ratio of volumes", float(ratio.min()), (SLOPE - 1.0) / SLOPE)
     sheet.require(np.isfinite(ratio).all(), f"{name}: volumes are finite")
-
-

@@ -218,5 +218,3 @@ def test_disc(options, sheet):
     for side, sign in (("left", -1.0), ("right", 1.0)):
         here = mine & (sign * snap.points[:, 0] > 0.1) & (snap.fields["failed"] < 0.5)
         sheet.above(f"disc: the {side} half flies off [m/s]", sign * snap.fields["velocity"][here, 0].mean(), 0.05)
-
-

@@ -102,5 +102,3 @@ def test_cloud(options, sheet):
     sheet.below("cloud: mass at all times", books, 1.0e-12)
     sheet.below("cloud: momentum", ledger["momentum_error"], 1.0e-12)
     sheet.below("cloud: energy", ledger["energy_error"], 1.0e-12)
-
-

@@ -136,5 +136,3 @@ def test_erosion(options, sheet):
     before, after = (snap for _, snap in runs[0].snapshots()[::len(runs[0].snapshots()) - 1])
     sheet.near("erosion: mass in the snapshots [kg]", before.fields["mass"].sum()
                - after.fields["mass"].sum(), ledger["removed_mass"], 1.0e-12)
-
-

@@ -144,5 +144,3 @@ def test_refused(options, sheet):
     sheet.require(run.code in (0, 4), f"fixed: ends, or ends with an error: {run.code}")
     steps = run.history["dt"][1:-1]
     sheet.require(len(steps) > 2 and np.ptp(steps) == 0.0, f"fixed: steps stay: {steps}")
-
-

@@ -84,5 +84,3 @@ def test_flight(options, sheet):
     sheet.near("bytes a particle late against early", late[1], early[1], 0.2)
     # time depends on the machine and what else it does: told, not asserted
     sheet.note("time a step late over early", late[2] / early[2])
-
-

@@ -122,5 +122,3 @@ def test_books(options, sheet):
     again.run("-q", "-s", "time.max_steps=30")
     again.run("-q", "--restart")
     sheet.require(again.summary["digest"] == digests[0], "books: the same bits after a restart")
-
-

@@ -102,5 +102,3 @@ def test_near_nothing(options, sheet):
     least = min((snap.fields["volume"] * 1000.0 / snap.fields["mass"]).min()
                 for _, snap in run.snapshots()[:-1])
     sheet.above("ratio: least before the step that is refused", least, 0.9)
-
-

@@ -125,5 +125,3 @@ def test_ends_of_numbers(options, sheet):
         for part, mine, other in zip(("places", "velocity", "stress"), digits[name], digits["unit"]):
             scale = np.abs(other).max()
             sheet.below(f"numbers {name}: {part}", np.abs(mine - other).max() / scale, 1.0e-12)
-
-

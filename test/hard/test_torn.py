@@ -144,5 +144,3 @@ def test_breaking(options, sheet):
             greatest = max(np.linalg.norm(snap.fields["velocity"], axis=1).max()
                            for _, snap in run.snapshots())
             sheet.below(f"{label}: greatest speed over that at the start", greatest / 3.0, 2.0)
-
-

@@ -90,5 +90,3 @@ def test_toss(options, sheet, name, words, most, highest):
         else:
             sheet.known(f"{name}: {label} over that at the start, less 1", float(value), limit=limit, target=TARGET)
     sheet.below(f"{name}: momentum", run.summary["ledger"]["momentum_error"], 1.0e-12)
-
-

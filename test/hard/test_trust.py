@@ -124,5 +124,3 @@ def test_impossible(options, sheet):
                       f"jet, {name}: the worst particle is named: {line}")
     total = sum(run.summary["ledger"]["start"][name] for name in ("kinetic", "internal"))
     sheet.above("jet: energy of the particle over all there is", shown["total"].max() / total, 2.0)
-
-

@@ -149,9 +149,8 @@ class TestInstall:
         assert code == 0, said + wrong
         code, said, wrong = run(folder / "build/user")
         assert (code, said) == (0, "64\n"), wrong
-        assert not [
-            path for path in (prefix / "lib/cmake/scree").iterdir() if str(case.ROOT) in path.read_text(encoding="utf-8")
-        ]
+        assert not [path for path in (prefix / "lib/cmake/scree").iterdir()
+                    if str(case.ROOT) in path.read_text(encoding="utf-8")]
         without = USER_LISTS.replace("LANGUAGES Fortran", "LANGUAGES NONE")
         (folder / "CMakeLists.txt").write_text(without, encoding="utf-8")
         code, said, wrong = run(*call[:3], "-B", folder / "build none", *call[5:6])

@@ -66,5 +66,3 @@ def test_grids(options, sheet):
     wrong = max(abs(total[round((first + 0.1 * n) * 100)] - value) for n, value in enumerate(mean))
     sheet.below("mean density of a row of cells over that of the block", wrong / 1000.0, 1e-6)
     sheet.require(error.max() > 10.0, "cells that are empty at times have an error")
-
-

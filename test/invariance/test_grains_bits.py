@@ -97,5 +97,3 @@ def test_periods(options, sheet):
                for n, tilt in enumerate((0, 1, -2, 0.25))}
     sheet.require(digests[0] == digests[1] == digests[-2], f"tilts of 0, 1 and -2 periods: {digests}")
     sheet.require(digests[0] != digests[0.25], "a tilt of a quarter is another cell")
-
-

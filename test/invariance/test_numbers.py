@@ -119,5 +119,3 @@ def test_mirror(options, sheet, name, words):
                         np.abs(stress).max())}
     for key, (mine, other, scale) in pairs.items():
         sheet.below(f"mirror {name}: {key}", np.abs(mine - other).max() / scale, LIMIT)
-
-

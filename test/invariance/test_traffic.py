@@ -82,5 +82,3 @@ def test_starts(options, sheet):
                       f"not {one.summary['digest']}")
         many.run("-q", "--restart", "--set", "time.max_steps=3")
         one.run("-q", "--restart", "--set", "time.max_steps=3")
-
-

@@ -255,5 +255,3 @@ def test_where_matter_goes_on(options, sheet):
         left[kind] = kinetic[-1] / kinetic[0]
     sheet.above("layers: kinetic energy left with a free face", left["outflow"], 0.2)
     sheet.below("layers: the same with an absorbing one", left["absorbing"], 0.02)
-
-

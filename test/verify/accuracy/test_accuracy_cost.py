@@ -87,5 +87,3 @@ def test_stored(sheet):
     sheet.require({line["problem"] for line in rows} <= set(accuracy_problems.PROBLEMS), "of known problems")
     sheet.require({line["way"] for line in rows} <= set(accuracy_problems.WAYS), "by known ways")
     sheet.require(all(line["cause"] or math.isfinite(line["error"]) for line in rows), "with an error or a cause")
-
-

@@ -71,5 +71,3 @@ def test_bounce(options, sheet, method, wall):
     books = table["kinetic"] + table["internal"] - table["external_work"]
     sheet.below(f"{name}: energy in the books",
                 np.abs(books).max() / table["external_work"].max(), 0.01)
-
-

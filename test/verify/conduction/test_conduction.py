@@ -265,5 +265,3 @@ def test_collision(options, sheet):
         sheet.require("heat conduction" not in without.summary["timers"], "no row without a conductivity")
         sheet.above("bytes of the fields", with_flow.summary["bytes_per_particle"],
                     without.summary["bytes_per_particle"] + 8.0)
-
-

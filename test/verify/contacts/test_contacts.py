@@ -69,5 +69,3 @@ def test_fading(options, sheet):
         sheet.below(f"tau {relaxation:g} s: speed", result["speed"], 0.005)
         sheet.below(f"tau {relaxation:g} s: stress", result["stress"], 0.005)
         sheet.above(f"tau {relaxation:g} s: greatest stress", np.abs(result["curve"][:, 2]).max(), 0.3)
-
-

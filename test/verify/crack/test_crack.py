@@ -131,5 +131,3 @@ def test_too_large(options, sheet):
         za=0, zb=1)
     run = case.Case(options, "large", deck).run("--check", expect=2)
     sheet.require("dx must be at most 0.0333333 m" in run.output, "too large a cell is refused, and the limit named")
-
-

@@ -109,5 +109,3 @@ def test_slope(options, sheet):
     sheet.near("place of the surface", below["z [m]"], 0.2, 1e-13)
     sheet.near("x velocity at the surface", below["velocity_x [m/s]"], 3 * 0.437 - 2 * 0.2 + 1, 1e-12)
     sheet.near("z velocity at the surface", below["velocity_z [m/s]"], 5 * 0.2 + 0.437, 1e-12)
-
-

@@ -59,5 +59,3 @@ def test_rheology(options, sheet):
         sheet.near(f"I = {inertial}: friction", friction, 0.25 + 1.1 * inertial, 0.1)
         sheet.near(f"I = {inertial}: volume fraction", np.mean(part["volume_fraction"]), 0.81 - 0.3 * inertial, 0.1)
         sheet.near(f"I = {inertial}: pressure that is held", -np.mean(part["stress_yy"]), 1e3, 0.02)
-
-

@@ -87,5 +87,3 @@ def test_cooling(options, sheet, shape, solid, number, stiffness, duration):
     sheet.below(f"{shape}: greatest difference from Haff's law, beyond two standard errors",
                 np.maximum(np.abs(mean - 1.0) - 2 * error, 0.0).max(), 0.02)
     sheet.below(f"{shape}: standard error of the mean", error.max(), 0.02)
-
-

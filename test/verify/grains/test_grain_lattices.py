@@ -124,5 +124,3 @@ def test_bound(options, sheet):
         # grains that come to rest again can only give way
         sheet.below(f"{shape}: relaxed shear modulus over the affine one",
                     np.mean([rows[1, c][c - 1] for c in ((4,) if plane else (4, 5, 6))]) / np.mean(shears), 1.0)
-
-

@@ -87,5 +87,3 @@ def test_thick(options, sheet):
         sheet.below(f"{name}: speed over that of the surface, worst particle", result["profile"], limit)
         sheet.below(f"{name}: mean speed", result["mean"], limit)
         sheet.above(f"{name}: change of the mean speed", result["means"][-1] / result["means"][0] - 1.0, 0.05)
-
-

@@ -229,5 +229,3 @@ def test_faults(options, sheet):
     place = f"{run.folder}/"
     for line in SAID:
         sheet.require(f"{run.deck}:{line.format(place)}" in run.output, f"faults: {line}\n{run.output}")
-
-

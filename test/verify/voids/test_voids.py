@@ -205,5 +205,3 @@ def test_sheared(options, sheet):
         # grains have no pressure in the first step, so they do not climb in it
         sheet.near(f"share of sheared grains, {steps} steps: its error", error, np.expm1(factor * 0.2 / steps), 1.0e-3)
     sheet.above("order of the share", np.log2(errors[0] / errors[1]), 0.95)
-
-

@@ -44,5 +44,3 @@ def test_judge(options, sheet, transfer, twist, end):
     sheet.below(f"twist {twist}: error over that of quadratic splines", dual.error(20)
                 / spline.error(20), 1.0 / 3.0)
     sheet.above(f"twist {twist}: error of quadratic splines", spline.error(20), 0.01)
-
-
