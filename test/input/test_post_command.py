@@ -4,30 +4,33 @@
 """Tests of scree-post on small runs: info, plot, compare, sweep, and what it says of mistakes.
 
 Each test says in its first line which bug it would catch.
-Usage: test_post_command.py --scree PATH --work DIR
 """
 
 import csv
-import os
 import re
 import shutil
 import sys
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import h5py
+import numpy as np
+import pytest
 
-import case                                              # noqa: E402
-import report                                            # noqa: E402
-import tier                                              # noqa: E402
-from post_command import INPUT, PACKAGES, call, process, run_cases, run_tests, series  # noqa: E402
-
-import h5py                                              # noqa: E402
-import numpy as np                                       # noqa: E402
-import scree_post                                        # noqa: E402
-from scree_post import fragment_table, progress          # noqa: E402
+import case
+import report
+import scree_post
+import tier
+from post_command import INPUT, PACKAGES, call, process, run_cases, series
+from scree_post import fragment_table, progress
 
 DISCS = INPUT / "two_discs" / "scene.nml"
+
+
+@pytest.fixture(scope="module")
+def options(file_options):
+    """Small runs in a folder that all tests use."""
+    run_cases(file_options, *tier.choose(("two_discs", "coarse", "debris_cloud"), smoke=("two_discs", "coarse")))
+    return file_options
 
 
 def good(answer):
@@ -44,6 +47,7 @@ def refused(answer, code, *parts):
     assert all(part in said[0] for part in parts), f"{parts} not in: {said[0]}"
 
 
+@pytest.mark.tiers("full", "long")
 def test_info(options):
     """Ranges of another snapshot, masses of bodies exchanged, a kind of file not known."""
     folder = options.work / "out" / "debris_cloud"
@@ -75,6 +79,7 @@ def test_deck(options):
             "a history carries no deck")
 
 
+@pytest.mark.tiers("full", "long")
 def test_grids(options):
     """A folder with fields on the grid, slices and fragments of the program that cannot be told."""
     deck = DISCS.read_text(encoding="utf-8") + "".join(
@@ -137,6 +142,7 @@ def test_plot(options):
     assert len({line.get_color() for line in axes.lines}) == 2
 
 
+@pytest.mark.tiers("full", "long")
 def test_compare(options):
     """Differences hidden or invented: a run is itself, and one number is off by a known amount."""
     work = options.work
@@ -177,6 +183,7 @@ def test_compare(options):
     assert re.search(r"^mass .* inf ", text, re.M), "a number against not-a-number is a difference"
 
 
+@pytest.mark.tiers("full", "long")
 def test_compare_histories(options):
     """Lines of different times taken for each other, a tolerance not kept."""
     names = ("two_discs", "coarse")
@@ -198,6 +205,7 @@ def sweep(options, *words):
                 "--threads", "1", "--set", "grid.dx=0.1,0.2", *words)
 
 
+@pytest.mark.tiers("full", "long")
 def test_sweep(options):
     """Values of one run under another, a failure that is silent, a study that begins anew, rows that are lost."""
     shutil.rmtree(options.work / "sweep", ignore_errors=True)
@@ -243,6 +251,7 @@ def test_sweep(options):
     assert sweep(options, *words, "--overwrite").stdout.count("done ") == 1, "another deck, and not run again"
 
 
+@pytest.mark.tiers("full", "long")
 def test_sweep_restart(options):
     """A run that was stopped with a checkpoint begins anew, or is taken for done."""
     folder = options.work / "stopped"
@@ -259,6 +268,7 @@ def test_sweep_restart(options):
     assert "restart" in log.read_text(encoding="utf-8").lower(), "the run did not go on"
 
 
+@pytest.mark.tiers("full", "long")
 def test_mistakes(options):
     """A trace instead of a sentence, no suggestion, a wrong exit code, something left behind."""
     work, discs = options.work, series(options.work, "two_discs")
@@ -323,7 +333,7 @@ def test_command(options):
         report.skipped("scree-post by its name", "scripts/setup.sh has not installed it beside this Python")
 
 
-def test_progress(_options):
+def test_progress():
     """A bar in a pipe or a file, a time left that does not follow the pace."""
     class Screen:
         """A terminal that keeps what is written."""
@@ -356,9 +366,3 @@ def test_progress(_options):
     assert pipe.text == "", f"words in a pipe: {pipe.text!r}"
     assert "1/4" in said and "0:01:30 left" in said, said
     assert "4/4" in screen.text and screen.text.endswith("\r\033[K")
-
-
-if __name__ == "__main__":
-    chosen = case.arguments(__doc__)
-    run_cases(chosen, *tier.choose(("two_discs", "coarse", "debris_cloud"), smoke=("two_discs", "coarse")))
-    sys.exit(run_tests(globals(), chosen, smoke=("test_deck", "test_plot", "test_command", "test_progress")))

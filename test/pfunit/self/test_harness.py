@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).resolve().parent
-SERIAL, PARALLEL = sys.argv[1], sys.argv[2:]
 
 GOOD = """module test_x
    use funit
@@ -49,11 +48,13 @@ def translate(text):
 class TestHarness:
     """Failing tests fail."""
 
-    def test_every_failing_test_fails(self):
+    def test_every_failing_test_fails(self, pytestconfig):
+        if not pytestconfig.getoption("--serial"):
+            pytest.skip("CTest names the program")
         source = (HERE / "test_failing.pf").read_text(encoding="utf-8").splitlines()
         tests = [source[n + 1].split()[1].rstrip("()") for n, line in enumerate(source)
                  if line.strip() == "@test"]
-        code, output = run([SERIAL])
+        code, output = run([pytestconfig.getoption("--serial")])
         assert code == 1, output
         assert f"{len(tests)} tests, {len(tests)} failed" in output
         for name in tests:
@@ -63,10 +64,10 @@ class TestHarness:
             assert "@assert" in source[int(found.group(1)) - 1]
         assert "words of the test" in output
 
-    def test_failure_on_one_rank_is_seen(self):
-        if not PARALLEL:
+    def test_failure_on_one_rank_is_seen(self, pytestconfig):
+        if not pytestconfig.getoption("--parallel"):
             pytest.skip("there is no mpiexec")
-        code, output = run(PARALLEL)
+        code, output = run(pytestconfig.getoption("--parallel"))
         assert code != 0, output
         assert "ok   last_of_two_fails [1 ranks]" in output
         assert "FAIL last_of_two_fails [2 ranks]" in output
