@@ -13,6 +13,7 @@ import subprocess
 import sys
 
 import pytest
+
 from sources import ROOT, place, project_files
 
 TEST = ROOT / "test"
