@@ -26,17 +26,21 @@ FAILING = {
     "infinite": ("def test_a(sheet):\n    sheet.above('x', float('inf'), 1.0)\n", ("FAILED   x: inf",)),
     "condition": ("def test_a(sheet):\n    sheet.require(False, 'x holds')\n", ("FAILED   x holds",)),
     "no_check": ("def test_a(sheet):\n    pass\n", ("no check was made",)),
-    "crash": ("def test_a(sheet):\n    sheet.require(True, 'x')\n    raise RuntimeError('oh')\n", ("RuntimeError: oh",)),
+    "crash": ("def test_a(sheet):\n    sheet.require(True, 'x')\n    raise RuntimeError('oh')\n",
+              ("RuntimeError: oh",)),
     "assertion": ("def test_a():\n    assert 1 == 2\n", ("assert 1 == 2",)),
     "fixture": ("import pytest\n\n\n@pytest.fixture\ndef run():\n    raise RuntimeError('oh')\n\n\n"
                 "def test_a(run, sheet):\n    sheet.require(True, 'x')\n", ("RuntimeError: oh",)),
     "end_of_fixture": ("import pytest\n\n\n@pytest.fixture\ndef run():\n    yield\n    raise RuntimeError('oh')\n\n\n"
                        "def test_a(run, sheet):\n    sheet.require(True, 'x')\n", ("RuntimeError: oh",)),
-    "part": ("def test_a(sheet):\n    for n in range(3):\n        with sheet.part('row', n=n):\n            assert n != 1\n",
+    "part": ("def test_a(sheet):\n    for n in range(3):\n        with sheet.part('row', n=n):\n"
+             "            assert n != 1\n",
              ("FAILED   row, n 1", "2 of 3 checks met")),
-    "known_met": ("def test_a(sheet):\n    sheet.known('x', 1.0, limit=3.0, target=2.0)\n", ("no longer a known miss",)),
+    "known_met": ("def test_a(sheet):\n    sheet.known('x', 1.0, limit=3.0, target=2.0)\n",
+                  ("no longer a known miss",)),
     "known_worse": ("def test_a(sheet):\n    sheet.known('x', 4.0, limit=3.0, target=2.0)\n", ("FAILED   x: 4",)),
-    "hidden": ("import pytest\n\n\ndef test_a(sheet):\n    sheet.require(False, 'x holds')\n    pytest.skip('no time')\n",
+    "hidden": ("import pytest\n\n\ndef test_a(sheet):\n    sheet.require(False, 'x holds')\n"
+               "    pytest.skip('no time')\n",
                ("FAILED   x holds", "0 of 1 checks met")),
     "import": ("import nobody\n\n\ndef test_a():\n    pass\n", ("No module named 'nobody'",)),
     "class": ("class TestA:\n    def test_a(self, sheet):\n        sheet.below('x', 2.0, 1.0)\n", ("FAILED   x: 2",)),
@@ -44,11 +48,14 @@ FAILING = {
     "wrong_tier": ("import pytest\n\n\n@pytest.mark.tiers('ful')\ndef test_a():\n    pass\n", ("none of the tiers",)),
 }
 PASSING = {
-    "met": ("def test_a(sheet):\n    sheet.below('x', 0.5, 1.0)\n", ("met      x: 0.5", "passed   test_a", "1 of 1 checks")),
-    "known": ("def test_a(sheet):\n    sheet.known('x', 2.5, limit=3.0, target=2.0)\n", ("\nKNOWN    x: 2.5 (target <= 2",)),
+    "met": ("def test_a(sheet):\n    sheet.below('x', 0.5, 1.0)\n",
+            ("met      x: 0.5", "passed   test_a", "1 of 1 checks")),
+    "known": ("def test_a(sheet):\n    sheet.known('x', 2.5, limit=3.0, target=2.0)\n",
+              ("\nKNOWN    x: 2.5 (target <= 2",)),
     "some_skipped": ("import pytest\n\n\ndef test_a():\n    pytest.skip('no disk')\n\n\ndef test_b():\n    pass\n",
                      ("\nSKIPPED  test_a: no disk",)),
-    "tier": ("import pytest\n\n\n@pytest.mark.tiers('long')\ndef test_a():\n    assert False\n\n\ndef test_b():\n    pass\n",
+    "tier": ("import pytest\n\n\n@pytest.mark.tiers('long')\ndef test_a():\n    assert False\n\n\n"
+             "def test_b():\n    pass\n",
              ("1 passed, 1 deselected",), "--tier", "smoke"),
     "folders": ("import pytest\n\n\n@pytest.mark.parametrize('n', ['a b', 'a_b'])\ndef test_a(options, n):\n"
                 "    assert not list(options.work.iterdir())\n    (options.work / 'x').touch()\n", ("2 passed",)),

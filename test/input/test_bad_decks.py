@@ -22,6 +22,7 @@ import report
 TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS, scenes.CELLS,
           scenes.ORPHANS, scenes.NAMES, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
           scenes.INCLUDES, scenes.RARE, instruments.INSTRUMENTS]
+ROWS = [row for table in TABLES for row in table]
 GOOD = values.DECKS["plain"]
 MEMORY = 2 << 30             # address space of a check [byte]; the libraries alone have 0.5 GB
 SECONDS = 10                 # processor time of a check, far more than the 0.02 s that one takes
@@ -71,6 +72,11 @@ def bound():
     """Bounds of memory and time in the child."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+
+
+def name_of(row):
+    """A row by its deck and its message, in ASCII."""
+    return ascii(f"{row[0]}: {row[4]}"[:60])[1:-1]
 
 
 def contents(folder):
@@ -144,19 +150,18 @@ class TestBadDecks:
             with sheet.part(name):
                 assert " 0 errors, 0 warnings" in self.check(options, name, text, expect=0)
 
-    def test_broken_decks(self, options, sheet):
+    @pytest.mark.parametrize("row", ROWS, ids=name_of)
+    def test_broken_decks(self, options, row):
         """Would catch a single fault without its message, at another line, or that takes memory."""
-        rows = [row for table in TABLES for row in table]
-        assert len(rows) > 200
-        for row in rows:
-            with sheet.part(row):
-                self.look_for(options, row, "error", 2)
+        self.look_for(options, row, "error", 2)
 
-    def test_warnings(self, options, sheet):
+    def test_there_are_many(self):
+        assert len(ROWS) > 200
+
+    @pytest.mark.parametrize("row", scenes.WARNINGS, ids=name_of)
+    def test_warnings(self, options, row):
         """Would catch numbers in wrong units, and bodies in each other, that nobody is told of."""
-        for row in scenes.WARNINGS:
-            with sheet.part(row):
-                self.look_for(options, row, "warning", 0)
+        self.look_for(options, row, "warning", 0)
 
     def test_force(self, options):
         """Would catch sizes that can be had in no way, or a limit that --force does not lift."""

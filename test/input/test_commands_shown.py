@@ -118,6 +118,14 @@ class Clone:
         missing = [word for word in options if word not in said and f'"{word}"' not in source]
         return code == 0 and not missing, f"{said}\nwithout {missing}"
 
+    def tests(self, words):
+        """A file of tests: it is there, and has these options."""
+        options = [word for word in words[1:] if word.startswith("--")]
+        code, said = self.run([sys.executable, "-m", "pytest", words[1], "--help"])
+        missing = [word for word in options if word not in said]
+        good = code == 0 and not missing and (self.folder / words[1]).exists()
+        return good, f"{said[-400:]}\nwithout {missing}, or there is no {words[1]}"
+
     def type(self, line):
         """True if the command does what it is there for, and what was said."""
         words = shlex.split(line)
@@ -131,6 +139,8 @@ class Clone:
             return self.bench(words)
         if words[0].endswith("python") or words[0].startswith("python") or words[0].endswith(".sh"):
             return self.script(words)
+        if words[0].endswith("pytest"):
+            return self.tests(words)
         if words[0] == "pip" or words[:2] == ["cd", "python"]:
             # test_python installs and tests the package
             return (case.ROOT / "python/pyproject.toml").is_file(), "there is no package"
