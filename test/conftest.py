@@ -73,6 +73,13 @@ def pytest_collection_modifyitems(config, items):
         item.stash[NAME] = name
 
 
+def pytest_make_parametrize_id(val):
+    """Names of rows that a shell and -k take as they are."""
+    if isinstance(val, str):
+        return re.sub(r"[^\w.+-]+", "_", val, flags=re.ASCII).strip("_")[:60]
+    return f"{val:g}" if isinstance(val, float) else None
+
+
 def program(config):
     """The program that is tested."""
     path = config.getoption("scree").resolve()
