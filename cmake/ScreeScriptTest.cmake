@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #   scree_script_tests(label [folder])
 # registers test_*.py of test/LABEL, or of another folder of test/, and of the folders in it, with this
-# label, as   python FILE --scree PROGRAM --work FOLDER   with SCREE and WORK in the environment too.
+# label, as   pytest FILE --scree PROGRAM --work FOLDER --tier TIER   with the fixtures of test/conftest.py.
 #
 # Lines in the head of a test file:
 #   # tiers: smoke, full, long    in which tiers it does something of its own (default: full)
 #   # timeout: 300                seconds; `# timeout long: 3600` for one tier
 #   # cores: 2                    how many it keeps busy at once (default: 1)
-# A test is registered once for each of its tiers, with SCREE_TIER in its environment: as NAME for full,
+# A file is registered once for each of its tiers: as NAME for full,
 # NAME.smoke and NAME.long for the others. A test whose only mark is `smoke` is the same in smoke and
 # full and is registered once, with both labels; so is one whose only mark is `long`, as NAME.
 
 function(scree_script_tests label)
+   if(scree_without_pytest)
+      return()
+   endif()
    set(folder "${PROJECT_SOURCE_DIR}/test/${label}")
    if(ARGC GREATER 1)
       set(folder "${PROJECT_SOURCE_DIR}/test/${ARGV1}")
@@ -69,10 +72,10 @@ function(scree_register script name tier labels marks)
    scree_mark("${marks}" timeout 300 timeout)
    scree_mark("${marks}" "timeout ${tier}" ${timeout} timeout)
    add_test(NAME ${name}
-      COMMAND "${scree_python}" "${script}" --scree "${program}" --work "${work}"
+      COMMAND "${scree_python}" -m pytest "${script}" --scree "${program}" --work "${work}" --tier ${tier}
       WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
-   set(environment ${scree_test_environment} "SCREE=${program}" "WORK=${work}" SCREE_TIER=${tier}
-      "PYTHONPATH=${PROJECT_SOURCE_DIR}/test/support" PYTHONDONTWRITEBYTECODE=1)
+   # plugins of other packages take time and are not needed
+   set(environment ${scree_test_environment} PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 PYTHONDONTWRITEBYTECODE=1)
    scree_cost_of(${name} cost)
    set_tests_properties(${name} PROPERTIES
       LABELS "${labels}" TIMEOUT ${timeout} PROCESSORS ${cores} SKIP_RETURN_CODE 77 COST ${cost}

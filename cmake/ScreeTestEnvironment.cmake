@@ -9,8 +9,8 @@ set(scree_test_environment
    OMPI_MCA_hwloc_base_binding_policy=none PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe)
 set(scree_mpiexec "${MPIEXEC_EXECUTABLE}" ${MPIEXEC_PREFLAGS} ${MPIEXEC_NUMPROC_FLAG})
 
-# Tests of whole runs need numpy and h5py, which scripts/setup.sh puts in build/venv; gates and the
-# translator need the standard library only.
+# Tests in Python need pytest, and those of whole runs numpy and h5py, which scripts/setup.sh puts in build/venv; the
+# translator of unit tests needs the standard library only.
 unset(scree_python)
 foreach(candidate "${PROJECT_BINARY_DIR}/venv/bin/python" "${PROJECT_SOURCE_DIR}/build/venv/bin/python")
    if(EXISTS "${candidate}" AND NOT scree_python)
@@ -23,6 +23,11 @@ if(NOT scree_python)
       message(FATAL_ERROR "The tests need python3; or configure with -DBUILD_TESTING=OFF.")
    endif()
    set(scree_python "${SCREE_PYTHON3}")
+endif()
+execute_process(COMMAND "${scree_python}" -c "import pytest"
+   RESULT_VARIABLE scree_without_pytest OUTPUT_QUIET ERROR_QUIET)
+if(scree_without_pytest)
+   message(WARNING "${scree_python} has no pytest: tests in Python are left out; scripts/setup.sh installs it.")
 endif()
 
 # Recorded seconds of the tests (scripts/run_tests.py --record), so that the longest start first and the

@@ -11,7 +11,6 @@ import shlex
 import subprocess
 import sys
 import tempfile
-import unittest
 from pathlib import Path
 
 from sources import ROOT, lines_of, place, project_files
@@ -30,14 +29,11 @@ MATTER_OUTPUTS = ROOT / "doc" / "reference" / "matter_outputs.md"
 OUTPUT = ROOT / "doc" / "reference" / "output.md"
 SCENE = "input/two_discs/scene.nml"
 
-if "--scree" not in sys.argv:
-    sys.exit("usage: test_documents.py --scree BUILD/bin/scree [--work FOLDER]")
-SCREE = str(Path(sys.argv[sys.argv.index("--scree") + 1]).resolve())
 
 
-def scree(*arguments, folder=ROOT):
+def scree(options, *arguments, folder=ROOT):
     """Exit code and all that the program prints."""
-    answer = subprocess.run([SCREE, *map(str, arguments)], cwd=folder, capture_output=True, text=True)
+    answer = subprocess.run([options.scree, *map(str, arguments)], cwd=folder, capture_output=True, text=True)
     return answer.returncode, answer.stdout + answer.stderr
 
 
@@ -54,16 +50,14 @@ def first_cells(path, heading):
     return [name for cell in cells for name in re.findall(r"`(\w+)`", cell)]
 
 
-class DocumentGate(unittest.TestCase):
+class TestDocumentGate:
     """One rule a test; all offences are listed."""
 
-    maxDiff = None
-
     def none(self, offences):
-        self.assertEqual(len(offences), 0, "\n" + "\n".join(offences))
+        assert len(offences) == 0, "\n" + "\n".join(offences)
 
     def test_documents_are_found(self):
-        self.assertGreater(len(DOCUMENTS), 15)
+        assert len(DOCUMENTS) > 15
 
     def test_length(self):
         self.none([f"{place(path, 1)} has {len(lines_of(path))} lines, limit {LONGEST}"
@@ -80,7 +74,7 @@ class DocumentGate(unittest.TestCase):
                     found += 1
                     if not (path.parent / target.split("#")[0]).exists():
                         offences.append(f"{place(path, number)} links to {target}, which is not there")
-        self.assertGreater(found, 30)
+        assert found > 30
         self.none(offences)
 
     def test_named_files(self):
@@ -94,80 +88,80 @@ class DocumentGate(unittest.TestCase):
         self.none([f"{place(path, 1)} is linked from nowhere" for path in DOCUMENTS
                    if path.parts[len(ROOT.parts)] in ("doc", "input") and path.resolve() not in linked])
 
-    def test_shapes_are_listed(self):
+    def test_shapes_are_listed(self, options):
         """Would catch a shape that the deck knows and --list does not."""
-        said = scree("--explain", "region.shape")[1]
-        self.assertIn(f"one of: {scree('--list', 'shapes')[1].strip()}\n", said)
+        said = scree(options, "--explain", "region.shape")[1]
+        assert f"one of: {scree(options, '--list', 'shapes')[1].strip()}\n" in said
 
-    def test_keys(self):
+    def test_keys(self, options):
         script = ROOT / "scripts" / "document_keys.py"
-        answer = subprocess.run([sys.executable, script, SCREE, "--check"], capture_output=True, text=True)
-        self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
+        answer = subprocess.run([sys.executable, script, options.scree, "--check"], capture_output=True, text=True)
+        assert answer.returncode == 0, answer.stdout + answer.stderr
 
-    def test_fields(self):
-        code, text = scree("--list", "fields")
-        self.assertEqual(code, 0, text)
+    def test_fields(self, options):
+        code, text = scree(options, "--list", "fields")
+        assert code == 0, text
         lines = dict(re.findall(r"^(?:(\w+): )?(.*)$", text.strip(), re.M))
-        self.assertEqual(first_cells(OUTPUT, "Snapshots"), lines[""].split())
+        assert first_cells(OUTPUT, "Snapshots") == lines[""].split()
         profile = first_cells(MATTER_OUTPUTS, "Profiles")
-        self.assertEqual(profile, lines["profile"].split())
+        assert profile == lines["profile"].split()
         history = sum((first_cells(OUTPUT, part) for part in ("History", "Errors against", "Columns by name")), [])
-        self.assertEqual(sorted(history), sorted(lines["history"].split()))
+        assert sorted(history) == sorted(lines["history"].split())
 
-    def test_columns(self):
+    def test_columns(self, options):
         with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
-            code, text = scree(SCENE, "--quiet", "--set", "time.max_steps=1", "--outdir", folder)
-            self.assertEqual(code, 0, text)
+            code, text = scree(options, SCENE, "--quiet", "--set", "time.max_steps=1", "--outdir", folder)
+            assert code == 0, text
             heading = lines_of(Path(folder) / "two_discs_history.csv")[0]
         columns = [column.split(" [")[0] for column in heading.split(",")]
-        self.assertEqual(sorted(first_cells(OUTPUT, "History")), sorted(columns))
+        assert sorted(first_cells(OUTPUT, "History")) == sorted(columns)
 
-    def test_printed_check(self):
-        code, text = scree("--check", SCENE)
-        self.assertEqual(code, 0, text)
+    def test_printed_check(self, options):
+        code, text = scree(options, "--check", SCENE)
+        assert code == 0, text
         command = f"$ build/bin/scree --check {SCENE}\n"
         shown = [block for block in blocks(FIRST_STEPS, "console") if block.startswith(command)]
         # how long it takes is another matter on every machine
         said, told = (re.sub(r"estimate .*", "estimate", words) for words in
                       (command + text, shown[0]))
-        self.assertEqual(said, told)
+        assert said == told
 
-    def test_printed_faults(self):
+    def test_printed_faults(self, options):
         deck = next(block for block in blocks(DECK, "fortran") if "dimention" in block)
         with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
             (Path(folder) / "bad.nml").write_text(deck, encoding="utf-8")
-            code, text = scree("--check", "bad.nml", folder=folder)
-        self.assertEqual(code, 2, text)
-        self.assertIn("$ build/bin/scree --check bad.nml\n" + text, blocks(DECK, "console"))
+            code, text = scree(options, "--check", "bad.nml", folder=folder)
+        assert code == 2, text
+        assert "$ build/bin/scree --check bad.nml\n" + text in blocks(DECK, "console")
 
-    def test_printed_job(self):
+    def test_printed_job(self, options):
         shown = next(block for block in blocks(RUNNING, "console") if "--job slurm" in block)
         command, script = shown.split("\n", 1)
-        code, text = scree(*command.split()[2:])
-        self.assertEqual(code, 0, text)
+        code, text = scree(options, *command.split()[2:])
+        assert code == 0, text
         # the program is named by its whole path, wherever that is here
-        self.assertEqual(text.replace(f"srun {shlex.quote(SCREE)} ", "srun build/bin/scree "), script)
+        assert text.replace(f"srun {shlex.quote(str(options.scree))} ", "srun build/bin/scree ") == script
 
-    def test_printed_examples(self):
+    def test_printed_examples(self, options):
         shown = next(block for block in blocks(RUNNING, "console") if "--list examples" in block)
         first, *said, last = shown.strip().split("\n")
-        code, text = scree(*first.split()[2:])
-        self.assertEqual(code, 0, text)
-        self.assertGreater(len(said), 3)
+        code, text = scree(options, *first.split()[2:])
+        assert code == 0, text
+        assert len(said) > 3
         self.none([f"not listed: {line}" for line in said if line != "..." and line not in text.split("\n")])
         with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
-            code, text = scree(*last.split()[2:], folder=folder)
-            self.assertEqual(code, 0, text)
-            self.assertTrue((Path(folder) / "my_discs/two_discs.nml").is_file())
+            code, text = scree(options, *last.split()[2:], folder=folder)
+            assert code == 0, text
+            assert (Path(folder) / "my_discs/two_discs.nml").is_file()
 
-    def test_shown_streams(self):
+    def test_shown_streams(self, options):
         shown = blocks(MATTER_OUTPUTS, "fortran")[0]
         with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as folder:
             scene = (ROOT / "input/debris_cloud/scene.nml").read_text(encoding="utf-8")
             (Path(folder) / "scene.nml").write_text(scene + shown, encoding="utf-8")
-            code, text = scree("scene.nml", "--quiet", "--set", "time.max_steps=0", "--outdir", ".",
+            code, text = scree(options, "scene.nml", "--quiet", "--set", "time.max_steps=0", "--outdir", ".",
                                folder=folder)
-            self.assertEqual(code, 0, text)
+            assert code == 0, text
             with open(Path(folder) / "debris_cloud_fragments.csv", encoding="utf-8") as lines:
                 columns = [column.split(" [")[0] for column in lines.readline().strip().split(",")]
             written = {path.name for path in Path(folder).iterdir()}
@@ -181,9 +175,5 @@ class DocumentGate(unittest.TestCase):
         scene = (ROOT / SCENE).read_text(encoding="utf-8")
         lines = {re.sub(r"\s*!.*", "", line) for line in scene.split("\n")}
         shown = [line for block in blocks(FIRST_STEPS, "fortran") for line in block.strip().split("\n")]
-        self.assertGreater(len(shown), 20)
+        assert len(shown) > 20
         self.none([f"{SCENE} does not hold: {line}" for line in shown if line not in lines])
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])

@@ -13,7 +13,6 @@ import re
 import subprocess
 import sys
 import tempfile
-import unittest
 from pathlib import Path
 
 from sources import ROOT, lines_of, place, project_files
@@ -64,16 +63,16 @@ def source_citations():
             for path in project_files(".f90", under="src")}
 
 
-class EquationGate(unittest.TestCase):
+class TestEquationGate:
     """One rule a test; all offences are listed."""
 
     def none(self, offences):
-        self.assertEqual(len(offences), 0, "\n" + "\n".join(offences))
+        assert len(offences) == 0, "\n" + "\n".join(offences)
 
     def test_equations_are_found(self):
-        self.assertGreater(len(PAGES), 10)
-        self.assertGreater(len(KNOWN), 100)
-        self.assertGreater(sum(map(len, source_citations().values())), 150)
+        assert len(PAGES) > 10
+        assert len(KNOWN) > 100
+        assert sum(map(len, source_citations().values())) > 150
 
     def test_numbers(self):
         offences = []
@@ -147,14 +146,16 @@ class EquationGate(unittest.TestCase):
             (theory / "zeta.md").write_text(page, encoding="utf-8")
             (code / "zeta.f90").write_text(source, encoding="utf-8")
             subprocess.run([*script, folder], check=True, capture_output=True)
-            self.assertEqual((theory / "zeta.md").read_text(encoding="utf-8"),
-                             "$$a\\tag{Z.1}$$ and $$b\\tag{Z.2}$$\n$$c\\tag{Z.3}$$ (Z.2) (Z.3) `(Z.2)`, see (B.2)\n")
-            self.assertEqual((code / "zeta.f90").read_text(encoding="utf-8"),
-                             'call say("(Z.2)", 1)   ! (Z.3)\n!> Equations (Z.1), (Z.2) and (Z.3).\n')
+            assert (theory / "zeta.md").read_text(
+                encoding="utf-8"
+            ) == "$$a\\tag{Z.1}$$ and $$b\\tag{Z.2}$$\n$$c\\tag{Z.3}$$ (Z.2) (Z.3) `(Z.2)`, see (B.2)\n"
+            assert (code / "zeta.f90").read_text(
+                encoding="utf-8"
+            ) == 'call say("(Z.2)", 1)   ! (Z.3)\n!> Equations (Z.1), (Z.2) and (Z.3).\n'
             (code / "zeta.f90").write_text(source.replace("Z.1a", "Z.7"), encoding="utf-8")
             answer = subprocess.run([*script, folder], capture_output=True, text=True)
-            self.assertEqual(answer.returncode, 1)
-            self.assertIn("(Z.7) is not there", answer.stderr)
+            assert answer.returncode == 1
+            assert "(Z.7) is not there" in answer.stderr
 
     def test_tables(self):
         offences = []
@@ -171,7 +172,3 @@ class EquationGate(unittest.TestCase):
                 if not inside:
                     columns, inside = cells, True
         self.none(offences)
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])

@@ -7,22 +7,24 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import report  # noqa: E402
+import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from sources import place, project_files
 
-program = shutil.which("findent", path=str(Path(sys.executable).parent)) or shutil.which("findent")
-if not program:
-    report.skip_all("findent is not installed")
-offences = 0
-for path in sorted((ROOT / "src").rglob("*.f90")):
-    text = path.read_text(encoding="utf-8")
-    answer = subprocess.run([program, "-i3", "-Rr", "-c3", "-k-", "-ifree"], input=text,
-                            capture_output=True, text=True, check=True)
-    for number, (old, new) in enumerate(zip(text.splitlines(), answer.stdout.splitlines()), 1):
-        continued = number > 1 and text.splitlines()[number - 2].rstrip().endswith("&")
-        if old != new and not continued:
-            print(f"{path.relative_to(ROOT)}:{number}: {old.strip()}")
-            offences += 1
-sys.exit(1 if offences else 0)
+PROGRAM = shutil.which("findent", path=str(Path(sys.executable).parent)) or shutil.which("findent")
+
+
+@pytest.mark.skipif(not PROGRAM, reason="findent is not installed")
+def test_findent():
+    offences = []
+    files = project_files(".f90", under="src")
+    assert len(files) > 100
+    for path in files:
+        text = path.read_text(encoding="utf-8")
+        answer = subprocess.run([PROGRAM, "-i3", "-Rr", "-c3", "-k-", "-ifree"], input=text,
+                                capture_output=True, text=True, check=True)
+        for number, (old, new) in enumerate(zip(text.splitlines(), answer.stdout.splitlines()), 1):
+            continued = number > 1 and text.splitlines()[number - 2].rstrip().endswith("&")
+            if old != new and not continued:
+                offences.append(f"{place(path, number)}: {old.strip()}")
+    assert not offences, "\n" + "\n".join(offences)

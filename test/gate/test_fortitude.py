@@ -7,13 +7,15 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import report  # noqa: E402
+import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from sources import ROOT
 
-program = shutil.which("fortitude", path=str(Path(sys.executable).parent)) or shutil.which("fortitude")
-if not program:
-    report.skip_all("fortitude is not installed")
-# The settings are in .fortitude.toml, which it finds by itself in this folder.
-sys.exit(subprocess.run([program, "check", "src"], cwd=ROOT).returncode)
+PROGRAM = shutil.which("fortitude", path=str(Path(sys.executable).parent)) or shutil.which("fortitude")
+
+
+@pytest.mark.skipif(not PROGRAM, reason="fortitude is not installed")
+def test_fortitude():
+    # The settings are in .fortitude.toml, which it finds by itself in this folder.
+    answer = subprocess.run([PROGRAM, "check", "src"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert answer.returncode == 0, answer.stdout + answer.stderr

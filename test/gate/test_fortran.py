@@ -7,8 +7,6 @@ reaches past its neighbours, and public names without a word about them.
 """
 
 import re
-import sys
-import unittest
 
 from sources import ROOT, Module, code_of, lines_of, place, project_files
 
@@ -66,15 +64,15 @@ def explains_itself(declaration):
     return bool(DERIVED.match(declaration)) or set(names) <= PLAIN_NAMES
 
 
-class FortranGate(unittest.TestCase):
+class TestFortranGate:
     """One rule a test; all offences are listed."""
 
     def none(self, offences):
-        self.assertEqual(len(offences), 0, "\n" + "\n".join(offences))
+        assert len(offences) == 0, "\n" + "\n".join(offences)
 
     def test_sources_are_found(self):
-        self.assertGreater(len(MODULES), 5)
-        self.assertGreater(sum(len(module.procedures) for module in MODULES), 20)
+        assert len(MODULES) > 5
+        assert sum(len(module.procedures) for module in MODULES) > 20
 
     def test_file_length(self):
         self.none([f"{place(path, 1)} has {len(lines_of(path))} lines, limit {FILE_LINES}"
@@ -192,10 +190,10 @@ class FortranGate(unittest.TestCase):
         """The rule itself: numbers need a word about meaning and unit, objects and paths do not."""
         for text in ("class(store_t), intent(inout) :: self", "type(error_t), allocatable, intent(out) :: error",
                      "character(len=*), intent(in) :: path", "integer, intent(in) :: tile"):
-            self.assertTrue(explains_itself(text), text)
+            assert explains_itself(text), text
         for text in ("real(wp), intent(in) :: dt", "integer, intent(in) :: tile, count",
                      "real(wp), intent(in) :: position(3)"):
-            self.assertFalse(explains_itself(text), text)
+            assert not explains_itself(text), text
 
     def test_open_mp_says_what_is_shared(self):
         offences = []
@@ -215,7 +213,3 @@ class FortranGate(unittest.TestCase):
         self.none([place(path, number) for path in files if path.is_relative_to(ROOT / "scripts")
                    or path.suffix != ".sh" for number, line in enumerate(lines_of(path), 1)
                    if word in line])
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])

@@ -7,8 +7,6 @@ told"), and comments that only repeat the declaration (`!! The grid`).
 """
 
 import re
-import sys
-import unittest
 
 from sources import COVERED, ROOT, code_of, lines_of, place, project_files
 
@@ -82,7 +80,7 @@ def offences_of(line):
     return found
 
 
-class Glossary(unittest.TestCase):
+class TestGlossary:
     """All offences are listed."""
 
     def test_samples(self):
@@ -92,21 +90,17 @@ class Glossary(unittest.TestCase):
                "!> The deck is told all its faults", "call settle_store(store)", "!! It", "!! Energy for the books",
                'message = "faces that absorb"', "! it does not matter, but this matter does")
         for line in bad:
-            self.assertTrue(offences_of(line), line)
+            assert offences_of(line), line
         good = ("n = 1  ! an integer", 'text = "no matter what"', "integer, intent(in) :: count !! (tile) New counts",
                 "x = mushroom + bookkeeping_of", "!> Shape functions: doc/theory/node_functions.md",
                 "position = lower  !! The position before the step [m]", 'call group%get("matter", word)')
         for line in good:
-            self.assertEqual(offences_of(line), [], line)
+            assert offences_of(line) == [], line
 
     def test_sources(self):
         paths = [path for folder in COVERED for path in project_files(".f90", under=f"src/{folder}")]
-        self.assertGreater(len(paths), 10)
-        self.assertTrue(all((ROOT / "src" / folder).is_dir() for folder in COVERED))
+        assert len(paths) > 10
+        assert all((ROOT / "src" / folder).is_dir() for folder in COVERED)
         found = [f"{place(path, number)} {offence}" for path in paths
                  for number, line in enumerate(lines_of(path), 1) for offence in offences_of(line)]
-        self.assertEqual(len(found), 0, "\n" + "\n".join(found))
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+        assert len(found) == 0, "\n" + "\n".join(found)

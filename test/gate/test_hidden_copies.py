@@ -11,12 +11,10 @@ are not meant.
 import os
 import re
 import subprocess
-import sys
-import unittest
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from sources import ROOT, project_files
+from sources import project_files
 
 FOLDERS = ("mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer", "contact",
            "ddmp", "exact", "step", "scene", "output", "program")
@@ -25,14 +23,11 @@ MESSAGE = re.compile(
     r"Warning: Creating array temporary at \(1\)", re.M)
 SLICE = re.compile(r"[\s(,=]*[\w%]+(?:\([^()]*\)%\w+)*\((?=[^()]*:)")
 
-if "--scree" not in sys.argv:
-    sys.exit("usage: test_hidden_copies.py --scree BUILD/bin/scree")
-BUILD = Path(sys.argv[sys.argv.index("--scree") + 1]).resolve().parents[1]
 
 
-def compiler():
+def compiler(options):
     """The compiler of the build."""
-    cache = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8")
+    cache = (options.scree.parents[1] / "CMakeCache.txt").read_text(encoding="utf-8")
     return re.search(r"^CMAKE_Fortran_COMPILER:\w+=(.*)$", cache, re.M).group(1)
 
 
@@ -50,23 +45,23 @@ def slices(text):
     return found
 
 
-class HiddenCopies(unittest.TestCase):
+class TestHiddenCopies:
     """Compiles the folders with loops over particles once more, only for the warnings."""
 
-    def messages(self, path):
-        modules = [f"-I{folder}" for folder in sorted((BUILD / "modules").iterdir())]
-        work = BUILD / "test" / "gate" / "hidden_copies" / path.stem
+    def messages(self, options, path):
+        modules = [f"-I{folder}" for folder in sorted((options.scree.parents[1] / "modules").iterdir())]
+        work = options.work / path.stem
         work.mkdir(parents=True, exist_ok=True)
         answer = subprocess.run(
-            [compiler(), "-c", "-std=f2008", "-O1", "-fopenmp", "-Warray-temporaries",
+            [compiler(options), "-c", "-std=f2008", "-O1", "-fopenmp", "-Warray-temporaries",
              "-fdiagnostics-color=never", *modules, f"-J{work}", "-o", work / "object.o", path],
             capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
-        self.assertEqual(answer.returncode, 0, answer.stderr[-2000:])
+        assert answer.returncode == 0, answer.stderr[-2000:]
         return answer.stderr
 
-    def test_a_copied_slice_is_seen(self):
+    def test_a_copied_slice_is_seen(self, options):
         """The gate itself: a slice of rows to a contiguous argument must be found."""
-        work = BUILD / "test" / "gate" / "hidden_copies"
+        work = options.work
         work.mkdir(parents=True, exist_ok=True)
         sample = work / "sample.f90"
         sample.write_text(
@@ -75,14 +70,11 @@ class HiddenCopies(unittest.TestCase):
             "end subroutine outer\nsubroutine inner(x)\n"
             "real, contiguous, intent(inout) :: x(:, :)\nx = 2*x\n"
             "end subroutine inner\nend module sample\n", encoding="utf-8")
-        self.assertEqual(slices(self.messages(sample)), ["sample.f90:6: call inner(x(2:3, :))"])
+        assert slices(self.messages(options, sample)) == ["sample.f90:6: call inner(x(2:3, :))"]
 
-    def test_sources(self):
+    def test_sources(self, options):
         paths = [path for folder in FOLDERS for path in project_files(".f90", under=f"src/{folder}")]
         with ThreadPoolExecutor(2) as pool:
-            found = [place for text in pool.map(self.messages, paths) for place in slices(text)]
-        self.assertEqual(found, [], "\n" + "\n".join(found))
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+            found = [place for text in pool.map(lambda path: self.messages(options, path),
+                                                paths) for place in slices(text)]
+        assert found == [], "\n" + "\n".join(found)

@@ -5,7 +5,6 @@
 
 Would catch a comment whose first word is taken for a setting and lost with its text, a comment in a
 place where FORD sees none, and a page of the reference that is not written.
-Usage: test_reference.py --scree PATH --work DIR
 """
 
 import os
@@ -15,25 +14,29 @@ import subprocess
 import sys
 from pathlib import Path
 
-from sources import ROOT, project_files
+import pytest
 
-sys.path.insert(0, str(ROOT / "test" / "support"))
-import report  # noqa: E402
+from sources import ROOT, project_files
 
 # A name that one module hands on from another is unknown to FORD where it is handed on.
 NOT_OURS = re.compile(r"Unknown entity '\w+' with attribute 'public'")
 
-program = shutil.which("ford", path=str(Path(sys.executable).parent)) or shutil.which("ford")
-if not program:
-    report.skip_all("FORD is not installed; pip install ford")
-work = Path(sys.argv[sys.argv.index("--work") + 1]).resolve() / "reference"
-answer = subprocess.run([program, "--output_dir", work, ROOT / "doc" / "ford.md"],
-                        capture_output=True, text=True, env={**os.environ, "COLUMNS": "400"})
-said = (answer.stdout + answer.stderr).replace("\r", "\n")
-warnings = [line for line in said.splitlines()
-            if re.search(r"warning|error", line, re.I) and not NOT_OURS.search(line)]
-print("\n".join(warnings))
-pages = {path.stem for path in (work / "module").glob("*.html")}
-modules = {path.stem for path in project_files(".f90", under="src")} - {"main"}
-print(f"{len(warnings)} warnings, {len(pages)} pages of {len(modules)} modules")
-sys.exit(1 if answer.returncode or warnings or len(modules) < 50 or modules - pages else 0)
+PROGRAM = shutil.which("ford", path=str(Path(sys.executable).parent)) or shutil.which("ford")
+
+
+@pytest.mark.skipif(not PROGRAM, reason="FORD is not installed; pip install ford")
+def test_reference(options):
+    work = options.work
+    answer = subprocess.run([PROGRAM, "--output_dir", work, ROOT / "doc" / "ford.md"],
+                            capture_output=True, text=True, env={**os.environ, "COLUMNS": "400"})
+    said = (answer.stdout + answer.stderr).replace("\r", "\n")
+    warnings = [line for line in said.splitlines()
+                if re.search(r"warning|error", line, re.I) and not NOT_OURS.search(line)]
+    print("\n".join(warnings))
+    pages = {path.stem for path in (work / "module").glob("*.html")}
+    modules = {path.stem for path in project_files(".f90", under="src")} - {"main"}
+    print(f"{len(warnings)} warnings, {len(pages)} pages of {len(modules)} modules")
+    assert answer.returncode == 0
+    assert warnings == []
+    assert len(modules) >= 50
+    assert modules - pages == set()

@@ -5,42 +5,33 @@
 Would catch a drawing that shows arrows which are gone, or lacks new ones, and a folder without a box.
 """
 
-import sys
-import unittest
 from unittest import mock
 
-from sources import ROOT
-
-sys.path.insert(0, str(ROOT / "scripts"))
-import document_rooms  # noqa: E402
+import document_rooms
 
 
-class RoomGate(unittest.TestCase):
+class TestRoomGate:
     """The drawing and its parts."""
 
     def test_drawing(self):
-        self.assertEqual(document_rooms.DRAWING.read_text(encoding="utf-8"),
-                         document_rooms.drawing(document_rooms.uses()),
-                         "run python3 scripts/document_rooms.py")
+        assert document_rooms.DRAWING.read_text(encoding="utf-8") == document_rooms.drawing(document_rooms.uses()), (
+            "run python3 scripts/document_rooms.py"
+        )
 
     def test_arrows_follow_the_sources(self):
         used = document_rooms.uses()
-        self.assertEqual(used["base"], set())
-        self.assertIn("mesh", used["particle"])
-        self.assertNotIn("scene", used["step"])
+        assert used["base"] == set()
+        assert "mesh" in used["particle"]
+        assert "scene" not in used["step"]
 
     def test_reduction(self):
         """Only arrows that follow from others are left out."""
         used = {"a": {"b", "c"}, "b": {"c"}, "c": set()}
-        self.assertEqual(document_rooms.reduced(used), {"a": {"b"}, "b": {"c"}, "c": set()})
-        self.assertEqual(document_rooms.rows_below(used), {"a": 0, "b": 1, "c": 2})
+        assert document_rooms.reduced(used) == {"a": {"b"}, "b": {"c"}, "c": set()}
+        assert document_rooms.rows_below(used) == {"a": 0, "b": 1, "c": 2}
 
     def test_a_new_arrow_is_seen(self):
         used = document_rooms.uses()
         changed = {**used, "exact": used["exact"] | {"mesh"}}
         with mock.patch.object(document_rooms, "uses", return_value=changed):
-            self.assertNotEqual(document_rooms.drawing(document_rooms.uses()), document_rooms.drawing(used))
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+            assert document_rooms.drawing(document_rooms.uses()) != document_rooms.drawing(used)

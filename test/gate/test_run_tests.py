@@ -7,15 +7,11 @@ known miss or a skipped part that is not listed, and a misspelt mark, which CMak
 """
 
 import re
-import sys
 import tempfile
-import unittest
 from pathlib import Path
 
+import run_tests
 from sources import ROOT, place
-
-sys.path.insert(0, str(ROOT / "scripts"))
-import run_tests  # noqa: E402
 
 RESULTS = """<?xml version="1.0" encoding="UTF-8"?>
 <testsuite name="Linux" tests="5">
@@ -48,7 +44,7 @@ def choice(*words, share=None):
                                **{word: True for word in words}})
 
 
-class Runner(unittest.TestCase):
+class TestRunner:
     """What is run, and what is made of the results."""
 
     def test_results(self):
@@ -57,43 +53,43 @@ class Runner(unittest.TestCase):
             file = Path(folder) / "results.xml"
             file.write_text(RESULTS, encoding="utf-8")
             found = run_tests.outcomes(file)
-        self.assertEqual([result for _, result, _, _ in found], ["passed", "failed", "skipped", "failed", "passed"])
-        self.assertEqual(run_tests.marked(found, "KNOWN"), [("good", "energy lost [%]: 7.5 (target <= 2, limit 10)")])
-        self.assertEqual(run_tests.marked(found, "SKIPPED"), [("good", "full disk: no file system for it")])
+        assert [result for _, result, _, _ in found] == ["passed", "failed", "skipped", "failed", "passed"]
+        assert run_tests.marked(found, "KNOWN") == [("good", "energy lost [%]: 7.5 (target <= 2, limit 10)")]
+        assert run_tests.marked(found, "SKIPPED") == [("good", "full disk: no file system for it")]
 
     def test_thirds(self):
         """Every long test is in one third, and thirds take about the same."""
         tests = [test(f"t{number}", 10.0 * number, "long", cores=1 + number % 2) for number in range(1, 20)]
         groups = [run_tests.long_share(tests, share) for share in range(run_tests.SHARES)]
-        self.assertEqual(sorted(one.name for group in groups for one in group), sorted(one.name for one in tests))
+        assert sorted(one.name for group in groups for one in group) == sorted(one.name for one in tests)
         work = [sum(one.cost * one.cores for one in group) for group in groups]
-        self.assertLess(max(work), 1.2 * min(work))
+        assert max(work) < 1.2 * min(work)
 
     def test_in_time(self):
         """Nothing is begun that is known not to end."""
         tests = [test("full", 600, "full")]
         extra = [test("short", 300, "long"), test("long", 3000, "long"), test("longer", 3000, "long")]
         chosen, left = run_tests.in_time(tests, extra, 3000.0, 2)
-        self.assertEqual([one.name for one in chosen], ["short", "long"])
-        self.assertEqual([one.name for one in left], ["longer"])
+        assert [one.name for one in chosen] == ["short", "long"]
+        assert [one.name for one in left] == ["longer"]
 
     def test_never_recorded(self):
         """Long tests of unknown length are tried in the time that is left, each of them first on some day."""
         tests = [test("full", 600, "full")] + [test(f"t{n}", run_tests.UNKNOWN, "long") for n in range(6)]
         found = []
         for day in range(3 * run_tests.SHARES):
-            options = choice("full", share=day % run_tests.SHARES)
-            options.day = day
-            chosen, tried = run_tests.choose(tests, options, False)
-            self.assertEqual([one.name for one in chosen], ["full"])
+            flags = choice("full", share=day % run_tests.SHARES)
+            flags.day = day
+            chosen, tried = run_tests.choose(tests, flags, False)
+            assert [one.name for one in chosen] == ["full"]
             found.append(tried[0].name)
-        self.assertEqual(set(found), {f"t{n}" for n in range(6)})
+        assert set(found) == {f"t{n}" for n in range(6)}
 
     def test_stopped(self):
         """A test that is stopped by a limit of time is told from one that fails."""
         line = "1/3 Test #14: hard/test_kill.long ......***Timeout   5.67 sec"
-        self.assertEqual(run_tests.STOPPED.search(line).group(1), "hard/test_kill.long")
-        self.assertIsNone(run_tests.STOPPED.search(line.replace("Timeout", "Failed")))
+        assert run_tests.STOPPED.search(line).group(1) == "hard/test_kill.long"
+        assert run_tests.STOPPED.search(line.replace("Timeout", "Failed")) is None
 
     def test_choice(self):
         """Tiers, filters and thirds choose what they say."""
@@ -104,25 +100,25 @@ class Runner(unittest.TestCase):
                 (["a", "b"], (), None, True), (["c"], ("long",), None, False),
                 (["a", "b.smoke"], ("smoke",), None, True)):
             names = [one.name for one in run_tests.choose(tests, choice(*words, share=share), filtered)[0]]
-            self.assertEqual(names, expected)
-        self.assertEqual([one.name for one in run_tests.choose(tests[4:], choice(), True)[0]], ["d"])
+            assert names == expected
+        assert [one.name for one in run_tests.choose(tests[4:], choice(), True)[0]] == ["d"]
         found = [one.name for share in range(3)
                  for one in run_tests.choose(tests, choice("full", share=share), False)[0]]
-        self.assertEqual((found.count("a"), found.count("c")), (3, 1))
+        assert (found.count("a"), found.count("c")) == (3, 1)
 
     def test_time(self):
         """No shorter than the longest test, nor than the work on all cores."""
-        self.assertEqual(run_tests.expected([test("a", 10, cores=2), test("b", 4)], 2), 12.0)
-        self.assertEqual(run_tests.expected([test("a", 10), test("b", 4)], 2), 10.0)
+        assert run_tests.expected([test("a", 10, cores=2), test("b", 4)], 2) == 12.0
+        assert run_tests.expected([test("a", 10), test("b", 4)], 2) == 10.0
 
 
-class Marks(unittest.TestCase):
+class TestMarks:
     """Lines in the heads of tests."""
 
     def test_marks(self):
         """Only those that CMake reads, before the first line of code."""
         files = sorted((ROOT / "test").glob("*/test_*.py")) + sorted((ROOT / "test").glob("*/*/test_*.py"))
-        self.assertGreater(len(files), 80)
+        assert len(files) > 80
         offences, found = [], 0
         for path in files:
             for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
@@ -133,17 +129,13 @@ class Marks(unittest.TestCase):
                     found += 1
                     if match.group(1) not in KNOWN_MARKS:
                         offences.append(f"{place(path, number)}: unknown mark '{match.group(1)}'")
-        self.assertGreater(found, 20)
-        self.assertEqual(offences, [])
+        assert found > 20
+        assert offences == []
 
     def test_costs(self):
         """The list of costs is sorted and has one line a test."""
         lines = (ROOT / "test/costs.csv").read_text(encoding="utf-8").splitlines()
         names = [line.rsplit(",", 1)[0] for line in lines[1:]]
-        self.assertEqual(lines[0], "name,seconds")
-        self.assertEqual(names, sorted(set(names)))
-        self.assertTrue(all(float(line.rsplit(",", 1)[1]) > 0.0 for line in lines[1:]))
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+        assert lines[0] == "name,seconds"
+        assert names == sorted(set(names))
+        assert all(float(line.rsplit(",", 1)[1]) > 0.0 for line in lines[1:])

@@ -7,8 +7,6 @@ loop in a loop in a condition in a loop in a loop, and a folder that has become 
 """
 
 import re
-import sys
-import unittest
 
 from sources import COVERED, END_PROCEDURE, PROCEDURE, ROOT, TYPE, lines_of, place, project_files, statements
 
@@ -92,7 +90,7 @@ def offences_of(path):
     return found
 
 
-class Structure(unittest.TestCase):
+class TestStructure:
     """All offences are listed."""
 
     def offences_in(self, source):
@@ -109,29 +107,25 @@ class Structure(unittest.TestCase):
         """The gate itself: each limit is found where it is passed, and a marker with a reason is heeded."""
         fields = "\n".join(f"real :: a{n}(2, 3), b{n} = 1.0" for n in range(9))
         large = f"type :: large_t\n{fields}\nend type large_t\n"
-        self.assertEqual(self.offences_in(large), ["type large_t has 18 components, limit 16"])
-        self.assertEqual(self.offences_in(HEADER_RECORD + "it is the head of a file\n" + large), [])
+        assert self.offences_in(large) == ["type large_t has 18 components, limit 16"]
+        assert self.offences_in(HEADER_RECORD + "it is the head of a file\n" + large) == []
         many = "subroutine many(a, b, c, d, e, f, g, h, i, j, k)\nend subroutine many\n"
-        self.assertEqual(self.offences_in(many), ["many has 11 arguments, limit 10"])
-        self.assertEqual(self.offences_in(LONG_KERNEL + "it is one\n" + many), [])
+        assert self.offences_in(many) == ["many has 11 arguments, limit 10"]
+        assert self.offences_in(LONG_KERNEL + "it is one\n" + many) == []
         deep = "subroutine deep()\n" + "do n = 1, 2\n" * 4 + "{}" + "end do\n" * 4 + "end subroutine deep\n"
-        self.assertEqual(self.offences_in(deep.format("domain = 1\nwhere (a > 0) b = c(1)\nif (x) y = 1\n")), [])
+        assert self.offences_in(deep.format("domain = 1\nwhere (a > 0) b = c(1)\nif (x) y = 1\n")) == []
         for block, end in (("if (a > b) then", "if"), ("do", "do"), ("select case (n)", "select"),
                            ("associate (x => y)", "associate"), ("where (a > 0)", "where")):
-            self.assertEqual(len(self.offences_in(deep.format(f"{block}\nend {end}\n"))), 1, block)
+            assert len(self.offences_in(deep.format(f"{block}\nend {end}\n"))) == 1, block
 
     def test_sources(self):
         paths = [path for folder in COVERED for path in project_files(".f90", under=f"src/{folder}")]
-        self.assertGreater(len(paths), 10)
+        assert len(paths) > 10
         found = [f"{place(path, line)} {message}" for path in paths
                  for line, message in offences_of(path)]
-        self.assertEqual(len(found), 0, "\n" + "\n".join(found))
+        assert len(found) == 0, "\n" + "\n".join(found)
 
     def test_modules_of_a_folder(self):
         found = [f"src/{folder} has {count} modules, limit {MODULES}" for folder in COVERED
                  for count in [len(project_files(".f90", under=f"src/{folder}"))] if count > MODULES]
-        self.assertEqual(found, [])
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+        assert found == []

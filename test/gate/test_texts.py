@@ -9,7 +9,6 @@ and a path that exists on one machine only.
 import re
 import subprocess
 import sys
-import unittest
 
 from sources import ROOT, lines_of, place, project_files
 
@@ -22,14 +21,14 @@ MACHINE_PATH = re.compile(r"(?<![\w.}])/(?:home|root|work|Users|mnt|scratch)/\w"
 LEFT_OVER = re.compile(r"\b(?:TO" "DO|FIX" "ME|X" "XX|HA" "CK)\\b")
 
 
-class TextGate(unittest.TestCase):
+class TestTextGate:
     """One rule a test; all offences are listed."""
 
     def none(self, offences):
-        self.assertEqual(len(offences), 0, "\n" + "\n".join(offences))
+        assert len(offences) == 0, "\n" + "\n".join(offences)
 
     def test_files_are_found(self):
-        self.assertGreater(len(CODE), 30)
+        assert len(CODE) > 30
 
     def test_licence(self):
         self.none([place(path, 1) for path in CODE
@@ -84,17 +83,13 @@ class TextGate(unittest.TestCase):
 
     def test_unit_tests_use_supported_directives(self):
         files = project_files(".pf", under="test")
-        self.assertGreater(len(files), 1)
+        assert len(files) > 1
         answer = subprocess.run(
             [sys.executable, ROOT / "test" / "pfunit" / "translate.py", "--check", *files],
             capture_output=True, text=True)
-        self.assertEqual(answer.returncode, 0, "\n" + answer.stderr)
+        assert answer.returncode == 0, "\n" + answer.stderr
 
     def test_unit_tests_say_what_they_catch(self):
         self.none([f"{place(path, 1)} does not say which bug it would catch"
                    for path in project_files(".pf", under="test/unit")
                    if not re.search(r"catch", path.read_text(encoding="utf-8"), re.I)])
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])

@@ -11,13 +11,8 @@ law that calls the scalar function: its loop is no vector, and its bits depend o
 
 import re
 import subprocess
-import sys
-import unittest
 from pathlib import Path
 
-if "--scree" not in sys.argv:
-    sys.exit("usage: test_vector_functions.py --scree BUILD/bin/scree")
-BUILD = Path(sys.argv[sys.argv.index("--scree") + 1]).resolve().parents[1]
 LAYERS = ("base", "mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer",
           "contact", "io", "ddmp", "exact", "step", "scene", "output", "program")
 PARTICLES = ("constitutive", "explosive", "tabulated", "ductile", "material", "transfer", "ddmp", "step")
@@ -39,15 +34,15 @@ end subroutine sample
 """
 
 
-def cached(name):
+def cached(options, name):
     """A value of the cache of CMake."""
-    cache = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8")
+    cache = (options.scree.parents[1] / "CMakeCache.txt").read_text(encoding="utf-8")
     return re.search(rf"^{name}:\w+=(.*)$", cache, re.M).group(1)
 
 
-def undefined(file):
+def undefined(options, file):
     """Pairs of object and symbol that it takes from elsewhere."""
-    answer = subprocess.run([cached("CMAKE_NM"), "--undefined-only", "--print-file-name", file],
+    answer = subprocess.run([cached(options, "CMAKE_NM"), "--undefined-only", "--print-file-name", file],
                             capture_output=True, text=True, check=True)
     pairs = []
     for line in answer.stdout.splitlines():
@@ -56,43 +51,44 @@ def undefined(file):
     return pairs
 
 
-class VectorFunctions(unittest.TestCase):
+class TestVectorFunctions:
     """Looks at the symbols of the libraries as they are built."""
 
-    def sample(self, mark):
+    def sample(self, options, mark):
         """Symbols that a loop over exp asks for."""
-        work = BUILD / "test" / "gate" / "vector_functions"
+        work = options.work
         work.mkdir(parents=True, exist_ok=True)
         source = work / "sample.f90"
         source.write_text(SAMPLE.format(mark=mark), encoding="utf-8")
-        subprocess.run([cached("CMAKE_Fortran_COMPILER"), "-c", "-O3", "-march=native", "-o", work / "sample.o",
+        subprocess.run([cached(options, "CMAKE_Fortran_COMPILER"), "-c", "-O3", "-march=native", "-o",
+                        work / "sample.o",
                         source], check=True)
-        return {symbol for _, symbol in undefined(work / "sample.o")}
+        return {symbol for _, symbol in undefined(options, work / "sample.o")}
 
-    def test_the_mark_helps(self):
+    def test_the_mark_helps(self, options):
         """The gate itself: the mark before a loop keeps the vector variants away."""
-        with_mark = self.sample("!GCC$ novector")
-        self.assertIn("exp", with_mark)
-        self.assertFalse([symbol for symbol in with_mark if symbol.startswith("_ZGV")])
+        with_mark = self.sample(options, "!GCC$ novector")
+        assert "exp" in with_mark
+        assert not [symbol for symbol in with_mark if symbol.startswith("_ZGV")]
 
-    def test_symbols(self):
+    def test_symbols(self, options):
         """No object of the program asks for a vector variant."""
         found, scalar = [], 0
         for layer in LAYERS:
-            library = BUILD / "lib" / f"libscree_{layer}.a"
-            self.assertTrue(library.is_file(), f"{library} is missing; build the program first")
-            for name, symbol in undefined(library):
+            library = options.scree.parents[1] / "lib" / f"libscree_{layer}.a"
+            assert library.is_file(), f"{library} is missing; build the program first"
+            for name, symbol in undefined(options, library):
                 scalar += symbol in ("exp", "log", "pow")
                 if symbol.startswith("_ZGV"):
                     found.append(f"{name}: {symbol}; put !GCC$ novector before the loop")
-        self.assertGreater(scalar, 5, "units, random numbers and exact solutions call exp, log and pow somewhere")
-        self.assertEqual(found, [], "\n" + "\n".join(found))
+        assert scalar > 5, "units, random numbers and exact solutions call exp, log and pow somewhere"
+        assert found == [], "\n" + "\n".join(found)
 
-    def test_own_functions(self):
+    def test_own_functions(self, options):
         """No object of a law or of a kernel of particles asks for the mathematics library, but those listed."""
         found, listed = [], set()
         for layer in PARTICLES:
-            for name, symbol in undefined(BUILD / "lib" / f"libscree_{layer}.a"):
+            for name, symbol in undefined(options, options.scree.parents[1] / "lib" / f"libscree_{layer}.a"):
                 module = name.split(".")[0]
                 if symbol not in FUNCTIONS:
                     continue
@@ -100,9 +96,5 @@ class VectorFunctions(unittest.TestCase):
                     listed.add(module)
                 else:
                     found.append(f"{name}: {symbol}; use base_elementary")
-        self.assertEqual(found, [], "\n" + "\n".join(found))
-        self.assertEqual(listed, set(COLD), "exceptions that are none any more")
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+        assert found == [], "\n" + "\n".join(found)
+        assert listed == set(COLD), "exceptions that are none any more"

@@ -29,18 +29,13 @@ break, within 2 %, one cell.
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
-
 import h5py
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
-import slope   # noqa: E402
-import tier    # noqa: E402
+import bodies
+import case
+import slope
 
 TARGET, REBOUND = 0.02, 0.872          # energy of the discs; kinetic energy after the rebound in fine runs
 LAYER = 0.02                           # a cell of the bars over their length
@@ -120,7 +115,8 @@ FAST = """
 """
 
 
-def discs(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_discs(options, sheet):
     """Two elastic discs."""
     for name, words, spacing in (("discs", "", 0.025), ("discs_fine", "", 0.0125),
                                  ("discs_usl", "stress_update='usl'", 0.025)):
@@ -155,7 +151,8 @@ def block(options, name, law, angle, friction=0.0, method="ddmp", words=""):
     return slope.sliding(run, lambda snap: snap.fields["body"] == 2, SETTLED, friction)
 
 
-def slides(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_slides(options, sheet):
     """A block on an incline."""
     sine, cosine = np.sin(np.radians(20.0)), np.cos(np.radians(20.0))
     for name, law, friction, words in (
@@ -179,7 +176,7 @@ def bars(options, name, densities=(1000, 1000), moduli=(1e6, 1e6), speed=0.1, en
     return means, run.history
 
 
-def impacts(options, sheet):
+def test_impacts(options, sheet):
     """Bars that meet and part."""
     (left, right), _ = bars(options, "equal")
     sheet.above("bars: velocity handed over", right, 1.0 - LAYER)
@@ -197,7 +194,7 @@ def impacts(options, sheet):
                 / history["kinetic"][0] - 1.0, 1.0e-9)
 
 
-def torn(options, sheet):
+def test_torn(options, sheet):
     """Only what lies within a cell of the bond that breaks loses it."""
     deck = BARS.format(method="ddmp", words="", effects=CONTACT, densities=(1000, 1000), moduli=(1e6, 1e6),
                        speed=-0.1, end=0.01, fields=FIELDS.replace("'body'", "'body','bond'"),
@@ -225,7 +222,8 @@ THREADS = """
 """
 
 
-def halves(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_halves(options, sheet):
     """Bodies that never meet are halved as without contact, also if they are strained before the force."""
     parts = "".join(
         f"&region  name='r{n}'  shape='box'  lo={start + n % 4},0,0  hi={start + n % 4 + 1},1,1 /\n"
@@ -243,7 +241,8 @@ def halves(options, sheet):
         sheet.require(np.array_equal(*places), f"halves, {update}: the same places with contact as without")
 
 
-def bonds(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_bonds(options, sheet):
     """A bond holds like one body until its stress is reached; the impact of 0.1 m/s pulls with 1581 Pa."""
     (left, right), whole = bars(options, "one_body", effects="artificial_viscosity=.false.")
     (bound, other), held = bars(options, "bound", more="&contact law='bonded' /")
@@ -257,7 +256,8 @@ def bonds(options, sheet):
     sheet.require(len(whole["time"]) > 10 and len(held["time"]) > 10, "bond: histories are there")
 
 
-def crowds(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_crowds(options, sheet):
     """Three bodies at the same nodes; one body with itself; a fast ball."""
     run = case.Case(options, "three", THREE.format(contact="contact=.true.", fields=FIELDS)).run("-q")
     history = run.history
@@ -279,7 +279,7 @@ def crowds(options, sheet):
     sheet.below("fast ball: kinetic energy left", history["kinetic"][-1] / history["kinetic"][0], 0.98)
 
 
-def numbers(options, sheet):
+def test_numbers(options, sheet):
     """Materials keep the numbers of the deck, although each velocity field has stores of its own."""
     deck = """
 &run  dimension='1d' /
@@ -305,23 +305,3 @@ def numbers(options, sheet):
         names = [name.decode().strip() for name in file["/bodies/material_name"][:]]
         sheet.require(names == ["none", "m1", "m2"], "names of materials in the order of the deck")
         sheet.require(list(file["/bodies/material"][:]) == [3, 2, 3], "materials of the bodies")
-
-
-def main():
-    """All of them."""
-    options = case.arguments()
-    sheet = report.Report()
-    numbers(options, sheet)
-    impacts(options, sheet)
-    torn(options, sheet)
-    if tier.NAME != "smoke":
-        discs(options, sheet)
-        slides(options, sheet)
-        bonds(options, sheet)
-        halves(options, sheet)
-        crowds(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -7,14 +7,9 @@ cannot go on without particles.
 """
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 BOX = """
 &run  dimension='{dimension}'  method='{method}' /
@@ -46,7 +41,7 @@ def scene(options, name, **words):
     return first, last, run
 
 
-def at_rest(options, sheet):
+def test_at_rest(options, sheet):
     """Nothing acts: every bit stays."""
     for dimension, width in (("1d", 1), ("plane_strain", 1), ("axisymmetric", 0), ("3d", 8)):
         for method in ("ddmp", "mpm"):
@@ -65,7 +60,7 @@ def at_rest(options, sheet):
     print("         at rest: 16 scenes keep their bits")
 
 
-def lone_flight(options, sheet):
+def test_lone_flight(options, sheet):
     """A lone particle flies through a periodic box."""
     faces = "&boundary face='all' type='periodic' /"
     for dimension, width in (("1d", 1), ("plane_strain", 1), ("3d", 8)):
@@ -89,7 +84,7 @@ def lone_flight(options, sheet):
         sheet.require(last.fields["failed"].max() == 0, f"lone_{dimension}: does not fail")
 
 
-def on_faces(options, sheet):
+def test_on_faces(options, sheet):
     """Half a cell a step: every second step all particles are exactly on nodes.
 
     For the dual domain method only: in the plain one the gradient of a particle on a node needs the
@@ -116,7 +111,7 @@ def on_faces(options, sheet):
                         np.abs(last.fields["stress"]).max() / 79.0e9, 1.0e-12)
 
 
-def outflow(options, sheet):
+def test_outflow(options, sheet):
     """A block leaves through each face in turn, in part and then entirely."""
     for axis in range(3):
         for sign in (-1, 1):
@@ -139,18 +134,3 @@ def outflow(options, sheet):
             sheet.near(f"{name}: lost energy", end["lost_energy"], start["kinetic"], 1.0e-12)
             for error in ("mass_error", "momentum_error", "energy_error"):
                 sheet.below(f"{name}: {error}", ledger[error], 1.0e-12)
-
-
-def main():
-    """All corners."""
-    options = case.arguments()
-    sheet = report.Report()
-    at_rest(options, sheet)
-    lone_flight(options, sheet)
-    on_faces(options, sheet)
-    outflow(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

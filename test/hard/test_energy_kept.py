@@ -15,15 +15,10 @@ lose more than a tenth in the rings, or they no longer show what is cured. What 
 # tiers: smoke, full
 # timeout: 300
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
 
 DENSITY, BULK, SHEAR = 1010.0, 121.7e6, 26.1e6
 SOUND = np.sqrt((BULK + 4.0 / 3.0 * SHEAR) / DENSITY)
@@ -88,7 +83,8 @@ def lattice(half, dx, dimensions):
     return np.stack([part.ravel() for part in np.meshgrid(line, line, line, indexing="ij")], axis=1)
 
 
-def vibrations(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_vibrations(options, sheet):
     """Nine periods of the lowest smooth motion of a thick ring, of a disc and of a ball; strain of about 1 %."""
     dx = 0.002
     place = lattice(0.048, dx, 2)
@@ -125,7 +121,7 @@ def vibrations(options, sheet):
             sheet.below(f"vibrating {name}: energy in nine periods", error, 0.01)
 
 
-def same_bits(options, sheet):
+def test_same_bits(options, sheet):
     """Rings on two ranks and after a restart: the digest of one rank."""
     digests = {}
     for name, ranks in (("one", 1), ("two", 2)):
@@ -138,7 +134,8 @@ def same_bits(options, sheet):
     sheet.require(digests["half"] == digests["one"], f"bits after a restart: {digests}")
 
 
-def rings(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_rings(options, sheet):
     """Two rings that collide: energy with the order that keeps it, and the controls."""
     box = (0.25, 0.5, 0.1), 0.002, 6e-3
     good = run(options, "rings", RINGS, *box)
@@ -153,19 +150,11 @@ def rings(options, sheet):
     sheet.above("rings, damped: what is booked", some["trust"]["damped"]["value"], 0.1)
 
 
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    same_bits(options, sheet)
+def test_blocks(options, sheet):
     good = run(options, "blocks", BLOCKS, (0.25, 0.5, 0.1), 0.005, 6e-3)
     sheet.below("blocks: energy", good.summary["ledger"]["energy_error"], 0.03)
+
+
+def test_disc(options, sheet):
     good = run(options, "disc", DISC, (0.1, 0.5, 0.1), 0.005, 2 * np.pi / 100)
     sheet.below("disc: angular momentum in a turn", good.summary["ledger"]["angular_momentum_error"], 1.0e-4)
-    if tier.NAME != "smoke":
-        rings(options, sheet)
-        vibrations(options, sheet)
-    return sheet.end()
-
-
-if __name__ == "__main__":
-    sys.exit(main())

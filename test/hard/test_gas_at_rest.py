@@ -27,19 +27,16 @@ leave in their squares. Energy everywhere: rounding, 1e-12.
 # tiers: smoke, full
 # timeout: 600
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 DENSITY, PRESSURE, GAMMA = 1.225, 101325.0, 1.4
 ENERGY, SOUND = PRESSURE / ((GAMMA - 1.0) * DENSITY), np.sqrt(GAMMA * PRESSURE / DENSITY)
 STILL, MOVES, BOOKS = 1.0e-10, 1.0e-3, 1.0e-12
+FULL = pytest.mark.tiers("full", "long")
 DECK = """
 &run  dimension='{dimension}' /
 &grid  lo=0,0,0  hi={hi}  dx={size!r} /
@@ -79,10 +76,11 @@ def run(options, name, dimension, hi, size, bodies, end=1.0, steps="", words="",
     return box, box.snapshots()[-1][1]
 
 
-def rest(options, sheet, dimension, steps):
+@pytest.mark.parametrize("dimension", SCENES)
+def test_rest(options, sheet, dimension):
     """Gas at rest stays at rest, and would not without normalised sums."""
     hi, size, ppc = SCENES[dimension]
-    for words, number in (("", steps), ("normalise='none'", 300)):
+    for words, number in (("", tier.choose(10000, smoke=300)), ("normalise='none'", 300)):
         name = f"rest_{dimension}{'_none' if words else ''}"
         box, last = run(options, name, dimension, hi, size, gas(hi, ppc, "jitter"), end=100.0,
                         steps=f"max_steps={number}", words=words)
@@ -117,7 +115,15 @@ def cut(options, sheet, share, dimension="plane_strain"):
     sheet.below(f"{name}: pressure", np.abs(pressure / PRESSURE - 1.0).max(), STILL)
 
 
-def press(options, sheet, name, dimension, packing, words=""):
+@pytest.mark.parametrize("name, dimension, packing, words", [
+    ("piston", "1d", "jitter", ""),
+    ("piston_plane", "plane_strain", "jitter", ""),
+    ("piston_around", "axisymmetric", "jitter", ""),
+    pytest.param("piston_flip", "plane_strain", "lattice", "transfer='flip'  flip=0.99", marks=FULL),
+    pytest.param("piston_pic", "plane_strain", "jitter", "transfer='pic'", marks=FULL),
+    pytest.param("piston_space", "3d", "jitter", "", marks=FULL),
+])
+def test_press(options, sheet, name, dimension, packing, words):
     """A piston compresses gas to 40 % of its length."""
     length, size, ppc, across = {"1d": (1.0, 0.05, "3,1,1", 1.0), "plane_strain": (0.5, 0.05, "3,1,3", 0.2),
                                  "axisymmetric": (0.5, 0.025, "3,1,3", 0.2),
@@ -138,7 +144,7 @@ def press(options, sheet, name, dimension, packing, words=""):
     sheet.below(f"{name}: sum of volumes", volume.sum() / room - 1.0, 0.01 if dimension == "axisymmetric" else 1.0e-3)
 
 
-def layouts(options, sheet):
+def test_layouts(options, sheet):
     """The same bits for any ranks and threads and after a restart."""
     size, hi = 0.05, "0.7,0.4,0.4"
     bodies = gas("0.5,0.4,0.4", "3,1,3", "jitter") + PISTON.format(length=0.5)
@@ -153,7 +159,9 @@ def layouts(options, sheet):
     sheet.require(len({*digests, again.summary["digest"]}) == 1, f"one digest for any layout: {digests}")
 
 
-def explode(options, sheet, cells, dimension="plane_strain"):
+@FULL
+@pytest.mark.parametrize("cells, dimension", [(50, "plane_strain"), (50, "axisymmetric")])
+def test_explode(options, sheet, cells, dimension):
     """The shock of an explosion in a plane or in space: where the density is halfway up to its greatest."""
     size = 1.2 / cells
     hot, edge = 2.0 * size, "1.2,1,1.2"
@@ -182,28 +190,7 @@ def explode(options, sheet, cells, dimension="plane_strain"):
         sheet.below(f"{name}: sum of volumes over the box", off, 1.0e-3)
 
 
-def main():
-    """All of them; the smoke tier is at rest for fewer steps and leaves out the explosion."""
-    options = case.arguments()
-    sheet = report.Report()
-    full = tier.NAME != "smoke"
-    for dimension in SCENES:
-        rest(options, sheet, dimension, 10000 if full else 300)
-    for share in tier.choose((0.1, 0.3, 0.5, 0.7, 0.9), smoke=(0.7,)):
-        cut(options, sheet, share)
-        cut(options, sheet, share, "axisymmetric")
-    press(options, sheet, "piston", "1d", "jitter")
-    press(options, sheet, "piston_plane", "plane_strain", "jitter")
-    press(options, sheet, "piston_around", "axisymmetric", "jitter")
-    layouts(options, sheet)
-    if full:
-        press(options, sheet, "piston_flip", "plane_strain", "lattice", "transfer='flip'  flip=0.99")
-        press(options, sheet, "piston_pic", "plane_strain", "jitter", "transfer='pic'")
-        press(options, sheet, "piston_space", "3d", "jitter")
-        explode(options, sheet, 50)
-        explode(options, sheet, 50, "axisymmetric")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+@pytest.mark.parametrize("share, dimension", [(share, dimension) for share in tier.choose(
+    (0.1, 0.3, 0.5, 0.7, 0.9), smoke=(0.7,)) for dimension in ("plane_strain", "axisymmetric")])
+def test_cut(options, sheet, share, dimension):
+    cut(options, sheet, share, dimension)

@@ -9,14 +9,11 @@ cannot be had again, a step that the summary counts for the wrong reason.
 
 import re
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 # With a step of 0.08 s, fourteen times the stable one, every number grows without bound.
 DECK = """
@@ -63,7 +60,16 @@ def shown(kind, particle):
             "inverted": ratio < 0.1, "collapse": speed > 1.0e3, "dt_min": True}[kind]
 
 
-def stops(options, sheet, kind):
+@pytest.fixture(autouse=True)
+def needs_guards(options):
+    """A build that traps bad numbers stops before the bounds do."""
+    answer = subprocess.run([options.scree, "--version"], stdout=subprocess.PIPE, text=True, check=True)
+    if " Debug " in answer.stdout:
+        pytest.skip("a build that traps bad numbers stops before the bounds do")
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_stops(options, sheet, kind):
     """One kind of fault, on two layouts."""
     time, law, words = CASES[kind]
     texts = []
@@ -91,7 +97,7 @@ def stops(options, sheet, kind):
     print("         " + "\n           ".join(texts[0]))
 
 
-def state_before(options, sheet):
+def test_state_before(options, sheet):
     """Good checkpoints stay, and the same run to the step before gives that state."""
     run = case.Case(options, "before", DECK.format(
         time=UNSTABLE + " speed_max=1e6", law="elastic", checkpoint="dt=0.08 keep=1"))
@@ -110,7 +116,7 @@ def state_before(options, sheet):
     sheet.require(message(run) == text, f"before: the step fails again alike: {message(run)}")
 
 
-def what_limits(options, sheet):
+def test_what_limits(options, sheet):
     """Steps are counted by what limits them."""
     deck = DECK.format(time="", law="elastic", checkpoint="at_end=.false.")
     for words, rule in (("time.dt_max=1.0e-3", "deck"), ("time.dt_fixed=1.0e-3", "deck"),
@@ -121,21 +127,3 @@ def what_limits(options, sheet):
         sheet.require(sum(limits.values()) == run.summary["steps"], f"limits: all steps: {limits}")
         sheet.require(limits[rule] > 0.5 * run.summary["steps"], f"{words}: {limits}")
         sheet.require(limits["end"] == 1, f"{words}: the last step ends at t_end: {limits}")
-
-
-def main():
-    """All bounds."""
-    options = case.arguments()
-    sheet = report.Report()
-    answer = subprocess.run([options.scree, "--version"], stdout=subprocess.PIPE, text=True, check=True)
-    if " Debug " in answer.stdout:
-        report.skip_all("a build that traps bad numbers stops before the bounds do")
-    for kind in CASES:
-        stops(options, sheet, kind)
-    state_before(options, sheet)
-    what_limits(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -9,12 +9,9 @@ No particle may have an energy below zero in any of six snapshots. Books: 1e-12.
 """
 # timeout: 120
 
-import sys
-from pathlib import Path
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='3d'  seed=21 /
@@ -32,19 +29,12 @@ DECK = """
 """
 
 
-def main():
+@pytest.mark.parametrize("flux", (1, 20))
+def test_heat_flux(options, sheet, flux):
     """Two strengths of the flux, and two ranks."""
-    options = case.arguments()
-    sheet = report.Report()
-    for flux in (1, 20):
-        run = case.Case(options, f"flux_{flux}", DECK.format(flux=flux)).run("-q")
-        least = min(snapshot.fields["energy"].min() for _, snapshot in run.snapshots())
-        sheet.above(f"heat_flux={flux}: least energy", least, 0.0)
-        sheet.below(f"heat_flux={flux}: energy error", run.summary["ledger"]["energy_error"], 1.0e-12)
-        other = case.Case(options, f"flux_{flux}_ranks", DECK.format(flux=flux), ranks=2).run("-q")
-        sheet.require(other.summary["digest"] == run.summary["digest"], f"heat_flux={flux}: two ranks, the same bits")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    run = case.Case(options, f"flux_{flux}", DECK.format(flux=flux)).run("-q")
+    least = min(snapshot.fields["energy"].min() for _, snapshot in run.snapshots())
+    sheet.above(f"heat_flux={flux}: least energy", least, 0.0)
+    sheet.below(f"heat_flux={flux}: energy error", run.summary["ledger"]["energy_error"], 1.0e-12)
+    other = case.Case(options, f"flux_{flux}_ranks", DECK.format(flux=flux), ranks=2).run("-q")
+    sheet.require(other.summary["digest"] == run.summary["digest"], f"heat_flux={flux}: two ranks, the same bits")

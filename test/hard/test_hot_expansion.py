@@ -14,14 +14,10 @@ all the kinetic energy of a particle as heat; before that, artificial viscosity 
 # tiers: full
 # timeout: 180
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='{dimension}' /
@@ -55,7 +51,8 @@ CASES = {
 }
 
 
-def fly(options, sheet, name):
+@pytest.mark.parametrize("name", CASES)
+def test_fly(options, sheet, name):
     """One impact: it ends, its ledger closes, and its states are physical."""
     material, speed, density, end, scene = CASES[name]
     run = case.Case(options, name, DECK.format(material=material, speed=speed, end=end, **scene)).run("-q")
@@ -76,16 +73,3 @@ def fly(options, sheet, name):
     sheet.above(f"{name}: least temperature [K]", coldest, 0.0)
     sheet.note(f"{name}: steps", run.summary["steps"])
     sheet.note(f"{name}: greatest volume", thinnest)
-
-
-def main():
-    """All impacts."""
-    options = case.arguments()
-    sheet = report.Report()
-    for name in CASES:
-        fly(options, sheet, name)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -17,15 +17,11 @@ of any entry; noise of pressure is a known miss of seven, held at 1, beyond whic
 # tiers: full, long
 # timeout: 900
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 DECK = """
 &run  dimension='{dimension}' /
@@ -115,7 +111,8 @@ def deck(name):
         second=SECOND.format(two=two) if second else "")
 
 
-def strike(options, sheet, name):
+@pytest.mark.parametrize("name", [name for name in IMPACTS if tier.NAME == "long" or name in FULL])
+def test_strike(options, sheet, name):
     """One impact."""
     one, two, speed, degrees, *_ = IMPACTS[name]
     run = case.Case(options, name, deck(name))
@@ -146,17 +143,3 @@ def strike(options, sheet, name):
         sheet.known(f"{name}: share of the pressure that nodes do not see", noise, limit=1.0, target=target)
     else:
         sheet.below(f"{name}: share of the pressure that nodes do not see", noise, target)
-
-
-def main():
-    """Four impacts, or all."""
-    options = case.arguments()
-    sheet = report.Report()
-    for name in IMPACTS:
-        if tier.NAME == "long" or name in FULL:
-            strike(options, sheet, name)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

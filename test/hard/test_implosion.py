@@ -14,15 +14,10 @@ it may have twice its error, as a particle is twice as large before it is halved
 # tiers: smoke, full
 # timeout: 400
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 INNER, OUTER, CELLS, END = 1.0, 1.2, 10, 0.62
 DENSITY, YIELD = 1000.0, 1.0
@@ -106,7 +101,7 @@ def implode(options, sheet, name, per_cell, split):
     return errors, run
 
 
-def shells(options, sheet):
+def test_shells(options, sheet):
     """Two particles a cell, four, and two that are halved."""
     (coarse, _), run = implode(options, sheet, "two", 2, ".false.")
     trust, column = run.summary["trust"]["stretch"], run.history
@@ -139,7 +134,7 @@ def rod():
     return text
 
 
-def books(options, sheet):
+def test_books(options, sheet):
     """Two materials, one that fails: balances, identities, ranks and a restart."""
     counts = {}
     for failure in (2.0e-2, 1.0e9):
@@ -167,16 +162,3 @@ def books(options, sheet):
     again.run("-q", "--restart")
     sheet.require(again.summary["digest"] == run.summary["digest"], "rod: the same bits after a restart")
     sheet.require(again.summary["trust"] == run.summary["trust"], "rod: the same trust after a restart")
-
-
-def main():
-    """Both."""
-    options = case.arguments()
-    sheet = report.Report()
-    shells(options, sheet)
-    books(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -8,27 +8,16 @@ new one is safe, rows of a history that are doubled or lost, snapshots of a time
 # timeout: 900
 # timeout long: 1800
 
-import sys
-from pathlib import Path
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case     # noqa: E402
-import killing  # noqa: E402
-import report   # noqa: E402
-import tier     # noqa: E402
+import killing
+import tier
 
 # ranks, kills and the seed of their moments
 KILLS = tier.choose(smoke=((1, 3, 1),), full=((1, 8, 1), (2, 3, 2)), long=((1, 50, 3), (2, 50, 4)))
 
 
-def main():
+@pytest.mark.parametrize("ranks, number, seed", KILLS)
+def test_kill(options, sheet, ranks, number, seed):
     """Each row."""
-    options = case.arguments()
-    sheet = report.Report()
-    for ranks, number, seed in KILLS:
-        killing.end_by_kills(options, sheet, number, seed=seed, ranks=ranks)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    killing.end_by_kills(options, sheet, number, seed=seed, ranks=ranks)

@@ -9,6 +9,7 @@ A lone particle moves in one step from the middle of its cell to the distance s 
 % or 5 % of the modulus. Its strain of the next step may be 1 %, and twice that which it has in the middle of the cell
 where that is more, as the bound lets light nodes move by 3e-3 of a cell. Energy is kept to 1e-9, the target. Work and
 lost energy of the lightest node are p2 dt2/(2 rho m) with its mass m, which is 1e-42 of the particle 1e-14 of a cell
+import pytest
 from three faces, and cancel: one rounding of them is what the energy may be off by; the limit is ten of them. Beyond
 1e-12 of the mass (1e-4 of a cell in 3-D) that is more than the target, and the energy of the particle is spoiled: a
 known miss.
@@ -21,14 +22,10 @@ with stress_update = 'musl'. The target is 1.05, which XPIC meets; with the defa
 """
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 LONE = """
 &run  dimension='{dimension}' /
@@ -89,7 +86,7 @@ def lone(options, sheet, worst, dimension, share, distance):
     return np.log(volumes[2] / volumes[1]), np.log(volumes[1] / volumes[0])
 
 
-def lone_particles(options, sheet):
+def test_lone_particles(options, sheet):
     """Loads, dimensions and distances down to rounding."""
     energies = []
     for dimension in ("1d", "3d"):
@@ -105,7 +102,11 @@ def lone_particles(options, sheet):
     sheet.known("lone: greatest change of the energy", error, limit=rounding, target=KEPT)
 
 
-def spray(options, sheet, name, *words):
+@pytest.mark.parametrize("name, words", [
+    ("spray", ()),
+    ("spray_xpic", ("-s", "method.transfer='xpic'")),
+])
+def test_spray(options, sheet, name, words):
     """Grains of one particle, a cell apart, fly into a wall of one particle a cell."""
     grains = ""
     for n in range(9):
@@ -130,17 +131,3 @@ def spray(options, sheet, name, *words):
         sheet.known(f"{name}: greatest speed over that of the grains", greatest / top, limit=2.0 ** 0.5, target=1.05)
     sheet.below(f"{name}: momentum", ledger["momentum_error"], 1.0e-12)
     sheet.below(f"{name}: energy", ledger["energy_error"], 1.0e-10)
-
-
-def main():
-    """Both."""
-    options = case.arguments()
-    sheet = report.Report()
-    lone_particles(options, sheet)
-    spray(options, sheet, "spray")
-    spray(options, sheet, "spray_xpic", "-s", "method.transfer='xpic'")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

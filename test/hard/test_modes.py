@@ -13,15 +13,10 @@ grow (5 % for the half step between velocity and stress); with alpha_0 = 0 no st
 """
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
+import bodies
+import case
 
 BAR = """
 &run  dimension='1d' /
@@ -57,7 +52,7 @@ def amplitude(run, sign):
     return np.array(shares)
 
 
-def in_cells(options, sheet):
+def test_in_cells(options, sheet):
     """Particles of a cell against each other."""
     def sign(n):
         return (-1) ** n
@@ -83,7 +78,7 @@ def in_cells(options, sheet):
         sheet.below(f"free bar, {name}: energy lost in a period", result["energy"] / 1.8, 0.01)
 
 
-def of_nodes(options, sheet):
+def test_of_nodes(options, sheet):
     """Nodes against each other: particles on both sides of a node go with it."""
     def sign(n):
         return (-1) ** ((n + 1) // 2)
@@ -99,16 +94,3 @@ def of_nodes(options, sheet):
         else:
             sheet.near(f"of nodes, alpha_0 = {alpha}: least share", float(least), 1.0, 1.0e-12)
             sheet.near(f"of nodes, alpha_0 = {alpha}: greatest share", float(shares.max()), 1.0, 1.0e-12)
-
-
-def main():
-    """Both kinds."""
-    options = case.arguments()
-    sheet = report.Report()
-    in_cells(options, sheet)
-    of_nodes(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

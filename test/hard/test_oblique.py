@@ -24,15 +24,10 @@ steps. The cloud is coarse, 3 cells through the sheet: its books and its fastest
 # tiers: smoke, full
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
 
 DECK = """
 &run  dimension='3d' /
@@ -74,7 +69,7 @@ def ordered(snaps, sign):
     return last.points[order] * (sign, 1, 1), last.fields["velocity"][order] * (sign, 1, 1)
 
 
-def image(options, sheet):
+def test_image(options, sheet):
     """The scene and its mirror image, early."""
     one, run = fly(options, "early", 1, 20, 1)
     two, _ = fly(options, "early_image", -1, 20, 1)
@@ -86,7 +81,11 @@ def image(options, sheet):
     sheet.below("image, 20 steps: velocity", np.abs(mine[1] - theirs[1]).max() / 7000.0, 1.0e-11)
 
 
-def late(options, sheet, name, speed):
+@pytest.mark.parametrize("name, speed", [
+    pytest.param("oblique", "4.95", marks=pytest.mark.tiers("full", "long")),
+    pytest.param("normal", "7.0", marks=pytest.mark.tiers("full", "long")),
+])
+def test_late(options, sheet, name, speed):
     """Debris, until it has flown eight diameters."""
     snaps, run = fly(options, name, 1, 100000, 12, speed)
     speeds = [np.linalg.norm(snap.fields["velocity"], axis=1) / 7000.0 for snap in snaps]
@@ -121,18 +120,3 @@ def late(options, sheet, name, speed):
     sheet.below(f"{name}: energy", ledger["energy_error"], 1.0e-12)
     sheet.above(f"{name}: least ratio of volumes", float(ratio.min()), (SLOPE - 1.0) / SLOPE)
     sheet.require(np.isfinite(ratio).all(), f"{name}: volumes are finite")
-
-
-def main():
-    """Both."""
-    options = case.arguments()
-    sheet = report.Report()
-    image(options, sheet)
-    if tier.NAME != "smoke":
-        late(options, sheet, "oblique", "4.95")
-        late(options, sheet, "normal", "7.0")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

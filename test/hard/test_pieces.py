@@ -16,16 +16,11 @@ greatest tension of the line load, 2 P/(pi D t), is the strength (G. Hondros, Au
 # cores: 2
 # timeout: 600
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import slope   # noqa: E402
-import tier    # noqa: E402
+import case
+import slope
 
 CROSSED = 0.2 / 36.7                   # time of a pressure wave through the height of the block [s]
 SETTLED = 0.039                        # four times the shear wave through the floor [s]
@@ -137,7 +132,8 @@ def block(options, name, law, friction=0.0, itself=True):
     return slope.sliding(run, lambda snap: snap.fields["body"] >= 3, SETTLED, friction)
 
 
-def slides(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_slides(options, sheet):
     """A block on an incline."""
     sine, cosine = np.sin(np.radians(20.0)), np.cos(np.radians(20.0))
     for name, law, friction in (("rubs", "friction=0.2", 0.2), ("slips", "law='frictionless'", 0.0)):
@@ -148,7 +144,7 @@ def slides(options, sheet):
         sheet.below(f"{name}: last velocity over that of free fall", abs(speed) / (10.0 * sine * 0.4), CROSSED / 0.4)
 
 
-def halves(options, sheet):
+def test_halves(options, sheet):
     """Halves of a bar that meet again, as one body and as two."""
     kept = {}
     for name, fields, law in (("halves", ("field=1", "field=1"), "&contact  bodies='l','l' /"),
@@ -172,7 +168,7 @@ def halves(options, sheet):
     return speeds, kept
 
 
-def layouts(options, sheet):
+def test_layouts(options, sheet):
     """The same bits."""
     deck = slide_deck("friction=0.2", 20.0)
     digest, steps = {}, "time.max_steps=160"
@@ -190,7 +186,8 @@ def layouts(options, sheet):
     sheet.require(whole[0] == whole[1], "where nothing fails contact with itself changes no bit")
 
 
-def ball(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_ball(options, sheet):
     """In space, with internal energy: the same bits, closed books."""
     balls = {}
     law = "&contact  bodies='ball','ball'  friction=0.3 /"
@@ -205,7 +202,8 @@ def ball(options, sheet):
     sheet.require(balls["ball"] != balls["ball_whole"], "ball: contact with itself acts")
 
 
-def disc(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_disc(options, sheet):
     """A disc between platens splits."""
     radius = 0.497
     deck = DISC.format(spacing=0.025, radius=radius, speed=0.02, end=0.15)
@@ -220,20 +218,3 @@ def disc(options, sheet):
     for side, sign in (("left", -1.0), ("right", 1.0)):
         here = mine & (sign * snap.points[:, 0] > 0.1) & (snap.fields["failed"] < 0.5)
         sheet.above(f"disc: the {side} half flies off [m/s]", sign * snap.fields["velocity"][here, 0].mean(), 0.05)
-
-
-def main():
-    """All of them."""
-    options = case.arguments()
-    sheet = report.Report()
-    layouts(options, sheet)
-    halves(options, sheet)
-    if tier.NAME != "smoke":
-        slides(options, sheet)
-        ball(options, sheet)
-        disc(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

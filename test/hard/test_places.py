@@ -8,14 +8,10 @@ unbooked.
 # timeout: 120
 
 import itertools
-import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 # Particles begin in the middles of cells; half a cell of flight in each step brings them to nodes.
 DECK = """
@@ -50,7 +46,7 @@ def flight(options, name, steps, away):
     return last.points[order], {k: v[order] for k, v in last.fields.items()}, sheet_mass, run
 
 
-def beside_nodes(options, sheet):
+def test_beside_nodes(options, sheet):
     """Exactly on nodes, one rounding before and one behind: the same stress one step later."""
     tiny = 2.0**-51
     # roundings of nine steps add up
@@ -68,7 +64,7 @@ def beside_nodes(options, sheet):
             sheet.below(f"beside, {steps} steps: mass {side}", runs[n][2], 1.0e-14)
 
 
-def leave(options, sheet):
+def test_leave(options, sheet):
     """A lone particle leaves through each face, edge and corner; nothing is missing in the books."""
     worst = np.zeros(4)
     count = 0
@@ -94,7 +90,7 @@ def leave(options, sheet):
         sheet.below(f"leave, 26 ways: {name}", value, 1.0e-12)
 
 
-def cloud(options, sheet):
+def test_cloud(options, sheet):
     """A cloud that its pressure drives apart leaves at 10 km/s through all open faces."""
     run = case.Case(options, "cloud", DECK.format(
         dimension="3d", method="ddmp", words="", steps=100000, every=100000, time="",
@@ -106,17 +102,3 @@ def cloud(options, sheet):
     sheet.below("cloud: mass at all times", books, 1.0e-12)
     sheet.below("cloud: momentum", ledger["momentum_error"], 1.0e-12)
     sheet.below("cloud: energy", ledger["energy_error"], 1.0e-12)
-
-
-def main():
-    """All places."""
-    options = case.arguments()
-    sheet = report.Report()
-    beside_nodes(options, sheet)
-    leave(options, sheet)
-    cloud(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -9,28 +9,19 @@ none, energy that flow makes, sound that is not real, and stress outside of the 
 
 import os
 import subprocess
-import sys
-from pathlib import Path
 
-if "--scree" not in sys.argv:
-    sys.exit("usage: test_random_states.py --scree BUILD/bin/scree")
-BUILD = Path(sys.argv[sys.argv.index("--scree") + 1]).resolve().parents[1]
+import pytest
 
 
-def main():
-    """Both programs; a missing one has not been built."""
-    failed = 0
-    for name in ("test_material_catalogue", "test_material_random"):
-        found = [file for file in (BUILD / "test" / "unit").rglob(name) if file.is_file()]
-        if len(found) != 1:
-            sys.exit(f"{name} is not in {BUILD}/test/unit; build the tests first")
-        states = os.environ.get("SCREE_STATES", "1000000")
-        answer = subprocess.run([found[0]], env={**os.environ, "SCREE_STATES": states}, text=True,
-                                capture_output=True, check=False)
-        print(answer.stdout, answer.stderr, sep="")
-        failed += answer.returncode != 0 or "0 failed" not in answer.stdout
-    sys.exit(1 if failed else 0)
-
-
-if __name__ == "__main__":
-    main()
+@pytest.mark.parametrize("name", ["test_material_catalogue", "test_material_random"])
+def test_random_states(options, name):
+    """A program that is missing has not been built."""
+    build = options.scree.parents[1]
+    found = [file for file in (build / "test" / "unit").rglob(name) if file.is_file()]
+    assert len(found) == 1, f"{name} is not in {build}/test/unit; build the tests first"
+    states = os.environ.get("SCREE_STATES", "1000000")
+    answer = subprocess.run([found[0]], env={**os.environ, "SCREE_STATES": states}, text=True,
+                            capture_output=True, check=False)
+    print(answer.stdout, answer.stderr, sep="")
+    assert answer.returncode == 0
+    assert "0 failed" in answer.stdout

@@ -7,14 +7,9 @@ they went; a number that is none and does not stop the run; a run that goes on w
 """
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 # Soft blocks meet far above their sound speed, off centre, and nothing resists but the stress.
 STREAMS = """
@@ -63,7 +58,7 @@ def books(sheet, name, run, energy):
     return ledger["end"]
 
 
-def streams(options, sheet):
+def test_streams(options, sheet):
     """Streams whose particles turn inside out."""
     for name, matter, thermal, energy in (("elastic", ELASTIC, ".false.", 1.0),
                                           ("hot", HOT, ".true.", 1.0e-12)):
@@ -91,7 +86,7 @@ def streams(options, sheet):
             sheet.require(table["dt"][1:-1].min() > 1.0e-3 * table["dt"].max(), f"{label}: steps")
 
 
-def layouts(options, sheet):
+def test_layouts(options, sheet):
     """The same bits for any ranks and threads and after a restart; the end by retire_max."""
     deck = STREAMS.format(method="ddmp", matter=HOT, thermal=".true.", checkpoint="at_end=.true.",
                           time="on_bad='retire' retire_max={most}")
@@ -116,7 +111,7 @@ def layouts(options, sheet):
     print("         " + texts[0][0])
 
 
-def not_finite(options, sheet):
+def test_not_finite(options, sheet):
     """Numbers that are none stop the run all the same."""
     deck = STREAMS.format(method="ddmp", matter=ELASTIC, thermal=".false.", checkpoint="",
                           time="dt_fixed=0.2 dt_collapse=0 on_bad='retire' retire_max=1")
@@ -126,7 +121,7 @@ def not_finite(options, sheet):
                   and run.summary["particles"] == 0, f"not finite: stops: {run.output}")
 
 
-def erosion(options, sheet):
+def test_erosion(options, sheet):
     """Failed particles go, in any layout; without the effect they stay."""
     stay = case.Case(options, "stay", TORN.format(erosion=".false.", checkpoint="")).run("-q")
     failed = stay.summary["ledger"]["end"]["failed_mass"]
@@ -141,18 +136,3 @@ def erosion(options, sheet):
     before, after = (snap for _, snap in runs[0].snapshots()[::len(runs[0].snapshots()) - 1])
     sheet.near("erosion: mass in the snapshots [kg]", before.fields["mass"].sum()
                - after.fields["mass"].sum(), ledger["removed_mass"], 1.0e-12)
-
-
-def main():
-    """All."""
-    options = case.arguments()
-    sheet = report.Report()
-    streams(options, sheet)
-    layouts(options, sheet)
-    not_finite(options, sheet)
-    erosion(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -11,14 +11,9 @@ end with an error.
 """
 # timeout: 300
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 # Two soft blocks, sound speed 37 m/s, fall into each other beside a wall.
 STREAMS = """
@@ -60,7 +55,7 @@ HOT = """
 """
 
 
-def hot_gas(options, sheet):
+def test_hot_gas(options, sheet):
     """Gas beside steel, of 4e10 Pa and a density of 100 kg/m3: its steps are done again, the books stay closed.
 
     With 1000 kg/m3 such a gas is at the limit of what `usl` bears at a free surface: of twelve runs whose energies
@@ -92,7 +87,7 @@ def strain_of_steps(run):
     return worst
 
 
-def streams(options, sheet):
+def test_streams(options, sheet):
     """Streams at eight times the speed of sound, for each way of straining and filtering."""
     for name, method, words in (("ddmp", "ddmp", ""), ("mpm", "mpm", ""),
                                 ("xpic", "mpm", "&method transfer='xpic' /"),
@@ -115,7 +110,7 @@ def streams(options, sheet):
         sheet.require(runs[1].summary["steps_limited_by"]["retry"] == 0, f"{name}: switched off")
 
 
-def layouts(options, sheet):
+def test_layouts(options, sheet):
     """The same bits for any ranks and threads, and after a restart just before the step."""
     deck = STREAMS.format(method="ddmp", words="", time="", face="friction",
                           face_words="friction=0.3")
@@ -134,7 +129,7 @@ def layouts(options, sheet):
     sheet.require(again.summary["digest"] == digests[0], "layouts: the same bits after a restart")
 
 
-def refused(options, sheet):
+def test_refused(options, sheet):
     """No step below dt_min: the node is named, the same for any ranks. A fixed step stays."""
     deck = STREAMS.format(method="ddmp", words="", time="dt_min=2.0e-3", face="slip", face_words="")
     texts = []
@@ -149,18 +144,3 @@ def refused(options, sheet):
     sheet.require(run.code in (0, 4), f"fixed: ends, or ends with an error: {run.code}")
     steps = run.history["dt"][1:-1]
     sheet.require(len(steps) > 2 and np.ptp(steps) == 0.0, f"fixed: steps stay: {steps}")
-
-
-def main():
-    """All."""
-    options = case.arguments()
-    sheet = report.Report()
-    hot_gas(options, sheet)
-    streams(options, sheet)
-    layouts(options, sheet)
-    refused(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -7,13 +7,9 @@ where nothing is left, memory that grows with the distance flown.
 # timeout: 300
 
 import os
-import sys
 import time
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 HUGE = """
 &run  dimension='3d' /
@@ -48,7 +44,7 @@ def peak_memory(run, *options):
     return usage.ru_maxrss / 1024, time.time() - begin
 
 
-def huge(options, sheet):
+def test_huge(options, sheet):
     """Two blocks in opposite corners, in a box that grows by a factor of 10^3 and more."""
     memory = {}
     for size in (100, 1000, 100000):
@@ -66,7 +62,7 @@ def huge(options, sheet):
     sheet.near("memory of 10^15 cells against 10^6", memory[100000], memory[100], 0.1)
 
 
-def flight(options, sheet):
+def test_flight(options, sheet):
     """Two bodies that fly apart by a thousand times their size."""
     seen = {}
     for steps in (300, 20000):
@@ -88,16 +84,3 @@ def flight(options, sheet):
     sheet.near("bytes a particle late against early", late[1], early[1], 0.2)
     # time depends on the machine and what else it does: told, not asserted
     sheet.note("time a step late over early", late[2] / early[2])
-
-
-def main():
-    """Both."""
-    options = case.arguments()
-    sheet = report.Report()
-    huge(options, sheet)
-    flight(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -12,15 +12,11 @@ must come off before the end, or nothing is shown. Mass, momentum, energy: round
 # tiers: smoke, full
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 # Particles fly apart with velocities that grow with the place, turned by 30 degrees in the plane.
 STRETCH = """
@@ -85,7 +81,7 @@ def breaks(run):
     return found, worst
 
 
-def stretched(options, sheet):
+def test_stretched(options, sheet):
     """Lines and plates, with halves and without."""
     problems = (("1d", 3.0), ("plane_strain", 2.5))
     for method in tier.choose(("ddmp", "mpm"), smoke=("ddmp",)):
@@ -112,7 +108,8 @@ def stretched(options, sheet):
                           f"{name}: identities come once")
 
 
-def books(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_books(options, sheet):
     """Energy of matter that carries it, ranks, threads and a restart."""
     text = deck("ddmp", "plane_strain", ".true.", 1.0, WARM, "thermal=.true.")
     runs = [case.Case(options, f"books_{ranks}_{threads}", text, ranks, threads).run("-q")
@@ -125,17 +122,3 @@ def books(options, sheet):
     again.run("-q", "-s", "time.max_steps=30")
     again.run("-q", "--restart")
     sheet.require(again.summary["digest"] == digests[0], "books: the same bits after a restart")
-
-
-def main():
-    """Both."""
-    options = case.arguments()
-    sheet = report.Report()
-    stretched(options, sheet)
-    if tier.NAME != "smoke":
-        books(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -15,14 +15,11 @@ more than the first step. Bodies that part or pass each other get the estimate o
 # timeout: 600
 
 import re
-import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
-from test_impacts import IMPACTS, deck  # noqa: E402
+from test_impacts import IMPACTS, deck
+
+import case
+import tier
 
 EARLY = """
 &run  dimension='{dimension}' /
@@ -115,10 +112,8 @@ def compare(sheet, run, name):
                   f"{name}: check, log and summary have the same number")
 
 
-def main():
+def test_step_estimate(options, sheet):
     """Impacts, and the same bodies on their way apart."""
-    options = case.arguments()
-    sheet = report.Report()
     for name, words in STRONG.items():
         compare(sheet, case.Case(options, name.replace(" ", "_"), EARLY.format(**words)), name)
         words = {**words, "speed": -words["speed"]}
@@ -139,8 +134,3 @@ def main():
     done = case.Case(options, "al_al_7_plane", deck("al_al_7_plane"), keep=True).summary["steps"]
     _, _, steps = expected(case.Case(options, "copy", deck("al_al_7_plane")), "--set", "log.timing=.false.")
     sheet.below("al_al_7_plane: steps of the line `estimate` over those of the run, less 1", steps / done - 1.0, TARGET)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -13,11 +13,13 @@ import signal
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case     # noqa: E402
-import confine  # noqa: E402
-import report   # noqa: E402
+import pytest
+
+import case
+import confine
+import report
 
 DECK = """
 &run  dimension='3d' /
@@ -47,7 +49,7 @@ def checkpoints(folder):
     return sorted(folder.glob("*_chk_*.h5"))
 
 
-def signals(options, sheet):
+def test_signals(options, sheet):
     """A signal in the middle: exit code 75 and a checkpoint that leads to the end of a run without one."""
     for ranks, number in ((1, signal.SIGUSR1), (1, signal.SIGTERM), (2, signal.SIGUSR1)):
         name = f"signal_{number.name}_{ranks}"
@@ -82,7 +84,15 @@ def wait_for(child, ready):
         time.sleep(0.01)
 
 
-def limits(options, sheet, digest):
+@pytest.fixture(scope="module")
+def digest(file_options):
+    """That of the whole run, which makes all steps."""
+    run = case.Case(file_options, "whole", deck()).run("-q")
+    assert run.summary["steps"] == STEPS
+    return run.summary["digest"]
+
+
+def test_limits(options, sheet, digest):
     """Wall time and least time step."""
     run = case.Case(options, "wall_limit", deck(ENDLESS, "wall_limit='00:00:01'"))
     run.run("-q", expect=75)
@@ -100,7 +110,7 @@ def limits(options, sheet, digest):
                   "dt_min: a restart without it ends in the same state")
 
 
-def scheduler(options, sheet):
+def test_scheduler(options, sheet):
     """The end of the job is what the environment says, else what squeue prints; a minute before it
     the run leaves."""
     words = ("SLURM_JOB_END_TIME", "SLURM_JOB_ID", "PATH")
@@ -135,7 +145,7 @@ def scheduler(options, sheet):
                 os.environ[word] = value
 
 
-def files(options, sheet):
+def test_files(options, sheet):
     """A folder that cannot be made, a deck and a checkpoint that cannot be read."""
     run = case.Case(options, "folder", deck(5))
     (run.folder / "file").write_text("not a folder", encoding="utf-8")
@@ -149,7 +159,7 @@ def files(options, sheet):
     sheet.require("folder.nml" in run.output, f"no deck: {run.output}")
 
 
-def no_permission(options, sheet):
+def test_no_permission(options, sheet):
     """Folders and files that an ordinary user may not write or read: exit code 3, and what is there stays."""
     with confine.user(options) as somebody:
         if somebody.why:
@@ -219,7 +229,7 @@ def no_space(sheet, run, what, words, refuse):
         print(f"         {what} but {left} bytes: {run.output.strip()[-160:]}")
 
 
-def short_files(options, sheet, digest):
+def test_short_files(options, sheet, digest):
     """Files that cannot grow: the same errors as on a full disk, on any machine."""
     run = case.Case(options, "short_files", deck()).run("-q", "-s", "time.max_steps=100")
     table = run.path("_history.csv").stat().st_size
@@ -244,37 +254,21 @@ def full_disk(options, sheet, digest):
     sheet.require(run.summary["digest"] == digest, "full disk: with space again it goes on")
 
 
-def with_small_disk(options, sheet, digest):
-    """Call this test once more, with a small disk in one of its folders."""
+def test_full_disk(options, sheet, digest):
+    """A small file system in a folder of the test."""
     folder = options.work / SMALL_DISK
     way = confine.way_to_small_disks(folder)
     if not way:
-        sheet.skipped("full disk", "no small file system can be mounted here; files with a limit stand in")
-        return
-    code = confine.on_small_disk(way, folder, "4m", [sys.executable, __file__, "--scree", options.scree, "--work",
-                                                     options.work, SMALL_DISK, digest])
+        pytest.skip("no small file system can be mounted here; files with a limit stand in")
+    code = confine.on_small_disk(way, folder, "4m", [
+        "env", f"PYTHONPATH={os.pathsep.join(sys.path)}", sys.executable, "-c",
+        "import sys, test_stops; test_stops.on_small_disk(*sys.argv[1:])", options.scree, options.work, digest])
     sheet.require(code == 0, f"full disk: exit code {code} of the test on a small disk")
 
 
-def main():
-    """All stops."""
-    options = case.arguments()
+def on_small_disk(scree, work, digest):
+    """What test_full_disk runs where a folder of it is a small disk."""
     sheet = report.Report()
-    if sys.argv[1:2] == [SMALL_DISK]:
-        full_disk(options, sheet, sys.argv[2])
-        sheet.end()
-    run = case.Case(options, "whole", deck()).run("-q")
-    digest = run.summary["digest"]
-    sheet.require(run.summary["steps"] == STEPS, "the whole run makes all steps")
-    signals(options, sheet)
-    limits(options, sheet, digest)
-    scheduler(options, sheet)
-    files(options, sheet)
-    no_permission(options, sheet)
-    short_files(options, sheet, digest)
-    with_small_disk(options, sheet, digest)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    full_disk(SimpleNamespace(scree=Path(scree), work=Path(work)), sheet, digest)
+    print(sheet.verdict())
+    sys.exit(0 if sheet.good() else 1)

@@ -6,14 +6,9 @@ not finite, or follows the wrong cause, an end of the run without the particle t
 """
 # timeout: 600
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 STREAMS = """
 &run  dimension='plane_strain' /
@@ -49,7 +44,7 @@ HOT = """
 """
 
 
-def streams(options, sheet):
+def test_streams(options, sheet):
     """Two soft blocks meet far above their sound speed of 37 m/s."""
     for law in ("elastic", "neo_hookean"):
         for viscous in (".true.", ".false."):
@@ -79,7 +74,7 @@ def streams(options, sheet):
                     sheet.require(run.code == 0, f"streams {name}: with viscosity it goes on")
 
 
-def hot_spot(options, sheet):
+def test_hot_spot(options, sheet):
     """A hot spot, matter that fails for good, and a block much faster than sound."""
     for name, energy, speed, failed in (("hot", 1.0e10, 0, "rubble"), ("failed", 1.0e6, 0, "nothing"),
                                         ("fast", 0.0, 5.0e5, "rubble")):
@@ -98,7 +93,7 @@ def hot_spot(options, sheet):
             sheet.below(f"spot {name}: steps over that of motion", steps.max() / bound, 1.02)
 
 
-def near_nothing(options, sheet):
+def test_near_nothing(options, sheet):
     """Matter at a thousandth of its volume: it must be refused at once, by its ratio of volumes."""
     run = case.Case(options, "ratio", STREAMS.format(
         law="strength_model='neo_hookean'", speed=30, viscous=".true.", end=0.2))
@@ -107,17 +102,3 @@ def near_nothing(options, sheet):
     least = min((snap.fields["volume"] * 1000.0 / snap.fields["mass"]).min()
                 for _, snap in run.snapshots()[:-1])
     sheet.above("ratio: least before the step that is refused", least, 0.9)
-
-
-def main():
-    """All."""
-    options = case.arguments()
-    sheet = report.Report()
-    streams(options, sheet)
-    hot_spot(options, sheet)
-    near_nothing(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -6,14 +6,9 @@ an absolute tolerance, very small numbers that stop a run.
 """
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='{dimension}' /
@@ -62,7 +57,7 @@ SCENES = {
 }
 
 
-def at_rest(options, sheet):
+def test_at_rest(options, sheet):
     """Twenty decks keep every bit."""
     for name, words in SCENES.items():
         run = case.Case(options, name, DECK.format(**{**USUAL, **words})).run("-q")
@@ -77,7 +72,7 @@ def at_rest(options, sheet):
     sheet.note("at rest: decks that keep their bits", len(SCENES))
 
 
-def gone_and_failed(options, sheet):
+def test_gone_and_failed(options, sheet):
     """All particles leave, and the run ends and says why; all fail and fly on without force."""
     run = case.Case(options, "gone", DECK.format(**{**USUAL, "body": "velocity=2e4,0,0"}))
     run.run("-q", "-s", "time.t_end=2e-3", "-s", "time.max_steps=100000", "-s", "time.dt_max=1e-5")
@@ -100,7 +95,7 @@ def gone_and_failed(options, sheet):
     sheet.below("all failed: energy", run.summary["ledger"]["energy_error"], 1.0e-10)
 
 
-def ends_of_numbers(options, sheet):
+def test_ends_of_numbers(options, sheet):
     """The same block in units that make all numbers tiny or huge."""
     digits = {}
     for name, length, mass in (("unit", 1.0, 1.0), ("tiny", 2.0**-100, 2.0**-100),
@@ -130,17 +125,3 @@ def ends_of_numbers(options, sheet):
         for part, mine, other in zip(("places", "velocity", "stress"), digits[name], digits["unit"]):
             scale = np.abs(other).max()
             sheet.below(f"numbers {name}: {part}", np.abs(mine - other).max() / scale, 1.0e-12)
-
-
-def main():
-    """All."""
-    options = case.arguments()
-    sheet = report.Report()
-    at_rest(options, sheet)
-    gone_and_failed(options, sheet)
-    ends_of_numbers(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

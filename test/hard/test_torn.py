@@ -24,15 +24,10 @@ limit.
 # tiers: smoke, full
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 CHOICES = (("ddmp", 2, "ddmp", ""), ("ddmp", 4, "ddmp", ""), ("linear", 2, "mpm", ""),
            ("gimp", 2, "mpm", "basis='gimp'"), ("quadratic", 2, "mpm", "basis='quadratic'"),
@@ -104,7 +99,7 @@ MEETS = 0.01                           # target of the error of a volume
 EVEN = ("gimp", "quadratic")           # bases that meet it
 
 
-def stretched(options, sheet):
+def test_stretched(options, sheet):
     """All bases with two particles a cell, the default with four."""
     ends = []
     for name, ppc, method, words in CHOICES[:tier.choose(len(CHOICES), smoke=1)]:
@@ -124,7 +119,7 @@ def stretched(options, sheet):
     sheet.known("stretch of 4: error at an end, the worst of all bases", max(ends), limit=0.75, target=MEETS)
 
 
-def breaking(options, sheet):
+def test_breaking(options, sheet):
     """Halves that fly apart break a bar; momentum and energy stay in the books."""
     mie = ("eos_model='mie_gruneisen'  mg_c0=5000  mg_s=1.3  mg_gamma=1  shear=2.0e10  "
            "specific_heat=800")
@@ -149,16 +144,3 @@ def breaking(options, sheet):
             greatest = max(np.linalg.norm(snap.fields["velocity"], axis=1).max()
                            for _, snap in run.snapshots())
             sheet.below(f"{label}: greatest speed over that at the start", greatest / 3.0, 2.0)
-
-
-def main():
-    """Both."""
-    options = case.arguments()
-    sheet = report.Report()
-    stretched(options, sheet)
-    breaking(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -19,14 +19,10 @@ moves by more than half a cell a second.
 """
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 SAND = """
 &run  dimension='plane_strain' /
@@ -58,7 +54,11 @@ def heap(snap):
     return float(np.mean([up[(across >= low) & (across < low + 1)].max() for low in range(8)]) + 0.25) / 8.0
 
 
-def toss(options, sheet, name, words, most, highest):
+@pytest.mark.parametrize("name, words, most, highest", [
+    ("toss", "", LOOSE, LOOSE),
+    ("toss_grid", "volume_from='grid'", None, 0.25 / 8.0),
+])
+def test_toss(options, sheet, name, words, most, highest):
     """The upper half flies up at 9 m/s, the lower one at 5 m/s; both fall and come to rest.
 
     `most` and `highest` are the limits of volume and heap where they are known to miss their target, else None.
@@ -90,16 +90,3 @@ def toss(options, sheet, name, words, most, highest):
         else:
             sheet.known(f"{name}: {label} over that at the start, less 1", float(value), limit=limit, target=TARGET)
     sheet.below(f"{name}: momentum", run.summary["ledger"]["momentum_error"], 1.0e-12)
-
-
-def main():
-    """Sand."""
-    options = case.arguments()
-    sheet = report.Report()
-    toss(options, sheet, "toss", "", LOOSE, LOOSE)
-    toss(options, sheet, "toss_grid", "volume_from='grid'", None, 0.25 / 8.0)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

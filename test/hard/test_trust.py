@@ -12,15 +12,11 @@ beyond the box, while all balances hold to rounding. On a lattice it rests, and 
 # timeout: 300
 
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 # Sums that are not normalised: uniform pressure pushes where particles lie irregularly.
 GAS = """
@@ -57,7 +53,7 @@ def warnings(run, words):
     return [line for line in run.path(".log").read_text().splitlines() if words in line]
 
 
-def healthy(options, sheet):
+def test_healthy(options, sheet):
     """Two discs: all is ok."""
     deck = (case.ROOT / "input" / "two_discs" / "scene.nml").read_text()
     run = case.Case(options, "discs", deck)
@@ -73,7 +69,7 @@ def healthy(options, sheet):
     sheet.require(len(warnings(run, "trust     ok: energy")) == 1, "discs: the line in the log")
 
 
-def gas(options, sheet):
+def test_gas(options, sheet):
     """Gas at rest, on a lattice and not; ranks, threads, a restart."""
     run = case.Case(options, "lattice", GAS.format(packing="lattice")).run("-q")
     sheet.require(run.summary["trust"]["verdict"] == "ok", f"lattice: ok: {run.summary['trust']}")
@@ -103,7 +99,7 @@ def gas(options, sheet):
     sheet.require(not warnings(again, "more volume than there is"), "again: none after it")
 
 
-def impossible(options, sheet):
+def test_impossible(options, sheet):
     """A run that goes wrong: the particles that are named are the worst ones."""
     words = []
     for ranks, threads in ((1, 1), (2, 2)):
@@ -128,17 +124,3 @@ def impossible(options, sheet):
                       f"jet, {name}: the worst particle is named: {line}")
     total = sum(run.summary["ledger"]["start"][name] for name in ("kinetic", "internal"))
     sheet.above("jet: energy of the particle over all there is", shown["total"].max() / total, 2.0)
-
-
-def main():
-    """All of them."""
-    options = case.arguments()
-    sheet = report.Report()
-    healthy(options, sheet)
-    gas(options, sheet)
-    impossible(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

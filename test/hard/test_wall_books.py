@@ -18,14 +18,10 @@ speed is that of theory within 1 % of g t, the target (H-26 in test/hard/README.
 """
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='plane_strain'  method='{method}' /
@@ -81,7 +77,7 @@ SERIES = [("mpm", "transfer='xpic'"), ("mpm", "transfer='fmpm'  order_k=4"), ("d
           ("mpm", "transfer='fmpm'  order_k=4  basis='gimp'")]
 
 
-def push(options, sheet):
+def test_push(options, sheet):
     """Pistons that slide and that hold, with every series."""
     for kind in ("slip", "stick"):
         for method, words in SERIES:
@@ -92,7 +88,17 @@ def push(options, sheet):
                 sheet.below(f"gas, {kind} piston, {method} {words}: {key} error", books[f"{key}_error"], 1.0e-12)
 
 
-def slide(options, sheet, kind, method, basis, update, matter, scene=None):
+ROWS = {
+    **{f"{kind}_{'_'.join(words)}_{label}": (kind, *words, matter, None) for kind in TYPES for words in METHODS
+       for label, matter in (("elastic", ELASTIC), ("carries", CARRIES))},
+    **{f"{kind}_{'_'.join(words)}_askew": (kind, *words, ELASTIC, ASKEW) for kind in ("slip", "friction")
+       for words in METHODS},
+    "friction_carries_askew": ("friction", "mpm", "linear", "musl", CARRIES, ASKEW),
+}
+
+
+@pytest.mark.parametrize("kind, method, basis, update, matter, scene", ROWS.values(), ids=ROWS)
+def test_slide(options, sheet, kind, method, basis, update, matter, scene):
     """One block."""
     name = f"{kind}, {method} {basis} {update}{', energy' if matter == CARRIES else ''}{', askew' if scene else ''}"
     walls = GROUND.format(TYPES[kind]) if scene else f"&boundary  face='zlo'  {TYPES[kind]} /"
@@ -117,23 +123,3 @@ def slide(options, sheet, kind, method, basis, update, matter, scene=None):
     speed = momentum / mass / (GRAVITY * TIME)
     pull = {"slip": np.sin(SLOPE), "friction": np.sin(SLOPE) - FRICTION * np.cos(SLOPE), "stick": 0.0}[kind]
     sheet.below(f"{name}: speed over g t, without that of theory", speed - pull, 0.01)
-
-
-def main():
-    """All walls, methods and orders of update."""
-    options = case.arguments()
-    sheet = report.Report()
-    for kind in TYPES:
-        for method, basis, update in METHODS:
-            for matter in (ELASTIC, CARRIES):
-                slide(options, sheet, kind, method, basis, update, matter)
-    for kind in ("slip", "friction"):
-        for method, basis, update in METHODS:
-            slide(options, sheet, kind, method, basis, update, ELASTIC, ASKEW)
-    slide(options, sheet, "friction", "mpm", "linear", "musl", CARRIES, ASKEW)
-    push(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

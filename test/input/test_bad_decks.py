@@ -10,19 +10,20 @@ import os
 import re
 import resource
 import subprocess
-import unittest
 
-import case
-import report
+import pytest
+
 import broken_instruments as instruments
 import broken_many as many
 import broken_scenes as scenes
 import broken_values as values
+import case
+import report
 
-OPTIONS = case.arguments(__doc__)
 TABLES = [values.KINDS, values.NUMBERS, values.UNKNOWN, values.MARKS, scenes.CONTRADICTIONS, scenes.CELLS,
           scenes.ORPHANS, scenes.NAMES, scenes.BODIES, scenes.ANGLES, scenes.SIZES,
           scenes.INCLUDES, scenes.RARE, instruments.INSTRUMENTS]
+ROWS = [row for table in TABLES for row in table]
 GOOD = values.DECKS["plain"]
 MEMORY = 2 << 30             # address space of a check [byte]; the libraries alone have 0.5 GB
 SECONDS = 10                 # processor time of a check, far more than the 0.02 s that one takes
@@ -69,22 +70,14 @@ faulty.nml: 11 groups, 10 errors, 0 warnings"""
 
 
 def bound():
-    """Bounds of memory and time in the child. A program with checks of addresses maps terabytes."""
-    if not SANITIZED:
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+    """Bounds of memory and time in the child."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
 
 
-def sanitized():
-    """True if the program was built with checks of addresses."""
-    answer = subprocess.run([OPTIONS.scree, "--version"], stdout=subprocess.PIPE, text=True,
-                            check=True)
-    return "fsanitize" in answer.stdout
-
-
-SANITIZED = sanitized()
-if SANITIZED:
-    report.skipped("bounds of memory and time", "a program with checks of addresses maps terabytes")
+def name_of(row):
+    """A row by its deck and its message, in ASCII."""
+    return ascii(f"{row[0]}: {row[4]}"[:60])[1:-1]
 
 
 def contents(folder):
@@ -92,150 +85,154 @@ def contents(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-class BadDecks(unittest.TestCase):
+class TestBadDecks:
     """Each is checked only, but for the last: nothing is computed."""
 
-    def check(self, name, text, *options, expect=2):
+    @pytest.fixture(autouse=True, scope="class")
+    @classmethod
+    def made(cls, file_options):
+        """Whether the program was built with checks of addresses."""
+        answer = subprocess.run([file_options.scree, "--version"], stdout=subprocess.PIPE, text=True, check=True)
+        cls.sanitized = "fsanitize" in answer.stdout
+        if cls.sanitized:
+            report.skipped("bounds of memory and time", "a program with checks of addresses maps terabytes")
+
+    def check(self, options, name, text, *flags, expect=2):
         """Write a deck, or the bytes given, check it, and give back what is said."""
-        folder = OPTIONS.work / name
+        folder = options.work / name
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"{name}.nml"
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return self.run_check(path, ("--check", "--no-estimate", *options), expect)
+        return self.run_check(options, path, ("--check", "--no-estimate", *flags), expect)
 
-    def run_check(self, path, options, expect):
+    def run_check(self, options, path, flags, expect):
         """Run the program on a deck, and see that its folder is what it was."""
         before = contents(path.parent)
-        answer = subprocess.run([OPTIONS.scree, *options, path.name], cwd=path.parent,
+        answer = subprocess.run([options.scree, *flags, path.name], cwd=path.parent,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60,
                                 env={**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"},
-                                preexec_fn=bound, check=False)
+                                preexec_fn=None if self.sanitized else bound, check=False)
         output = answer.stdout.decode(errors="replace")
-        self.assertEqual(answer.returncode, expect, output)
-        self.assertEqual(before, contents(path.parent), "a file was written")
+        assert answer.returncode == expect, output
+        assert before == contents(path.parent), "a file was written"
         return output
 
-    def look_for(self, row, word, expect):
+    def look_for(self, options, row, word, expect):
         """One row of a table: the message must stand at its line."""
         deck, old, new, line, said = row
-        self.assertIn(old, values.DECKS[deck])
-        output = self.check("deck", values.DECKS[deck].replace(old, new, 1), expect=expect)
+        assert old in values.DECKS[deck]
+        output = self.check(options, "deck", values.DECKS[deck].replace(old, new, 1), expect=expect)
         place = f"deck.nml:{line}:" if line else "deck.nml:"
-        self.assertTrue(any(text.startswith(f"{place} {word}: ") and said in text
-                            for text in output.splitlines()), f"{place} {word}: {said}\n{output}")
+        assert any(text.startswith(f"{place} {word}: ") and said in text for text in output.splitlines()), (
+            f"{place} {word}: {said}\n{output}"
+        )
 
-    def test_all_faults_in_one_pass(self):
+    def test_all_faults_in_one_pass(self, options):
         """Would catch a fault that hides another one."""
-        output = self.check("faulty", FAULTY).splitlines()
+        output = self.check(options, "faulty", FAULTY).splitlines()
         wanted = SAID.splitlines()
         found = [line for line in output if line.startswith("faulty.nml")]
-        self.assertEqual(len(found), len(wanted), "\n".join(output))
+        assert len(found) == len(wanted), "\n".join(output)
         for line, start in zip(found, wanted):
-            self.assertTrue(line.startswith(start), f"{line}\n{start}")
+            assert line.startswith(start), f"{line}\n{start}"
 
-    def test_faults_of_all_stages(self):
+    def test_faults_of_all_stages(self, options, sheet):
         """Would catch: a stage that is not run because an earlier one found a fault of something else; follow-up
         errors."""
         for text, lines in many.DECKS:
-            with self.subTest(lines[0]):
-                output = self.check("many", text)
+            with sheet.part(lines[0]):
+                output = self.check(options, "many", text)
                 told = [re.sub(r" \[[A-Z]\d{3}\]$", "", line.partition(".nml:")[2])
                         for line in output.splitlines() if ": error: " in line]
-                self.assertEqual(told, lines, output)
+                assert told == lines, output
 
-    def test_good_decks(self):
+    def test_good_decks(self, options, sheet):
         """Would catch a check that finds faults where there are none: the changes start from it."""
         for name, text in values.DECKS.items():
-            with self.subTest(name):
-                self.assertIn(" 0 errors, 0 warnings", self.check(name, text, expect=0))
+            with sheet.part(name):
+                assert " 0 errors, 0 warnings" in self.check(options, name, text, expect=0)
 
-    def test_broken_decks(self):
+    @pytest.mark.parametrize("row", ROWS, ids=name_of)
+    def test_broken_decks(self, options, row):
         """Would catch a single fault without its message, at another line, or that takes memory."""
-        rows = [row for table in TABLES for row in table]
-        self.assertGreater(len(rows), 200)
-        for row in rows:
-            with self.subTest(row):
-                self.look_for(row, "error", 2)
+        self.look_for(options, row, "error", 2)
 
-    def test_warnings(self):
+    def test_there_are_many(self):
+        assert len(ROWS) > 200
+
+    @pytest.mark.parametrize("row", scenes.WARNINGS, ids=name_of)
+    def test_warnings(self, options, row):
         """Would catch numbers in wrong units, and bodies in each other, that nobody is told of."""
-        for row in scenes.WARNINGS:
-            with self.subTest(row):
-                self.look_for(row, "warning", 0)
+        self.look_for(options, row, "warning", 0)
 
-    def test_force(self):
+    def test_force(self, options):
         """Would catch sizes that can be had in no way, or a limit that --force does not lift."""
         deck = values.DECKS["shock"].replace("dt = 1 /", "dt = 1e-6 /")
-        self.assertIn("continue with --force", self.check("force", deck))
-        self.assertIn(" 0 errors", self.check("force", deck, "--force", expect=0))
+        assert "continue with --force" in self.check(options, "force", deck)
+        assert " 0 errors" in self.check(options, "force", deck, "--force", expect=0)
 
-    def test_no_estimate(self):
+    def test_no_estimate(self, options):
         """Would catch an estimate that is made all the same, other lines that are left out with it, another exit
         code, and an option that is ignored where it has no meaning."""
-        folder = OPTIONS.work / "estimate"
+        folder = options.work / "estimate"
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / "estimate.nml"
         path.write_text(values.DECKS["plain"], encoding="utf-8")
-        whole = self.run_check(path, ("--check",), 0).splitlines(keepends=True)
-        less = self.run_check(path, ("--check", "--no-estimate"), 0).splitlines(keepends=True)
-        self.assertTrue(whole[-1].startswith("estimate   "), whole)
-        self.assertEqual(less, whole[:-1])
-        self.assertIn("--no-estimate needs --check", self.run_check(path, ("--no-estimate",), 2))
+        whole = self.run_check(options, path, ("--check",), 0).splitlines(keepends=True)
+        less = self.run_check(options, path, ("--check", "--no-estimate"), 0).splitlines(keepends=True)
+        assert whole[-1].startswith("estimate   "), whole
+        assert less == whole[:-1]
+        assert "--no-estimate needs --check" in self.run_check(options, path, ("--no-estimate",), 2)
 
-    def test_command_lines(self):
+    def test_command_lines(self, options, sheet):
         """Would catch a wrong option that is ignored."""
-        for options, said in scenes.COMMANDS:
-            with self.subTest(options):
-                output = self.check("command", GOOD, *options)
-                self.assertTrue(any(line.startswith("command line: error: ") and said in line
-                                    for line in output.splitlines()), output)
+        for flags, said in scenes.COMMANDS:
+            with sheet.part(flags):
+                output = self.check(options, "command", GOOD, *flags)
+                assert any(line.startswith("command line: error: ") and said in line for line in output.splitlines()), (
+                    output
+                )
 
-    def test_what_is_no_deck(self):
+    def test_what_is_no_deck(self, options):
         """Would catch a crash, or a wrong exit code, on files that are no deck."""
-        self.assertIn("the deck is empty; scree --template", self.check("empty", ""))
-        self.assertIn("the deck is empty", self.check("comment", "! nothing here\n"))
-        self.assertIn("a deck is plain text", self.check("binary", bytes(range(256)) * 40))
-        self.assertIn("not closed", self.check("open", "&run"))
-        self.assertIn("unknown group", self.check("long", "&" + "x" * 500 + " /"))
-        self.assertIn("longer than 512", self.check("line", GOOD + "!" + "x" * 600))
-        self.run_check(OPTIONS.work / "nobody.nml", ("--check",), 3)
-        self.run_check(OPTIONS.work / "empty", ("--check",), 3)
+        assert "the deck is empty; scree --template" in self.check(options, "empty", "")
+        assert "the deck is empty" in self.check(options, "comment", "! nothing here\n")
+        assert "a deck is plain text" in self.check(options, "binary", bytes(range(256)) * 40)
+        assert "not closed" in self.check(options, "open", "&run")
+        assert "unknown group" in self.check(options, "long", "&" + "x" * 500 + " /")
+        assert "longer than 512" in self.check(options, "line", GOOD + "!" + "x" * 600)
+        self.run_check(options, options.work / "nobody.nml", ("--check",), 3)
+        self.run_check(options, options.work / "empty", ("--check",), 3)
 
-    def test_includes(self):
+    def test_includes(self, options):
         """Would catch an include that never ends, is ignored, or is not found."""
-        self.assertIn("cannot include itself", self.check("ring", "&include file = 'ring.nml' /"))
-        self.assertIn("cannot read 'nobody.nml'",
-                      self.check("lost", "&include file = 'nobody.nml' /", expect=3))
-        self.assertIn("this is a folder", self.check("dot", "&include file = '.' /", expect=3))
-        folder = OPTIONS.work / "chain"
+        assert "cannot include itself" in self.check(options, "ring", "&include file = 'ring.nml' /")
+        assert "cannot read 'nobody.nml'" in self.check(options, "lost", "&include file = 'nobody.nml' /", expect=3)
+        assert "this is a folder" in self.check(options, "dot", "&include file = '.' /", expect=3)
+        folder = options.work / "chain"
         folder.mkdir(exist_ok=True)
         (folder / "other.nml").write_text("&include file = 'chain.nml' /\n", encoding="utf-8")
-        self.assertIn("chain.nml > other.nml > chain.nml",
-                      self.check("chain", "&include file = 'other.nml' /"))
+        assert "chain.nml > other.nml > chain.nml" in self.check(options, "chain", "&include file = 'other.nml' /")
         (folder / "other.nml").write_text("! a line\n&time t_end = x /\n", encoding="utf-8")
-        self.assertIn("other.nml:2: error: &time: t_end = x  <- expects a number",
-                      self.check("chain", GOOD.replace("&time t_end = 1e-5 /",
-                                                       "&include file = 'other.nml' /")))
+        assert "other.nml:2: error: &time: t_end = x  <- expects a number" in self.check(options,
+            "chain", GOOD.replace("&time t_end = 1e-5 /", "&include file = 'other.nml' /")
+        )
 
-    def test_other_ends_of_lines(self):
+    def test_other_ends_of_lines(self, options):
         """Would catch decks of other systems that are read differently."""
-        self.check("returns", GOOD.replace("\n", "\r\n"), expect=0)
-        self.check("tabs", GOOD.replace("  ", "\t").rstrip("\n"), expect=0)
-        self.check("mark", b"\xef\xbb\xbf" + GOOD.encode(), expect=0)
+        self.check(options, "returns", GOOD.replace("\n", "\r\n"), expect=0)
+        self.check(options, "tabs", GOOD.replace("  ", "\t").rstrip("\n"), expect=0)
+        self.check(options, "mark", b"\xef\xbb\xbf" + GOOD.encode(), expect=0)
 
-    def test_results_stay(self):
+    def test_results_stay(self, options, sheet):
         """Would catch a run that is refused after it has touched the results of an earlier one."""
-        folder = OPTIONS.work / "stay"
+        folder = options.work / "stay"
         (folder / "out").mkdir(parents=True, exist_ok=True)
         for name in ("stay.log", "stay_history.csv", "stay_chk_0001.h5", "stay_p_000000.hdf"):
             (folder / "out" / name).write_text("earlier results\n", encoding="utf-8")
         path = folder / "stay.nml"
         for row in (values.NUMBERS[0], scenes.BODIES[0], scenes.SIZES[0], scenes.SIZES[2]):
-            with self.subTest(row):
+            with sheet.part(row):
                 path.write_text(values.DECKS[row[0]].replace(row[1], row[2]), encoding="utf-8")
-                for options in (("--outdir", "out"), ("--outdir", "out", "--restart")):
-                    self.assertIn(row[4], self.run_check(path, options, 2))
-
-
-if __name__ == "__main__":
-    unittest.main()
+                for flags in (("--outdir", "out"), ("--outdir", "out", "--restart")):
+                    assert row[4] in self.run_check(options, path, flags, 2)

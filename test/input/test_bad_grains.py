@@ -7,83 +7,77 @@ thin cell, soft contacts, or a restart with other grains that go on with wrong r
 """
 
 import subprocess
-import unittest
 
 import broken_grains as broken
 import case
 
-OPTIONS = case.arguments(__doc__)
 
-
-class BadGrains(unittest.TestCase):
+class TestBadGrains:
     """Each is checked only, but for the last ones."""
 
-    def check(self, text, expect):
+    def check(self, options, text, expect):
         """Check a deck, which must not write anything; what is printed."""
-        folder = OPTIONS.work / "deck"
+        folder = options.work / "deck"
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "deck.nml").write_text(text, encoding="ascii")
-        answer = subprocess.run([OPTIONS.scree, "--grains", "--check", "deck.nml"], cwd=folder, text=True, timeout=60,
+        answer = subprocess.run([options.scree, "--grains", "--check", "deck.nml"], cwd=folder, text=True, timeout=60,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
-        self.assertEqual(answer.returncode, expect, answer.stdout)
-        self.assertEqual([path.name for path in folder.rglob("*")], ["deck.nml"])
+        assert answer.returncode == expect, answer.stdout
+        assert [path.name for path in folder.rglob("*")] == ["deck.nml"]
         return answer.stdout
 
-    def test_good_decks(self):
+    def test_good_decks(self, options, sheet):
         """Would catch a check that finds faults where there are none: the changes start from these decks."""
         for name, text in broken.DECKS.items():
-            with self.subTest(name):
-                self.assertIn(" 0 errors, 0 warnings", self.check(text, 0))
+            with sheet.part(name):
+                assert " 0 errors, 0 warnings" in self.check(options, text, 0)
 
-    def test_broken_decks(self):
+    def test_broken_decks(self, options, sheet):
         """Would catch a fault without its message, or at another line."""
-        self.assertGreater(len(broken.FAULTS), 15)
+        assert len(broken.FAULTS) > 15
         for deck, old, new, line, said in broken.FAULTS:
-            with self.subTest(said):
-                self.assertIn(old, broken.DECKS[deck])
-                output = self.check(broken.DECKS[deck].replace(old, new, 1), 2)
-                self.assertTrue(any(text.startswith(f"deck.nml:{line}: error: ") and said in text
-                                    for text in output.splitlines()), output)
+            with sheet.part(said):
+                assert old in broken.DECKS[deck]
+                output = self.check(options, broken.DECKS[deck].replace(old, new, 1), 2)
+                assert any(
+                    text.startswith(f"deck.nml:{line}: error: ") and said in text for text in output.splitlines()
+                ), output
 
-    def test_a_run_of_the_scene_ignores_it(self):
+    def test_a_run_of_the_scene_ignores_it(self, options):
         """Would catch groups of grains that are checked in a scene, where they mean nothing."""
         text = broken.DECKS["discs"].replace("'isotropic'", "'xyz'")
-        one = case.Case(OPTIONS, "scene", text).run("--check", "--no-estimate", expect=None)
-        self.assertNotIn("discs have no z", one.output)
+        one = case.Case(options, "scene", text).run("--check", "--no-estimate", expect=None)
+        assert "discs have no z" not in one.output
 
-    def test_thin_cell(self):
+    def test_thin_cell(self, options, sheet):
         """Would catch a cell in which a grain has two images of another one near, of which one is lost."""
         for name, old, new in (("lattice", "cells = 3 3 3", "cells = 3 1 3"),
                                ("discs", "volume_fraction = 0.4", "volume_fraction = 0.4  aspect = 60 1 1")):
-            with self.subTest(name):
-                run = case.Case(OPTIONS, "thin", broken.DECKS[name].replace(old, new)).run("--grains", expect=2)
-                self.assertIn("the cell is lower than two diameters and two skins at step 0: use more", run.output)
+            with sheet.part(name):
+                run = case.Case(options, "thin", broken.DECKS[name].replace(old, new)).run("--grains", expect=2)
+                assert "the cell is lower than two diameters and two skins at step 0: use more" in run.output
 
-    def test_soft_contacts(self):
+    def test_soft_contacts(self, options):
         """Would catch overlaps beyond any contact law that go unnoticed."""
         text = broken.DECKS["discs"].replace("stiffness = 1e6", "stiffness = 1e2").replace(
             "duration = 1e-3", "duration = 1").replace("0.4", "0.4  speed = 0.1")
-        run = case.Case(OPTIONS, "soft", text).run("--grains", "--quiet", expect=4)
-        self.assertIn("grains overlap by more than a tenth of a diameter", run.output)
-        self.assertIn("raise stiffness (or young) in &grains", run.output)
+        run = case.Case(options, "soft", text).run("--grains", "--quiet", expect=4)
+        assert "grains overlap by more than a tenth of a diameter" in run.output
+        assert "raise stiffness (or young) in &grains" in run.output
 
-    def test_restart(self):
+    def test_restart(self, options):
         """Would catch a restart with other grains, or one that has nothing to do."""
         deck = broken.DECKS["discs"]
-        run = case.Case(OPTIONS, "again", deck).run("--grains", "--quiet")
+        run = case.Case(options, "again", deck).run("--grains", "--quiet")
         run.run("--grains", "--quiet", "--restart", expect=2)
-        self.assertIn("all stages of the deck are done; add a &stage to go on", run.output)
+        assert "all stages of the deck are done; add a &stage to go on" in run.output
         more = deck + "&stage name = 'more'  servo = 'x'  pressure = 1e3  duration = 1e-4 /\n"
         run.deck.write_text(more.replace("number = 100", "number = 121"), encoding="ascii")
         run.run("--grains", "--quiet", "--restart", expect=3)
-        self.assertIn("&grains number = 121, was 100", run.output)
+        assert "&grains number = 121, was 100" in run.output
         # with one more stage alone it goes on, and ends as if it had had it from the start
         run.deck.write_text(more, encoding="ascii")
         run.run("--grains", "--quiet", "--restart")
-        whole = case.Case(OPTIONS, "whole", more).run("--grains", "--quiet")
-        self.assertEqual(run.summary["digest"], whole.summary["digest"])
-        self.assertEqual(run.path("_history.csv").read_bytes(), whole.path("_history.csv").read_bytes())
-
-
-if __name__ == "__main__":
-    unittest.main()
+        whole = case.Case(options, "whole", more).run("--grains", "--quiet")
+        assert run.summary["digest"] == whole.summary["digest"]
+        assert run.path("_history.csv").read_bytes() == whole.path("_history.csv").read_bytes()

@@ -6,13 +6,10 @@ the wrong point, velocities of a formula that are those of another place or unit
 the echo makes again.
 """
 
-import unittest
-
 import numpy as np
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = 'plane_strain'  {method} /
 &units system = '{units}' /
 &grid lo = 0 0 0  hi = 20 mm, 1 mm, 20 mm  dx = 0.5 mm /
@@ -25,17 +22,17 @@ BOX = "&region name = '{0}'  shape = 'box'  lo = 2 mm, 0, 2 mm  hi = 6 mm, 1 mm,
 BODY = "&body name = '{0}'  region = '{0}'  material = 'al'  {1} /\n"
 
 
-class Bodies(unittest.TestCase):
+class TestBodies:
     """Bricks in a box."""
 
-    def run_of(self, name, bodies, ranks=1, expect=0, units="mm-us-mg", method="", fields=""):
+    def run_of(self, options, name, bodies, ranks=1, expect=0, units="mm-us-mg", method="", fields=""):
         """A run of some bodies."""
         deck = DECK.format(bodies=bodies, units=units, method=method, fields=fields)
-        return case.Case(OPTIONS, name, deck, ranks).run("--quiet", expect=expect)
+        return case.Case(options, name, deck, ranks).run("--quiet", expect=expect)
 
-    def test_repeated(self):
+    def test_repeated(self, options):
         """A lattice of bricks against the same written by hand, and its echo."""
-        run = self.run_of("repeated", BOX.format("a", "translate = 0, 0, 0.25") + BODY.format(
+        run = self.run_of(options, "repeated", BOX.format("a", "translate = 0, 0, 0.25") + BODY.format(
             "a", "velocity = 0 0 -1  repeat = 2, 1, 3  repeat_step = 7, 0, 5"))
         written = ""
         for k in range(3):
@@ -43,71 +40,67 @@ class Bodies(unittest.TestCase):
                 name = f"a_{i + 1}_{k + 1}"
                 written += BOX.format(name, f"translate = {7 * i}, 0, {0.25 + 5 * k}") + BODY.format(
                     name, "velocity = 0 0 -1")
-        self.assertEqual(run.summary["digest"], self.run_of("written", written).summary["digest"])
+        assert run.summary["digest"] == self.run_of(options, "written", written).summary["digest"]
         echo = run.path(".echo.nml").read_text(encoding="utf-8")
-        again = case.Case(OPTIONS, "echo", echo).run("--quiet")
-        self.assertEqual(run.summary["digest"], again.summary["digest"])
+        again = case.Case(options, "echo", echo).run("--quiet")
+        assert run.summary["digest"] == again.summary["digest"]
 
-    def test_speed_and_direction(self):
+    def test_speed_and_direction(self, options):
         """A direction of any length, against the velocity."""
-        speed = self.run_of("speed", BOX.format("a", "") + BODY.format(
+        speed = self.run_of(options, "speed", BOX.format("a", "") + BODY.format(
             "a", "speed = 5 km/s  direction = 30, 0, -40"))
-        velocity = self.run_of("velocity", BOX.format("a", "") + BODY.format("a", "velocity = 3, 0, -4"))
-        self.assertGreater(velocity.summary["steps"], 1)
-        self.assertEqual(speed.summary["digest"], velocity.summary["digest"])
+        velocity = self.run_of(options, "velocity", BOX.format("a", "") + BODY.format("a", "velocity = 3, 0, -4"))
+        assert velocity.summary["steps"] > 1
+        assert speed.summary["digest"] == velocity.summary["digest"]
 
-    def test_rotation_about_the_centre(self):
+    def test_rotation_about_the_centre(self, options):
         """A brick on edge has its centre where it had it, also scaled and moved; about the origin it leaves the box."""
-        run = self.run_of("turned", BOX.format(
+        run = self.run_of(options, "turned", BOX.format(
             "a", "scale = 1.5  rotate = 0 90 0  rotate_about = 'centre'  translate = 2, 0, 3") + BODY.format("a", ""))
         points = run.snapshots()[0][1].points * 1e3
         # 1.5 (4, 2.5) + (2, 3), and 1.5 x 1 times 4 x 1.5 around it, in whole sites of 0.25
-        self.assertLess(np.abs(points.mean(axis=0)[[0, 2]] - [8, 6.75]).max(), 1e-12)
-        self.assertLess(np.abs(np.ptp(points, axis=0)[[0, 2]] - [1.25, 5.75]).max(), 1e-12)
-        lost = self.run_of("lost", BOX.format("a", "rotate = 0 90 0") + BODY.format("a", ""), expect=2)
-        self.assertIn("lies outside of the grid", lost.output)
-        none = self.run_of("none", "&region name = 'a'  shape = 'halfspace'  centre = 5 0 5  normal = 0 0 1  "
+        assert np.abs(points.mean(axis=0)[[0, 2]] - [8, 6.75]).max() < 1e-12
+        assert np.abs(np.ptp(points, axis=0)[[0, 2]] - [1.25, 5.75]).max() < 1e-12
+        lost = self.run_of(options, "lost", BOX.format("a", "rotate = 0 90 0") + BODY.format("a", ""), expect=2)
+        assert "lies outside of the grid" in lost.output
+        none = self.run_of(options, "none", "&region name = 'a'  shape = 'halfspace'  centre = 5 0 5  normal = 0 0 1  "
                            "rotate_about = 'centre' /\n" + BODY.format("a", ""), expect=2)
-        self.assertIn("a halfspace has no centre to rotate about", none.output)
+        assert "a halfspace has no centre to rotate about" in none.output
 
-    def test_formula(self):
+    def test_formula(self, options):
         """Velocities at the particles, in two systems of units, on two ranks, and what APIC carries."""
         body = BOX.format("a", "") + BODY.format("a", "{}")
         mine = body.format("velocity = 0.1 0 0  velocity_formula = '{1/4}*(x - 4)', '7', '-0.2*z + sin(x)'")
-        run = self.run_of("formula", "&define b = 1 /\n" + mine)
+        run = self.run_of(options, "formula", "&define b = 1 /\n" + mine)
         first = run.snapshots()[0][1]
         x, z = first.points[:, 0] * 1e3, first.points[:, 2] * 1e3
         wanted = np.stack([0.1 + (x - 4) / 4, 0 * x, -0.2 * z + np.sin(x)], axis=1) * 1e3
-        self.assertGreater(np.ptp(wanted[:, 0]), 500.0)
-        self.assertLess(np.abs(first.fields["velocity"] - wanted).max(), 1e-9)
-        two = self.run_of("ranks", mine, ranks=2)
-        self.assertEqual(run.summary["digest"], two.summary["digest"])
+        assert np.ptp(wanted[:, 0]) > 500.0
+        assert np.abs(first.fields["velocity"] - wanted).max() < 1e-9
+        two = self.run_of(options, "ranks", mine, ranks=2)
+        assert run.summary["digest"] == two.summary["digest"]
         formula = "'(1/4*(x*1e3 - 4))*1e3', '7', '(-0.2*z*1e3 + sin(x*1e3))*1e3'"
-        plain = self.run_of("plain", body.format(f"velocity = 100 0 0  velocity_formula = {formula}"),
+        plain = self.run_of(options, "plain", body.format(f"velocity = 100 0 0  velocity_formula = {formula}"),
                             units="si").snapshots()[0][1]
-        self.assertLess(np.abs(plain.fields["velocity"] - wanted).max(), 1e-9)
+        assert np.abs(plain.fields["velocity"] - wanted).max() < 1e-9
 
-    def test_formula_turns_as_spin_does(self):
+    def test_formula_turns_as_spin_does(self, options, sheet):
         """A rotation by formula about the centre of mass is the state of the key spin, for APIC too."""
         omega = 0.002
         for method in ("method = 'ddmp'", "/\n&method transfer = 'apic'"):
-            with self.subTest(method):
+            with sheet.part(method):
                 states = []
                 for name, motion in (("spin", f"spin = 0, {omega}/us, 0"),
                                      ("turn", f"velocity_formula = '{omega}*(z - 2.5)', '0', '-{omega}*(x - 4)'")):
-                    run = self.run_of(name, BOX.format("a", "") + BODY.format("a", motion), method=method)
+                    run = self.run_of(options, name, BOX.format("a", "") + BODY.format("a", motion), method=method)
                     states.append(run.snapshots()[-1][1].fields["velocity"])
                 scale = 1e6 * omega * 2e-3
-                self.assertGreater(np.abs(states[0]).max(), 0.5 * scale)
-                self.assertLess(np.abs(states[0] - states[1]).max(), 1e-9 * scale)
+                assert np.abs(states[0]).max() > 0.5 * scale
+                assert np.abs(states[0] - states[1]).max() < 1e-9 * scale
 
-    def test_formula_without_a_value(self):
+    def test_formula_without_a_value(self, options):
         """The particle at fault is told with its place, also if another rank has it."""
         for ranks in (1, 2):
-            run = self.run_of("hole", BOX.format("a", "") + BODY.format(
+            run = self.run_of(options, "hole", BOX.format("a", "") + BODY.format(
                 "a", "velocity_formula = 'sqrt(x - 4)', '0', '0'"), ranks=ranks, expect=2)
-            self.assertIn("&body 'a': velocity_formula: ", run.output)
-
-
-if __name__ == "__main__":
-    unittest.main()
+            assert "&body 'a': velocity_formula: " in run.output

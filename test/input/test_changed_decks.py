@@ -9,11 +9,9 @@ another end than before.
 """
 
 import json
-import unittest
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """
 &run  dimension='plane_strain' /
 &grid  lo=0,0,0  hi=1,1,1  dx=0.1 /
@@ -59,109 +57,104 @@ def contents(folder):
             or ".echo." in path.name}
 
 
-class ChangedDecks(unittest.TestCase):
+class TestChangedDecks:
     """A run of ten steps, and decks to go on with."""
 
-    def run_of(self, name, deck=DECK, steps=10):
+    def run_of(self, options, name, deck=DECK, steps=10):
         """The first part."""
-        return case.Case(OPTIONS, name, deck.format(steps=steps)).run("--quiet")
+        return case.Case(options, name, deck.format(steps=steps)).run("--quiet")
 
-    def again(self, run, old, new, *options, steps=20, deck=DECK, expect=0):
+    def again(self, run, old, new, *flags, steps=20, deck=DECK, expect=0):
         """The same with something else in the deck."""
-        self.assertEqual(deck.count(old), 1, old)
+        assert deck.count(old) == 1, old
         run.deck.write_text(deck.replace(old, new).format(steps=steps), encoding="utf-8")
-        return run.run("--restart", *options, expect=expect)
+        return run.run("--restart", *flags, expect=expect)
 
-    def test_refused(self):
+    def test_refused(self, options, sheet):
         """Exit code 3, the key with both values, and no file has changed."""
-        run = self.run_of("refused")
+        run = self.run_of(options, "refused")
         before = contents(run.folder)
         for said, old, new in REFUSED:
-            with self.subTest(said):
+            with sheet.part(said):
                 self.again(run, old, new, expect=3)
-                self.assertIn(said, run.output)
-                self.assertEqual(contents(run.folder), before)
+                assert said in run.output
+                assert contents(run.folder) == before
         run.ranks = 2
         self.again(run, "dx=0.1", "dx=0.05", expect=3)
-        self.assertEqual(run.output.count("&grid dx = 0.05, was 0.1"), 1, run.output)
+        assert run.output.count("&grid dx = 0.05, was 0.1") == 1, run.output
 
-    def test_told(self):
+    def test_told(self, options, sheet):
         """Keys that change the physics of the rest are a warning, those of its end and its files are not."""
         for number, (said, old, new) in enumerate(TOLD):
-            with self.subTest(said):
-                run = self.run_of(f"told_{number}")
+            with sheet.part(said):
+                run = self.run_of(options, f"told_{number}")
                 self.again(run, old, new)
-                self.assertIn("warning: the rest of the run follows other rules", run.output)
-                self.assertIn(said, run.output)
-                self.assertIn("&time max_steps = 20, was 10", run.output)
-                self.assertEqual(run.summary["steps"], 20)
-        run = self.run_of("quiet")
+                assert "warning: the rest of the run follows other rules" in run.output
+                assert said in run.output
+                assert "&time max_steps = 20, was 10" in run.output
+                assert run.summary["steps"] == 20
+        run = self.run_of(options, "quiet")
         self.again(run, "&run ", "&run title='another' ", "--quiet")
-        self.assertEqual(run.output, "")
-        self.assertIn("&run title = 'another', was", run.path(".log").read_text(encoding="utf-8"))
+        assert run.output == ""
+        assert "&run title = 'another', was" in run.path(".log").read_text(encoding="utf-8")
 
-    def test_finished(self):
+    def test_finished(self, options, sheet):
         """A finished case with a changed deck has no new results and does not say so by exit code 0; as it is, it
         ends well."""
-        run = self.run_of("finished")
+        run = self.run_of(options, "finished")
         before = contents(run.folder)
         for old, new in (("friction=0.2", "friction=0.5"),
                          ("every=5 /\n&output  name='p'", "every=2 /\n&output  name='p'"),
                          ("t_end=1", "t_end=5e-5")):
-            with self.subTest(new):
+            with sheet.part(new):
                 self.again(run, old, new, steps=10, expect=3)
-                self.assertIn("the run is finished", run.output)
-                self.assertEqual(contents(run.folder), before)
+                assert "the run is finished" in run.output
+                assert contents(run.folder) == before
         self.again(run, "&run ", "&run ", "--set", "log.progress_seconds=5", steps=10)
-        self.assertEqual(run.summary["steps"], 10)
+        assert run.summary["steps"] == 10
 
-    def test_at_rest(self):
+    def test_at_rest(self, options):
         """The same where stop_when has ended it."""
         deck = DECK.replace("t_end=1", "t_end=1  stop_when='kinetic_below'  stop_value=1e9")
-        run = self.run_of("rest", deck, steps=100)
-        self.assertEqual(run.summary["steps"], 0)
+        run = self.run_of(options, "rest", deck, steps=100)
+        assert run.summary["steps"] == 0
         self.again(run, "friction=0.2", "friction=0.5", deck=deck, steps=100, expect=3)
-        self.assertIn("the run is finished", run.output)
+        assert "the run is finished" in run.output
 
-    def test_no_older_one(self):
+    def test_no_older_one(self, options):
         """A checkpoint of another deck is not passed over for one that fits."""
-        run = self.run_of("mixed")
-        other = self.run_of("other", DECK.replace("dx=0.1", "dx=0.05"))
+        run = self.run_of(options, "mixed")
+        other = self.run_of(options, "other", DECK.replace("dx=0.1", "dx=0.05"))
         run.path("_chk_0002.h5").write_bytes(other.path("_chk_0001.h5").read_bytes())
         run.run("--quiet", "--restart", expect=3)
-        self.assertIn("_chk_0002.h5' is of another deck", run.output)
+        assert "_chk_0002.h5' is of another deck" in run.output
 
-    def test_streams(self):
+    def test_streams(self, options):
         """A deck with more streams, fewer, or in another order keeps the snapshots that are there, and numbers on."""
-        run = self.run_of("streams")
+        run = self.run_of(options, "streams")
         kept = {path.name: path.read_bytes() for path in run.folder.glob("*.hdf")}
-        self.assertEqual(len(kept), 6 + 1)              # the last one holds the walls
+        assert len(kept) == 6 + 1              # the last one holds the walls
         self.again(run, "&output  name='h'  kind='history'    every=5 /",
                    "&output  name='g2'  kind='grid'  every=5 /\n&output  name='h'  kind='history'  every=5 /")
         for name, content in kept.items():
             if "_p_" in name:
-                self.assertEqual((run.folder / name).read_bytes(), content, name)
-        self.assertEqual([round(snapshot.provenance["time"] / 1e-5) for _, snapshot in run.snapshots()],
-                         [0, 5, 10, 15, 20])
-        self.assertEqual(run.history["step"].tolist(), [0, 5, 10, 15, 20])
+                assert (run.folder / name).read_bytes() == content, name
+        assert [round(snapshot.provenance["time"] / 1e-5) for _, snapshot in run.snapshots()] == [0, 5, 10, 15, 20]
+        assert run.history["step"].tolist() == [0, 5, 10, 15, 20]
 
-    def test_longer(self):
+    def test_longer(self, options):
         """Outputs by count go on when the end is moved, at their new distance."""
         deck = DECK.replace("max_steps={steps}", "").replace("t_end=1", "t_end={steps}e-5").replace(
             "kind='history'    every=5", "kind='history'  count=10")
-        run = self.run_of("longer", deck)
-        self.assertEqual(len(run.history["step"]), 11)
+        run = self.run_of(options, "longer", deck)
+        assert len(run.history["step"]) == 11
         self.again(run, "&run ", "&run ", deck=deck, steps=40)
-        self.assertEqual(run.history["step"].tolist(), [*range(11), *range(12, 41, 4)])
+        assert run.history["step"].tolist() == [*range(11), *range(12, 41, 4)]
 
-    def test_echo_is_kept(self):
+    def test_echo_is_kept(self, options):
         """What the deck was is in the checkpoint, and a run that goes on writes its own."""
-        run = self.run_of("echo")
+        run = self.run_of(options, "echo")
         self.again(run, "friction=0.2", "friction=0.5", "--quiet")
         self.again(run, "friction=0.2", "friction=0.5", "--quiet", steps=30)
-        self.assertNotIn("was 0.2", run.output)
-        self.assertEqual(json.loads(run.path(".summary.json").read_text(encoding="utf-8"))["steps"], 30)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert "was 0.2" not in run.output
+        assert json.loads(run.path(".summary.json").read_text(encoding="utf-8"))["steps"] == 30

@@ -18,7 +18,6 @@ import sys
 from pathlib import Path
 
 import case
-import report
 from post_command import RUNS
 
 #: Pages that a test types from top to bottom.
@@ -119,6 +118,14 @@ class Clone:
         missing = [word for word in options if word not in said and f'"{word}"' not in source]
         return code == 0 and not missing, f"{said}\nwithout {missing}"
 
+    def tests(self, words):
+        """A file of tests: it is there, and has these options."""
+        options = [word for word in words[1:] if word.startswith("--")]
+        code, said = self.run([sys.executable, "-m", "pytest", words[1], "--help"])
+        missing = [word for word in options if word not in said]
+        good = code == 0 and not missing and (self.folder / words[1]).exists()
+        return good, f"{said[-400:]}\nwithout {missing}, or there is no {words[1]}"
+
     def type(self, line):
         """True if the command does what it is there for, and what was said."""
         words = shlex.split(line)
@@ -132,16 +139,16 @@ class Clone:
             return self.bench(words)
         if words[0].endswith("python") or words[0].startswith("python") or words[0].endswith(".sh"):
             return self.script(words)
+        if words[0].endswith("pytest"):
+            return self.tests(words)
         if words[0] == "pip" or words[:2] == ["cd", "python"]:
             # test_python installs and tests the package
             return (case.ROOT / "python/pyproject.toml").is_file(), "there is no package"
         return False, "nobody knows how to try this command"
 
 
-def main():
+def test_commands_shown(options, sheet):
     """All pages; a command that stands twice is typed once."""
-    options = case.arguments()
-    sheet = report.Report()
     for page, test in TYPED.items():
         sheet.require(Path(page).name in (case.ROOT / "test/input" / test).read_text(encoding="utf-8"),
                       f"{test} types {page}")
@@ -155,8 +162,3 @@ def main():
         done.add(line)
         good, said = clone.type(line)
         sheet.require(good, f"{page}: {line}: {said[-400:]}")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -8,13 +8,12 @@ that of another state; and a restart that fails after it has touched earlier res
 import random
 import shutil
 import subprocess
-import unittest
+
+import pytest
 
 import case
 import confine
-import report
 
-OPTIONS = case.arguments(__doc__)
 SEED = 5
 FLIPS, CUTS = 150, 40           # of --digest
 RESTARTS = 12                   # of --restart, which starts message passing
@@ -33,9 +32,9 @@ DECK = """
 TITLE = b"scree-checkpoint-2"
 
 
-def digest(path):
+def digest(options, path):
     """Exit code and what --digest says of a file."""
-    answer = subprocess.run([OPTIONS.scree, "--digest", path], stdout=subprocess.PIPE, timeout=60,
+    answer = subprocess.run([options.scree, "--digest", path], stdout=subprocess.PIPE, timeout=60,
                             stderr=subprocess.STDOUT, check=False)
     return answer.returncode, answer.stdout.decode(errors="replace").strip()
 
@@ -45,12 +44,13 @@ def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-class Damage(unittest.TestCase):
+class TestDamage:
     """One run with several checkpoints, whose files are then damaged."""
 
+    @pytest.fixture(autouse=True, scope="class")
     @classmethod
-    def setUpClass(cls):
-        cls.run_ = case.Case(OPTIONS, "whole", DECK).run("-q")
+    def made(cls, file_options):
+        cls.run_ = case.Case(file_options, "whole", DECK).run("-q")
         cls.paths = sorted(cls.run_.folder.glob("whole_chk_*.h5"))
         assert len(cls.paths) > 1, "there are checkpoints to fall back to"
         cls.bytes_ = cls.paths[-1].read_bytes()
@@ -69,35 +69,35 @@ class Damage(unittest.TestCase):
             return self.bytes_ + b"\n"
         return self.bytes_[:self.chance.randrange(len(self.bytes_))]
 
-    def test_whole_file(self):
+    def test_whole_file(self, options):
         """Would catch a digest that is not that of the state, or damage found in whole files."""
-        self.assertEqual(digest(self.paths[-1]), (0, self.run_.summary["digest"]))
-        self.assertEqual(digest(self.paths[0])[0], 0)
+        assert digest(options, self.paths[-1]) == (0, self.run_.summary["digest"])
+        assert digest(options, self.paths[0])[0] == 0
 
-    def test_digest(self):
+    def test_digest(self, options):
         """Would catch damage that is not seen: each file must end in exit code 3 and a message."""
-        path = OPTIONS.work / "damaged.h5"
+        path = options.work / "damaged.h5"
         for data in [self.flipped() for _ in range(FLIPS)] + [self.cut() for _ in range(CUTS)]:
             path.write_bytes(data)
-            code, said = digest(path)
-            self.assertEqual(code, 3, said)
-            self.assertIn("'" + str(path) + "' is ", said)
+            code, said = digest(options, path)
+            assert code == 3, said
+            assert "'" + str(path) + "' is " in said
 
-    def test_what_is_no_checkpoint(self):
+    def test_what_is_no_checkpoint(self, options):
         """Would catch other files and other versions that are read as checkpoints."""
-        path = OPTIONS.work / "other.h5"
+        path = options.work / "other.h5"
         old = self.bytes_.replace(TITLE, b"scree-checkpoint-7")
         for data, said in ((b"", "cut short"), (b"x" * 4096, "no checkpoint of this program"),
                            (self.run_.path("_p_000000.hdf").read_bytes(), "no checkpoint of this"),
                            (old, "of another version: it is 'scree-checkpoint-7'")):
             path.write_bytes(data)
-            code, text = digest(path)
-            self.assertEqual(code, 3, text)
-            self.assertIn(said, text)
-        self.assertEqual(digest(OPTIONS.work / "nobody.h5")[0], 3)
-        self.assertEqual(digest(OPTIONS.work)[0], 3)
+            code, text = digest(options, path)
+            assert code == 3, text
+            assert said in text
+        assert digest(options, options.work / "nobody.h5")[0] == 3
+        assert digest(options, options.work)[0] == 3
 
-    def again(self, name, deck=DECK, keep=None, options=OPTIONS):
+    def again(self, options, name, deck=DECK, keep=None):
         """A copy of the run, with only the newest checkpoints if so wished."""
         copy = case.Case(options, name, deck)
         for number, path in enumerate(self.paths[-(keep or 0):], start=1):
@@ -106,49 +106,49 @@ class Damage(unittest.TestCase):
             shutil.copyfile(self.run_.path(ending), copy.path(ending))
         return copy
 
-    def test_older_one_is_used(self):
+    def test_older_one_is_used(self, options):
         """Would catch a restart from damage, or from an older file without a word about it."""
-        copy = self.again("older", keep=2)
+        copy = self.again(options, "older", keep=2)
         older, newest = sorted(copy.folder.glob("*.h5"))
         for number in range(RESTARTS):
             newest.write_bytes(self.flipped() if number % 2 else self.cut())
             copy.run("--restart")
-            self.assertIn("restart from " + str(older), copy.output)
-            self.assertIn(f"'{newest}' is ", copy.output)
-            self.assertEqual(copy.summary["digest"], self.run_.summary["digest"])
+            assert "restart from " + str(older) in copy.output
+            assert f"'{newest}' is " in copy.output
+            assert copy.summary["digest"] == self.run_.summary["digest"]
             for path in set(copy.folder.glob("*.h5")) - {older, newest}:
                 path.unlink()
 
-    def test_without_permission(self):
+    def test_without_permission(self, options):
         """Would catch a checkpoint that an ordinary user may not read and that stops a restart, or is passed over
         without a word or for a wrong reason; and a digest of it."""
-        with confine.user(OPTIONS) as somebody:
+        with confine.user(options) as somebody:
             if somebody.why:
-                report.skip_part(self, somebody.why)
-            copy = self.again("older", keep=2, options=somebody.options)
+                pytest.skip(somebody.why)
+            copy = self.again(somebody.options, "older", keep=2)
             older, newest = sorted(copy.folder.glob("*.h5"))
             newest.chmod(0)
             somebody.give(copy.folder)
             said = f"cannot read '{newest}': Permission denied"
             copy.run("--restart", **somebody.identity)
-            self.assertIn("restart from " + str(older), copy.output)
-            self.assertIn(said, copy.output)
-            self.assertEqual(copy.summary["digest"], self.run_.summary["digest"])
+            assert "restart from " + str(older) in copy.output
+            assert said in copy.output
+            assert copy.summary["digest"] == self.run_.summary["digest"]
             answer = subprocess.run([copy.scree, "--digest", newest], stdout=subprocess.PIPE, timeout=60,
                                     stderr=subprocess.STDOUT, text=True, check=False, **somebody.identity)
-            self.assertEqual((answer.returncode, answer.stdout.splitlines()[0]), (3, f"{said} [F106]"))
+            assert (answer.returncode, answer.stdout.splitlines()[0]) == (3, f"{said} [F106]")
 
-    def test_none_is_left(self):
+    def test_none_is_left(self, options):
         """Would catch a run that begins anew, or changes files, when no checkpoint can be used."""
-        copy = self.again("none", keep=2)
+        copy = self.again(options, "none", keep=2)
         for path in copy.folder.glob("*.h5"):
             path.write_bytes(self.flipped())
         before = contents(copy.folder)
-        for options in (["--restart"], ["--restart", str(path)], ["--restart", "nobody.h5"]):
-            copy.run(*options, expect=3)
-            self.assertEqual(before, contents(copy.folder), "a file was changed")
+        for flags in (["--restart"], ["--restart", str(path)], ["--restart", "nobody.h5"]):
+            copy.run(*flags, expect=3)
+            assert before == contents(copy.folder), "a file was changed"
 
-    def test_other_decks(self):
+    def test_other_decks(self, options, sheet):
         """Would catch a state that is read into a run of other materials or fields."""
         for name, old, new, said in (
                 ("spatial", "plane_strain", "3d", "&run dimension = '3d', was 'plane_strain'"),
@@ -158,13 +158,9 @@ class Damage(unittest.TestCase):
             deck = DECK.replace(old, new)
             if name == "heated":
                 deck += "&effects thermal = .true. /\n"
-            with self.subTest(name):
-                copy = self.again(name, deck, keep=1)
+            with sheet.part(name):
+                copy = self.again(options, name, deck, keep=1)
                 before = contents(copy.folder)
                 copy.run("--restart", expect=3)
-                self.assertIn(said, copy.output)
-                self.assertEqual(before, contents(copy.folder), "a file was changed")
-
-
-if __name__ == "__main__":
-    unittest.main()
+                assert said in copy.output
+                assert before == contents(copy.folder), "a file was changed"

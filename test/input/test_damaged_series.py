@@ -8,12 +8,8 @@ and a series that still names it.
 """
 
 import random
-import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 SEED, FLIPS = 11, 6
 DECK = """
@@ -42,10 +38,8 @@ def restart(options, sheet, label, damage):
     return run.code, f"{path.name}" in text, path.name in series, series.count(".hdf\"")
 
 
-def main():
+def test_damaged_series(options, sheet):
     """Damage that is seen must be told; damage in numbers that nobody looks at may pass."""
-    options = case.arguments()
-    sheet = report.Report()
     for label, damage in (
             ("cut in half", lambda path, whole: path.write_bytes(whole[:len(whole) // 2])),
             ("empty", lambda path, whole: path.write_bytes(b"")),
@@ -69,8 +63,3 @@ def main():
         consistent = consistent and told != listed
     sheet.require(set(codes) == {0}, f"{FLIPS} snapshots with flipped bits: exit codes {sorted(set(codes))}")
     sheet.require(consistent, "each of them is in the series or told to be left out")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -7,13 +7,13 @@ value of the command line that the definitions do not see, and an echo that runs
 """
 
 import math
-import unittest
 from types import SimpleNamespace
 
 import case
 
-OPTIONS = case.arguments(__doc__)
-PLACE = SimpleNamespace(scree=OPTIONS.scree, work=OPTIONS.work / "a folder für decks")
+
+def place(options):
+    return SimpleNamespace(scree=options.scree, work=options.work / "a folder für decks")
 NAMED = """&define v = 6.71 km/s  angle = 30  n = 20 /
 &define h = {10/n} thick = {5*h/1} /
 &run dimension = 'plane_strain' /
@@ -42,30 +42,27 @@ PLAIN = """&run dimension = 'plane_strain' /
 COSINE = f"{-6.71 * math.cos(math.radians(30))!r}e3"     # the shortest decimal of these bits, in km/s
 
 
-class Numbers(unittest.TestCase):
+class TestNumbers:
     """A small impact, at most 40 steps."""
 
-    def digest(self, name, deck, *options):
+    def digest(self, options, name, deck, *flags):
         """Digest of the state at the end of a run."""
-        run = case.Case(PLACE, name, deck).run("--quiet", *options)
-        self.assertGreater(run.summary["steps"], 10)
+        run = case.Case(place(options), name, deck).run("--quiet", *flags)
+        assert run.summary["steps"] > 10
         return run.summary["digest"]
 
-    def test_bits_of_the_written_numbers(self):
+    def test_bits_of_the_written_numbers(self, options):
         """The same state to the last bit, also from the echo and in a folder with a blank."""
-        named = self.digest("named", NAMED)
-        self.assertEqual(named, self.digest("plain", PLAIN.format(down=COSINE)))
-        echo = (PLACE.work / "named/named.echo.nml").read_text(encoding="utf-8")
-        self.assertIn("! &define v = 6.71 in the units of the deck", echo)
-        self.assertEqual(named, self.digest("echo", echo))
+        named = self.digest(options, "named", NAMED)
+        assert named == self.digest(options, "plain", PLAIN.format(down=COSINE))
+        echo = (place(options).work / "named/named.echo.nml").read_text(encoding="utf-8")
+        assert "! &define v = 6.71 in the units of the deck" in echo
+        assert named == self.digest(options, "echo", echo)
 
-    def test_command_line(self):
+    def test_command_line(self, options):
         """A definition that is set changes all that depends on it."""
-        slow = self.digest("slow", NAMED, "--set", "define.angle=0", "--set", "define.v=3 km/s")
-        plain = self.digest("slow_plain", PLAIN.format(down=COSINE), "--set", "body[ball].velocity=0 0 -3 km/s")
-        self.assertEqual(slow, plain)
-        self.assertNotEqual(slow, self.digest("other", NAMED, "--set", "define.angle=0"))
-
-
-if __name__ == "__main__":
-    unittest.main()
+        slow = self.digest(options, "slow", NAMED, "--set", "define.angle=0", "--set", "define.v=3 km/s")
+        plain = self.digest(options, "slow_plain", PLAIN.format(down=COSINE), "--set",
+                            "body[ball].velocity=0 0 -3 km/s")
+        assert slow == plain
+        assert slow != self.digest(options, "other", NAMED, "--set", "define.angle=0")

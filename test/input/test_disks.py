@@ -6,13 +6,10 @@ depend on ranks, threads or tiles, a pattern that repeats or ignores the seed, a
 and far more or fewer points than ppc says.
 """
 
-import unittest
-
 import numpy as np
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = '{dimension}'  seed = {seed} /
 &grid lo = 0 0 0  hi = {hi} {hi} {hi}  dx = 0.0625  {grid} /
 &time t_end = 1  max_steps = 0 /
@@ -40,78 +37,75 @@ def least(points, bound):
         step += 1
 
 
-class Disks(unittest.TestCase):
+class TestDisks:
     """Particles of the first state."""
 
-    def run_of(self, name, shape, dimension="3d", hi=1, seed=1, ranks=1, packing="poisson_disk", ppc="2 2 2", faces="",
-               grid="", options=(), threads=1):
+    def run_of(self, options, name, shape, dimension="3d", hi=1, seed=1, ranks=1, packing="poisson_disk", ppc="2 2 2",
+               faces="",
+               grid="", flags=(), threads=1):
         """A run of no steps."""
         deck = DECK.format(dimension=dimension, hi=hi, shape=shape, seed=seed, packing=packing, ppc=ppc, faces=faces,
                            grid=grid)
-        return case.Case(OPTIONS, name, deck, ranks, threads).run(*options)
+        return case.Case(options, name, deck, ranks, threads).run(*flags)
 
     def told(self, run):
         """Least distance that the program promises."""
         return float(run.output.split("points at least ")[1].split()[0])
 
-    def test_distance_number_and_mass(self):
+    def test_distance_number_and_mass(self, options, sheet):
         """In each kind of scene: nobody nearer than promised, about ppc points a cell, the mass of the lattice."""
         for dimension, directions, hi, share in [("3d", 3, 1, 0.8), ("plane_strain", 2, 2, 0.75), ("1d", 1, 16, 0.7),
                                                  ("axisymmetric", 2, 2, 0.75)]:
-            with self.subTest(dimension):
-                run = self.run_of(dimension, BOX, dimension, hi)
+            with sheet.part(dimension):
+                run = self.run_of(options, dimension, BOX, dimension, hi)
                 first = run.snapshots()[-1][1]
                 sites = (hi / 0.03125)**directions
-                self.assertLess(abs(len(first.points) / sites - 1), 0.03)
+                assert abs(len(first.points) / sites - 1) < 0.03
                 promised = self.told(run)
-                self.assertGreater(promised, share * 0.03125)
-                self.assertGreaterEqual(least(first.points, 1.1 * promised), promised * (1 - 1e-5))
-                self.assertLess(least(first.points, 1.1 * promised), promised * 1.02)
+                assert promised > share * 0.03125
+                assert least(first.points, 1.1 * promised) >= promised * (1 - 1e-5)
+                assert least(first.points, 1.1 * promised) < promised * 1.02
                 mass = first.fields["mass"].sum()
                 volume = {"3d": 1, "1d": hi**3, "axisymmetric": np.pi * hi**3}.get(dimension, hi**3)
-                self.assertAlmostEqual(mass / (1000 * volume), 1.0, 12)
-        lattice = self.run_of("lattice", BALL, packing="lattice").snapshots()[-1][1].fields["mass"].sum()
-        random = self.run_of("ball", BALL).snapshots()[-1][1]
-        self.assertAlmostEqual(random.fields["mass"].sum() / lattice, 1.0, 12)
-        self.assertLess(np.linalg.norm(random.points - 0.5, axis=1).max(), 0.4)
-        self.assertAlmostEqual(random.fields["mass"].max() / random.fields["mass"].min(), 1.0, 12)
+                assert abs(mass / (1000 * volume) - 1.0) <= 0.5e-12
+        lattice = self.run_of(options, "lattice", BALL, packing="lattice").snapshots()[-1][1].fields["mass"].sum()
+        random = self.run_of(options, "ball", BALL).snapshots()[-1][1]
+        assert abs(random.fields["mass"].sum() / lattice - 1.0) <= 0.5e-12
+        assert np.linalg.norm(random.points - 0.5, axis=1).max() < 0.4
+        assert abs(random.fields["mass"].max() / random.fields["mass"].min() - 1.0) <= 0.5e-12
 
-    def test_periodic(self):
+    def test_periodic(self, options):
         """Round a periodic box as well, whatever the number of cells."""
         for hi in (0.625, 0.8125, 1.6875):        # 10, 13 and 27 cells
-            run = self.run_of("periodic", BOX, "plane_strain", hi, faces=WALLS)
+            run = self.run_of(options, "periodic", BOX, "plane_strain", hi, faces=WALLS)
             points = run.snapshots()[-1][1].points[:, [0, 2]]
             images = np.concatenate([points + hi * np.array([x, z]) for x in (0, 1) for z in (0, 1)])
-            self.assertGreater(len(points), 300)
-            self.assertGreaterEqual(least(images, 0.03), self.told(run) * (1 - 1e-5))
+            assert len(points) > 300
+            assert least(images, 0.03) >= self.told(run) * (1 - 1e-5)
 
-    def test_ranks_threads_tiles_seed(self):
+    def test_ranks_threads_tiles_seed(self, options):
         """The same for any ranks, threads and tiles; another seed and another body give others."""
-        one = self.run_of("one", BALL)
+        one = self.run_of(options, "one", BALL)
         for how in ({"ranks": 2}, {"ranks": 3}, {"threads": 2}, {"grid": "block = 5"}):
-            other = self.run_of("other", BALL, **how)
-            self.assertEqual(other.summary["digest"], one.summary["digest"], how)
-        self.assertNotEqual(self.run_of("seed", BALL, seed=2).summary["digest"], one.summary["digest"])
+            other = self.run_of(options, "other", BALL, **how)
+            assert other.summary["digest"] == one.summary["digest"], how
+        assert self.run_of(options, "seed", BALL, seed=2).summary["digest"] != one.summary["digest"]
         points = one.snapshots()[-1][1].points
-        self.assertGreater(len(points), 5000)
-        self.assertLess(np.abs(points.mean(axis=0) - 0.5).max(), 0.003)
+        assert len(points) > 5000
+        assert np.abs(points.mean(axis=0) - 0.5).max() < 0.003
 
-    def test_blocks_differ(self):
+    def test_blocks_differ(self, options):
         """Of the points of two neighbouring blocks only those near the faces are the same."""
-        points = self.run_of("blocks", BOX, "plane_strain", 1.25).snapshots()[-1][1].points[:, [0, 2]]
+        points = self.run_of(options, "blocks", BOX, "plane_strain", 1.25).snapshots()[-1][1].points[:, [0, 2]]
         local = [np.round(points[(points[:, 0] // 0.625 == k) & (points[:, 1] < 0.625)] - [0.625 * k, 0], 9)
                  for k in (0, 1)]
         same = {tuple(p) for p in local[0]} & {tuple(p) for p in local[1]}
-        self.assertGreater(len(local[0]), 300)
-        self.assertGreater(len(same), 20)
-        self.assertLess(len(same), 0.25 * len(local[0]))
+        assert len(local[0]) > 300
+        assert len(same) > 20
+        assert len(same) < 0.25 * len(local[0])
 
-    def test_no_lattice_is_left(self):
+    def test_no_lattice_is_left(self, options):
         """Places in cells are spread evenly, and none is preferred."""
-        points = self.run_of("even", BOX, "plane_strain", 4).snapshots()[-1][1].points[:, [0, 2]]
+        points = self.run_of(options, "even", BOX, "plane_strain", 4).snapshots()[-1][1].points[:, [0, 2]]
         counts = np.histogram2d(*((points / 0.0625) % 1).T, bins=4)[0].ravel()
-        self.assertLess(np.abs(counts / counts.mean() - 1).max(), 0.12)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert np.abs(counts / counts.mean() - 1).max() < 0.12

@@ -7,12 +7,7 @@ models of another material, a log that says less than the check, a row of the ti
 and one without time for an effect that is on.
 """
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='plane_strain' /
@@ -46,10 +41,8 @@ CASES = (  # effects, metal, water, lines
 )
 
 
-def main():
+def test_effects_told(options, sheet):
     """Each deck by check and by log."""
-    options = case.arguments()
-    sheet = report.Report()
     for number, (effects, metal, water, lines) in enumerate(CASES):
         run = case.Case(options, f"told_{number}", DECK.format(effects=effects, metal=metal, water=water))
         told = run.run("--check", "--no-estimate").output
@@ -63,8 +56,3 @@ def main():
         sheet.require(rows == ON[number], f"deck {number}: rows of effects {rows}, on are {ON[number]}")
         for row in rows:
             sheet.require(timers[row]["avg"] > 0.0, f"deck {number}: {row} took some time")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

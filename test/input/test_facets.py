@@ -7,13 +7,11 @@ tabs, transformations in another order, and a broken file that is taken for a wh
 """
 
 import struct
-import unittest
 
 import numpy as np
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = '3d' /
 &units system = '{system}' /
 &grid lo = 0 0 0  hi = {size} {size} {size}  dx = {dx} /
@@ -72,60 +70,63 @@ def text(facets):
     return "\r\n".join([*lines, "endsolid thing", ""]).encode()
 
 
-class Facets(unittest.TestCase):
+class TestFacets:
     """Particles of the first state."""
 
-    def run_of(self, name, content, more="", ranks=1, system="si", size=1, dx=0.0625, options=("--quiet",), expect=0):
+    def run_of(self, options, name, content, more="", ranks=1, system="si", size=1, dx=0.0625, flags=("--quiet",),
+               expect=0):
         """A run of no steps."""
         shape = f"shape = 'stl'  file = '{name}.stl'  {more}"
-        run = case.Case(OPTIONS, name, DECK.format(system=system, size=size, dx=dx, shape=shape), ranks)
+        run = case.Case(options, name, DECK.format(system=system, size=size, dx=dx, shape=shape), ranks)
         (run.folder / f"{name}.stl").write_bytes(content)
-        return run.run(*options, expect=expect)
+        return run.run(*flags, expect=expect)
 
     def points(self, run):
         """Positions, sorted."""
         points = run.snapshots()[-1][1].points
         return points[np.lexsort(points.T)]
 
-    def test_box_on_the_lattice(self):
+    def test_box_on_the_lattice(self, options, sheet):
         """A box holds the points of a box, though rays meet its edges, corners and diagonals."""
         for lower, upper in [((0.25, 0.25, 0.25), (0.75, 0.5, 0.625)),      # faces between points
                              ((0.265625, 0.265625, 0.265625), (0.765625, 0.515625, 0.640625))]:  # faces on points
-            found = self.points(self.run_of("box", binary(box(lower, upper))))
+            found = self.points(self.run_of(options, "box", binary(box(lower, upper))))
             shape = "shape = 'box'  lo = {} {} {}  hi = {} {} {}".format(*lower, *upper)
             plain = DECK.format(system="si", size=1, dx=0.0625, shape=shape)
-            wanted = self.points(case.Case(OPTIONS, "plain", plain).run("--quiet"))
-            with self.subTest(lower):
-                self.assertGreater(len(wanted), 500)
-                self.assertTrue(np.array_equal(found, wanted), (len(found), len(wanted)))
+            wanted = self.points(case.Case(options, "plain", plain).run("--quiet"))
+            with sheet.part(lower):
+                assert len(wanted) > 500
+                assert np.array_equal(found, wanted), (len(found), len(wanted))
 
-    def test_ball(self):
+    def test_ball(self, options):
         """The particles of a sphere of facets fill the volume of its facets; text, binary and ranks agree."""
         facets = ball(24)
-        self.assertAlmostEqual(volume(facets) / (4 / 3 * np.pi * 0.3**3), 1.0, 1)
-        one = self.run_of("ball", binary(facets), dx=0.03125)
+        assert abs(volume(facets) / (4 / 3 * np.pi * 0.3**3) - 1.0) <= 0.5e-1
+        one = self.run_of(options, "ball", binary(facets), dx=0.03125)
         found = self.points(one)
-        self.assertLess(abs(len(found) * 0.015625**3 / volume(facets) - 1.0), 0.002)
+        assert abs(len(found) * 0.015625**3 / volume(facets) - 1.0) < 0.002
         off = np.linalg.norm(found - 0.5, axis=1)
-        self.assertLess(off.max(), 0.3)
-        self.assertTrue(np.array_equal(found, self.points(self.run_of("text", text(facets), dx=0.03125))))
+        assert off.max() < 0.3
+        assert np.array_equal(found, self.points(self.run_of(options, "text", text(facets), dx=0.03125)))
         tabs = text(facets).replace(b"facet normal", b"facet\tnormal")
-        self.assertTrue(np.array_equal(found, self.points(self.run_of("tabs", tabs, dx=0.03125))))
+        assert np.array_equal(found, self.points(self.run_of(options, "tabs", tabs, dx=0.03125)))
         for ranks in (2, 3):
-            other = self.run_of("ball_ranks", binary(facets), ranks=ranks, dx=0.03125)
-            self.assertEqual(other.summary["digest"], one.summary["digest"])
+            other = self.run_of(options, "ball_ranks", binary(facets), ranks=ranks, dx=0.03125)
+            assert other.summary["digest"] == one.summary["digest"]
 
-    def test_transformations(self):
+    def test_transformations(self, options):
         """Scale, then turn, then move; lengths of the file are in the unit of the deck."""
-        wanted = self.points(self.run_of("there", binary(box((0.25, 0.375, 0.25), (0.5, 0.75, 0.625)))))
+        wanted = self.points(self.run_of(options, "there", binary(box((0.25, 0.375, 0.25), (0.5, 0.75, 0.625)))))
         turned = binary(box((-3, 2, 2), (0, 4, 5)))          # turned by -90 degrees about z it is y, -x, z
-        found = self.points(self.run_of("moved", turned, "scale = 0.125  rotate = 0 0 -90  translate = 0 0.375 0"))
-        self.assertTrue(np.array_equal(found, wanted), (found.min(axis=0), found.max(axis=0), len(wanted)))
-        cgs = self.run_of("cgs", binary(100 * box((0.25, 0.375, 0.25), (0.5, 0.75, 0.625))), system="cgs", size=100,
+        found = self.points(self.run_of(options, "moved", turned,
+                                        "scale = 0.125  rotate = 0 0 -90  translate = 0 0.375 0"))
+        assert np.array_equal(found, wanted), (found.min(axis=0), found.max(axis=0), len(wanted))
+        cgs = self.run_of(options, "cgs", binary(100 * box((0.25, 0.375, 0.25), (0.5, 0.75, 0.625))), system="cgs",
+                          size=100,
                           dx=6.25)
-        self.assertTrue(np.allclose(self.points(cgs), wanted))
+        assert np.allclose(self.points(cgs), wanted)
 
-    def test_check_tells_of_the_surface(self):
+    def test_check_tells_of_the_surface(self, options, sheet):
         """Leaks, facets that are turned, twice or flat, and the two volumes."""
         facets = ball(12)
         turned = facets.copy()
@@ -139,26 +140,26 @@ class Facets(unittest.TestCase):
                 ("twice", np.append(facets, facets[40:41], axis=0), "3 edges have more than two facets"),
                 ("inwards", facets[:, ::-1], "all facets face inwards"),
                 ("flat", np.append(facets, [flat], axis=0), "1 facets have no area")]:
-            with self.subTest(name):
-                said = self.run_of(name, binary(content), options=("--check", "--no-estimate")).output
-                self.assertIn(message, said)
+            with sheet.part(name):
+                said = self.run_of(options, name, binary(content), flags=("--check", "--no-estimate")).output
+                assert message in said
                 if name == "whole":
-                    self.assertNotIn("&region", said)
+                    assert "&region" not in said
                     told = float(said.split("enclose ")[1].split()[0])
-                    self.assertAlmostEqual(told / volume(facets), 1.0, 5)
-                    self.assertIn(f"one: {len(facets)} enclose", said)
+                    assert abs(told / volume(facets) - 1.0) <= 0.5e-5
+                    assert f"one: {len(facets)} enclose" in said
 
-    def test_many_facets(self):
+    def test_many_facets(self, options):
         """A hundred thousand facets: would catch a search through all of them for each point."""
         facets = ball(225)
-        self.assertGreater(len(facets), 1e5)
-        run = self.run_of("many", binary(facets), dx=0.03125)
+        assert len(facets) > 1e5
+        run = self.run_of(options, "many", binary(facets), dx=0.03125)
         plain = DECK.format(system="si", size=1, dx=0.03125,
                             shape="shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.3")
-        smooth = case.Case(OPTIONS, "smooth", plain).run("--quiet").summary["particles"]
-        self.assertLess(abs(len(self.points(run)) / smooth - 1.0), 0.002)
+        smooth = case.Case(options, "smooth", plain).run("--quiet").summary["particles"]
+        assert abs(len(self.points(run)) / smooth - 1.0) < 0.002
 
-    def test_broken_files(self):
+    def test_broken_files(self, options, sheet):
         """Each is refused with what is wrong and where; nothing crashes."""
         good, plain = binary(ball(4)), text(ball(4))
         lines = plain.decode().split("\r\n")
@@ -179,33 +180,33 @@ class Facets(unittest.TestCase):
                 ("numbers", "\r\n".join(lines[:3] + ["vertex 1 2 x"] + lines[4:]).encode(), "line 4: expected"),
                 ("stroke", "\r\n".join(lines[:3] + ["vertex 1 2 /"] + lines[4:]).encode(), "line 4: expected"),
                 ("two", "\r\n".join(lines[:4] + ["vertex 1 nan 3"] + lines[5:]).encode(), "line 5: expected")]:
-            with self.subTest(name):
-                run = self.run_of(name, content, options=("--check",), expect=2)
-                self.assertIn("cannot read the facets of '", run.output)
-                self.assertIn(message, run.output)
-        run = case.Case(OPTIONS, "missing", DECK.format(
+            with sheet.part(name):
+                run = self.run_of(options, name, content, flags=("--check",), expect=2)
+                assert "cannot read the facets of '" in run.output
+                assert message in run.output
+        run = case.Case(options, "missing", DECK.format(
             system="si", size=1, dx=0.0625, shape="shape = 'stl'  file = 'nowhere.stl'")).run("--check", expect=2)
-        self.assertIn("nowhere.stl': No such file", run.output)
+        assert "nowhere.stl': No such file" in run.output
 
 
-class Packings(unittest.TestCase):
+class TestPackings:
     """How sites become particles."""
 
-    def test_jitter(self):
+    def test_jitter(self, options):
         """Each point stays in the middle half of its site, none in its middle, the same for any ranks."""
         deck = DECK.format(system="si", size=1, dx=0.0625, shape="shape = 'box'  "
                            "lo = 0.25 0.25 0.25  hi = 0.75 0.75 0.75")
         deck = deck.replace("material = 'metal' /", "material = 'metal'  packing = 'jitter' /")
-        one = case.Case(OPTIONS, "jitter", deck).run("--quiet")
+        one = case.Case(options, "jitter", deck).run("--quiet")
         off = (one.snapshots()[-1][1].points / 0.03125) % 1.0 - 0.5
-        self.assertEqual(off.shape, (4096, 3))
-        self.assertLess(np.abs(off).max(), 0.25)
-        self.assertLess(np.abs(off.mean(axis=0)).max(), 0.01)
-        self.assertTrue(np.allclose(off.std(axis=0), 0.25 / np.sqrt(3), rtol=0.05))
-        self.assertLess(np.abs(np.corrcoef(off.T) - np.eye(3)).max(), 0.05)
+        assert off.shape == (4096, 3)
+        assert np.abs(off).max() < 0.25
+        assert np.abs(off.mean(axis=0)).max() < 0.01
+        assert np.allclose(off.std(axis=0), 0.25 / np.sqrt(3), rtol=0.05)
+        assert np.abs(np.corrcoef(off.T) - np.eye(3)).max() < 0.05
         for ranks in (2, 3):
-            other = case.Case(OPTIONS, "jitter_ranks", deck, ranks).run("--quiet")
-            self.assertEqual(other.summary["digest"], one.summary["digest"])
+            other = case.Case(options, "jitter_ranks", deck, ranks).run("--quiet")
+            assert other.summary["digest"] == one.summary["digest"]
 
 
 def inside(name, x, y, z):
@@ -222,10 +223,10 @@ def inside(name, x, y, z):
     return x + 2 * y + 3 * z < 1e-9
 
 
-class Solids(unittest.TestCase):
+class TestSolids:
     """Shapes with formulas: their particles against points of the formula, turned ones against the volume."""
 
-    def test_volumes(self):
+    def test_volumes(self, options, sheet):
         tilt = "  rotate = 20 0 30"
         for name, shape, wanted in [
                 ("ellipsoid", "shape = 'ellipsoid'  centre = 0.5 0.5 0.5  semi_axes = 0.4 0.2 0.3",
@@ -241,16 +242,12 @@ class Solids(unittest.TestCase):
                 about = shape.replace("centre = 0.5 0.5 0.5", "centre = 0 0 0") if turned else shape
                 more = tilt + "  translate = 0.5 0.5 0.5" if turned else ""
                 deck = DECK.format(system="si", size=1, dx=0.03125, shape=about + more)
-                run = case.Case(OPTIONS, name, deck).run("--quiet")
+                run = case.Case(options, name, deck).run("--quiet")
                 line = (np.arange(64) + 0.5) / 64 - 0.5
                 known = inside(name, *np.meshgrid(line, line, line)).sum()
-                with self.subTest(name, turned=bool(turned)):
-                    self.assertGreater(run.summary["particles"], 5000)
+                with sheet.part(name, turned=bool(turned)):
+                    assert run.summary["particles"] > 5000
                     if turned:
-                        self.assertLess(abs(run.summary["particles"] * 0.015625**3 / wanted - 1.0), 0.01)
+                        assert abs(run.summary["particles"] * 0.015625**3 / wanted - 1.0) < 0.01
                     else:      # but for points on the surface
-                        self.assertLess(abs(run.summary["particles"] / known - 1.0), 0.004)
-
-
-if __name__ == "__main__":
-    unittest.main()
+                        assert abs(run.summary["particles"] / known - 1.0) < 0.004

@@ -7,11 +7,8 @@ Would catch: a scene limited by one fast body that does not say so, a factor tha
 name that depend on ranks, and a line where all particles are alike.
 """
 
-import unittest
-
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """
 &run  dimension='plane_strain'  method='ddmp' /
 &grid  lo=0,0,0  hi=40,1,40  dx=1 /
@@ -27,32 +24,28 @@ DECK = """
 WAVE = (1.0e6 / 1000 + 4 * 5.0e5 / 3 / 1000) ** 0.5                       # 40.8 m/s
 
 
-class FewTest(unittest.TestCase):
+class TestFew:
     """36 of 3636 particles fly, which is less than one in a hundred."""
 
-    def ended(self, name, speed, ranks=1):
-        run = case.Case(OPTIONS, name, DECK.format(speed=speed), ranks=ranks)
+    def ended(self, options, name, speed, ranks=1):
+        run = case.Case(options, name, DECK.format(speed=speed), ranks=ranks)
         run.run()
         return run.summary["steps_limited_by_few"], run.path(".log").read_text(encoding="utf-8")
 
-    def test_fast_body(self):
+    def test_fast_body(self, options):
         """2.2 times the wave speed, so the sum is 3.2 times that of the others: at least 3, not 5."""
         speed = 2.2 * WAVE
-        limit, log = self.ended("fast", speed)
-        self.assertEqual(limit, {"particles": 36, "factor": 3.0})
+        limit, log = self.ended(options, "fast", speed)
+        assert limit == {"particles": 36, "factor": 3.0}
         line = next(line for line in log.splitlines() if line.startswith("signals"))
-        self.assertIn("36 of 3636 particles", line)
-        self.assertIn("of body 'fast', material 'm'", line)
-        again, other = self.ended("ranks", speed, ranks=2)
-        self.assertEqual(again, limit)
-        self.assertIn(line, other)
+        assert "36 of 3636 particles" in line
+        assert "of body 'fast', material 'm'" in line
+        again, other = self.ended(options, "ranks", speed, ranks=2)
+        assert again == limit
+        assert line in other
 
-    def test_all_alike(self):
+    def test_all_alike(self, options):
         """At 0.2 times the wave speed the flying body costs a sixth of the step: not worth a line."""
-        limit, log = self.ended("slow", 0.2 * WAVE)
-        self.assertEqual(limit["particles"], 0)
-        self.assertNotIn("signals  ", log)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        limit, log = self.ended(options, "slow", 0.2 * WAVE)
+        assert limit["particles"] == 0
+        assert "signals  " not in log

@@ -14,9 +14,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 PAGE = case.ROOT / "doc/learn/first_hour.md"
 PICTURES = ("my_column/energies.png", "my_column/pressure.png", "my_column/column.gif", "my_column/both.png",
@@ -48,10 +46,8 @@ def script(typed):
     return "\n".join(lines) + "\n"
 
 
-def main():
+def test_first_hour(options, sheet):
     """Type, compare the exit codes, look for the pictures, tell the time of each section."""
-    options = case.arguments()
-    sheet = report.Report()
     # the page begins where the repository is; its first command puts the programs into the path
     typed = [entry for entry in commands() if not entry[1].startswith("export PATH=")]
     sheet.require(len(typed) >= 20, f"only {len(typed)} commands were found")
@@ -84,8 +80,3 @@ def main():
         sheet.require(picture.is_file() and picture.stat().st_size > 1000, f"picture {name}")
     if sheet.missed:
         print(answer.stdout[-6000:])
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

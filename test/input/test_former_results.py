@@ -8,11 +8,9 @@ is replaced or removed because a run goes on from a file that lies elsewhere; a 
 """
 
 import shutil
-import unittest
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """
 &run  dimension='1d' /
 &grid  lo=0,0,0  hi=1,1,1  dx=0.1 /
@@ -36,54 +34,54 @@ def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
-class FormerResults(unittest.TestCase):
+class TestFormerResults:
     """Two runs into one folder."""
 
-    def run_of(self, folder="a folder", **how):
+    def run_of(self, options, folder="a folder", **how):
         """A run that has ended, in a folder with a blank and a name with an umlaut."""
-        run = case.Case(OPTIONS, folder, DECK, **how)
+        run = case.Case(options, folder, DECK, **how)
         run.name, run.guarded = "bär", True
         return run.run("--quiet")
 
-    def test_nothing_is_lost(self):
+    def test_nothing_is_lost(self, options):
         """The same command again, with one rank and two: exit code 3, the ways on, and no file has changed."""
-        run = self.run_of()
+        run = self.run_of(options)
         before = contents(run.folder)
-        self.assertIn("bär_further_p_000004.hdf", before)
+        assert "bär_further_p_000004.hdf" in before
         for run.ranks in (1, 2):
             run.run("--quiet", expect=3)
             for word in WAYS:
-                self.assertIn(word, run.output)
-            self.assertIn(f"'{run.folder}'", run.output)
-            self.assertEqual(contents(run.folder), before)
+                assert word in run.output
+            assert f"'{run.folder}'" in run.output
+            assert contents(run.folder) == before
         run.ranks = 1
         run.run("--check", "--no-estimate")
-        self.assertIn("warning: results of case 'bär' are in", run.output)
-        self.assertEqual(contents(run.folder), before)
+        assert "warning: results of case 'bär' are in" in run.output
+        assert contents(run.folder) == before
         run.run("--check", "--no-estimate", "--overwrite")
-        self.assertNotIn("are in", run.output)
+        assert "are in" not in run.output
         run.run("--quiet", "--restart")
         run.run("--quiet", "--restart", "--overwrite", expect=2)
 
-    def test_each_file_counts(self):
+    def test_each_file_counts(self, options, sheet):
         """A table, a snapshot or a checkpoint alone are results; a log and an echo are what a faulty start leaves."""
-        run = self.run_of("one left")
+        run = self.run_of(options, "one left")
         kept = contents(run.folder)
         for names, code in ((["bär_history.csv"], 3), (["bär_p_000000.hdf"], 3), (["bär_chk_0001.h5"], 3),
                             (["bär.summary.json"], 3), (["bär_further_p_000004.hdf"], 3),
                             (["bär.log", "bär.echo.nml"], 0)):
-            with self.subTest(names):
+            with sheet.part(names):
                 for name in contents(run.folder):
                     if not name.endswith("left.nml"):
                         (run.folder / name).unlink()
                 for name in names:
                     (run.folder / name).write_bytes(kept[name])
                 run.run("--quiet", expect=code)
-                self.assertEqual("--restart" in run.output, "bär_chk_0001.h5" in names, run.output)
+                assert ("--restart" in run.output) == ("bär_chk_0001.h5" in names), run.output
 
-    def test_overwrite(self):
+    def test_overwrite(self, options):
         """All files of the former run go, those of streams that this run lacks too, and nothing else."""
-        run = self.run_of("replaced")
+        run = self.run_of(options, "replaced")
         former = set(contents(run.folder))
         for name in OTHERS:
             (run.folder / name).write_text("mine", encoding="utf-8")
@@ -93,44 +91,40 @@ class FormerResults(unittest.TestCase):
         run.run("--quiet", "--overwrite")
         after = contents(run.folder)
         for name in OTHERS:
-            self.assertEqual(after.get(name), b"mine", name)
-        self.assertNotIn("bär_chk_0007.h5.part", after)
+            assert after.get(name) == b"mine", name
+        assert "bär_chk_0007.h5.part" not in after
         left = {name for name in after if name not in OTHERS}
-        fresh = case.Case(OPTIONS, "fresh", run.deck.read_text(encoding="utf-8"))
+        fresh = case.Case(options, "fresh", run.deck.read_text(encoding="utf-8"))
         fresh.name, fresh.deck = "bär", fresh.deck.rename(fresh.folder / run.deck.name)
         fresh.run("--quiet")
-        self.assertEqual(left, set(contents(fresh.folder)))
-        self.assertLess(left, former)
-        self.assertEqual(run.summary["steps"], 5)
+        assert left == set(contents(fresh.folder))
+        assert left < former
+        assert run.summary["steps"] == 5
 
-    def test_checkpoint_of_another_run(self):
+    def test_checkpoint_of_another_run(self, options):
         """A run that goes on from a file elsewhere spares the results that are there, and their checkpoints."""
-        first, second = self.run_of("first"), self.run_of("second")
-        file = OPTIONS.work / "elsewhere.h5"
+        first, second = self.run_of(options, "first"), self.run_of(options, "second")
+        file = options.work / "elsewhere.h5"
         shutil.copyfile(first.path("_chk_0001.h5"), file)
         before = contents(second.folder)
         second.run("--quiet", "--restart", file, "--set", "time.max_steps=30", expect=3)
-        self.assertIn("is not of that run", second.output)
-        self.assertEqual(contents(second.folder), before)
-        branch = case.Case(OPTIONS, "branch", DECK)
+        assert "is not of that run" in second.output
+        assert contents(second.folder) == before
+        branch = case.Case(options, "branch", DECK)
         branch.guarded = True
         branch.run("--quiet", "--restart", file, "--set", "time.max_steps=30")
-        self.assertEqual(branch.summary["steps"], 30)
+        assert branch.summary["steps"] == 30
 
-    def test_older_checkpoint(self):
+    def test_older_checkpoint(self, options):
         """A run that goes on from an older file of its own leaves the later ones, and is the newest of them."""
-        run = self.run_of("older")
+        run = self.run_of(options, "older")
         run.run("--quiet", "--restart", "--set", "time.max_steps=30")
         before = {path.name: path.read_bytes() for path in run.folder.glob("*.h5")}
-        self.assertEqual(sorted(before), ["bär_chk_0001.h5", "bär_chk_0002.h5"])
+        assert sorted(before) == ["bär_chk_0001.h5", "bär_chk_0002.h5"]
         older = run.folder.parent / "older" / "." / ".." / "older" / "bär_chk_0001.h5"
         run.run("--quiet", "--restart", older, "--set", "time.max_steps=25")
-        self.assertEqual(run.summary["steps"], 25)
+        assert run.summary["steps"] == 25
         for name, content in before.items():
-            self.assertEqual((run.folder / name).read_bytes(), content, name)
+            assert (run.folder / name).read_bytes() == content, name
         run.run("--restart", "--set", "time.max_steps=25")
-        self.assertIn("bär_chk_0003.h5", run.output)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert "bär_chk_0003.h5" in run.output

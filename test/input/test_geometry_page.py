@@ -11,20 +11,18 @@ import re
 import shutil
 import subprocess
 import sys
-import unittest
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 PAGE = case.ROOT / "doc/guide/geometry.md"
 BLOCK = re.compile(r"```(\w+)\n(.*?)```", re.DOTALL)
 
 
-class Page(unittest.TestCase):
+class TestPage:
     """Blocks from the top of the page to its end."""
 
-    def test_the_page(self):
-        folder = OPTIONS.work / "geometry"
+    def test_the_page(self, options):
+        folder = options.work / "geometry"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         environment = {**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"}
@@ -32,31 +30,27 @@ class Page(unittest.TestCase):
         for kind, text in BLOCK.findall(PAGE.read_text(encoding="utf-8")):
             if kind != "console":
                 name = text.split("\n")[0].split()[1]
-                self.assertIn(name.split(".")[1], ("nml", "py"))
+                assert name.split(".")[1] in ("nml", "py")
                 (folder / name).write_text(text, encoding="utf-8")
                 continue
             for line in text.splitlines():
                 words = line.removeprefix("$ ").split()
-                words[0] = {"scree": str(OPTIONS.scree), "python": sys.executable}[words[0]]
+                words[0] = {"scree": str(options.scree), "python": sys.executable}[words[0]]
                 if "--check" in words:
                     words.append("--no-estimate")    # how long a run takes is not on the page
                 answer = subprocess.run(words, cwd=folder, env=environment, stdout=subprocess.PIPE,
                                         stderr=subprocess.STDOUT, text=True, timeout=200)
-                self.assertEqual(answer.returncode, 0, f"{line}\n{answer.stdout[-3000:]}")
+                assert answer.returncode == 0, f"{line}\n{answer.stdout[-3000:]}"
                 if "--check" in line and "grains" not in line:
-                    self.assertRegex(answer.stdout, "prism      slope: it has|list       slope: |voxels     vein: ")
+                    assert re.search("prism      slope: it has|list       slope: |voxels     vein: ", answer.stdout)
                 typed += 1
-        self.assertGreaterEqual(typed, 10)
+        assert typed >= 10
         tools = case.post()
         first = tools.snapshot(str(folder / "out/slope/slope_p_000000.hdf"))
         last = tools.snapshot(str(folder / "out/slope/slope_p_000001.hdf"))
-        self.assertAlmostEqual(first.fields["mass"].sum(), last.fields["mass"].sum(), 6)
-        self.assertLess(abs(first.fields["volume"].sum() / 60 - 1), 0.002)
+        assert abs(first.fields["mass"].sum() - last.fields["mass"].sum()) <= 0.5e-6
+        assert abs(first.fields["volume"].sum() / 60 - 1) < 0.002
         # falling freely it would have 0.5 m/s
-        self.assertLess(abs(last.fields["velocity"][:, 2]).max(), 0.1)
+        assert abs(last.fields["velocity"][:, 2]).max() < 0.1
         grains = tools.snapshot(str(sorted((folder / "out/grains").glob("grains_p_*.hdf"))[0]))
-        self.assertEqual(len(grains.points), 200)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert len(grains.points) == 200

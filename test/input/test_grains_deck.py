@@ -8,14 +8,13 @@ strain that is of shear and not equivalent, a run-out that a single grain decide
 """
 
 import re
-import unittest
 
 import numpy as np
+import pytest
 
 import case
 import flows
 
-OPTIONS = case.arguments(__doc__)
 DECK = """! Collapse of a dry granular column on a rough base, plane strain, SI units, about a minute on a laptop.
 &run
   title = 'granular column, aspect ratio 2, mu(I) rheology'
@@ -106,48 +105,52 @@ def columns(run, ending):
     return run.path(ending).read_text(encoding="utf-8").split("\n")[0]
 
 
-class Column(unittest.TestCase):
+class TestColumn:
     """The deck as it stands, and its run on coarser and softer cells, which ends at rest."""
 
+    @pytest.fixture(autouse=True, scope="class")
     @classmethod
-    def setUpClass(cls):
-        cls.run_ = case.Case(OPTIONS, "column_a2", DECK).run(*COARSE)
+    def made(cls, file_options):
+        cls.run_ = case.Case(file_options, "column_a2", DECK).run(*COARSE)
 
-    def test_check(self):
-        run = case.Case(OPTIONS, "check", DECK).run("--check", "--no-estimate")
-        self.assertIn("0 errors, 0 warnings", run.output)
-        self.assertRegex(run.output, r"equivalent_strain +8 bytes +output")
-        self.assertRegex(run.output, r"inertial_number +8 bytes +output")
-        self.assertNotIn("eos", run.output)
+    def test_check(self, options):
+        run = case.Case(options, "check", DECK).run("--check", "--no-estimate")
+        assert "0 errors, 0 warnings" in run.output
+        assert re.search(r"equivalent_strain +8 bytes +output", run.output)
+        assert re.search(r"inertial_number +8 bytes +output", run.output)
+        assert "eos" not in run.output
         rest = re.sub(", 'inertial_number', 'equivalent_strain'", "", DECK)
-        output = case.Case(OPTIONS, "less", rest).run("--check", "--no-estimate", *SMALL).output
-        self.assertNotRegex(output, "equivalent_strain|inertial_number")
+        output = case.Case(options, "less", rest).run("--check", "--no-estimate", *SMALL).output
+        assert not re.search("equivalent_strain|inertial_number", output)
 
     def test_columns(self):
-        self.assertEqual(columns(self.run_, "_profile.csv"), "time [s],step,bin,position [m],particles,mass [kg],"
-                         "volume [m3],surface_height [m],depth_mean_velocity [m/s]")
-        self.assertEqual(columns(self.run_, "_history.csv"), "time [s],step,kinetic [J],potential [J],dissipated [J],"
-                         "runout [m],height [m]")
+        assert columns(self.run_, "_profile.csv") == (
+            "time [s],step,bin,position [m],particles,mass [kg],"
+            "volume [m3],surface_height [m],depth_mean_velocity [m/s]"
+        )
+        assert columns(self.run_, "_history.csv") == (
+            "time [s],step,kinetic [J],potential [J],dissipated [J],runout [m],height [m]"
+        )
         fields = self.run_.snapshots()[-1][1].fields
-        self.assertEqual(sorted(fields), ["equivalent_strain", "inertial_number", "pressure", "velocity"])
+        assert sorted(fields) == ["equivalent_strain", "inertial_number", "pressure", "velocity"]
 
     def test_rest(self):
         """It stops at rest, having run out as columns of grains do, and books what it lost."""
-        self.assertIn("kinetic energy below", self.run_.summary["reason"])
-        self.assertGreater(self.run_.summary["time"], 0.2)
+        assert "kinetic energy below" in self.run_.summary["reason"]
+        assert self.run_.summary["time"] > 0.2
         history = table(self.run_, "_history.csv")
         mass = 1500 * 0.05 * 0.0025 * 0.1
-        self.assertAlmostEqual(history["potential"][0] / (mass * 9.81 * 0.05), 1.0, delta=2e-3)
-        self.assertAlmostEqual(history["runout"][0], 0.99 * 0.05, delta=1e-6)
-        self.assertAlmostEqual(history["height"][0], 0.1, delta=1e-6)
+        assert abs(history["potential"][0] / (mass * 9.81 * 0.05) - 1.0) <= 2e-3
+        assert abs(history["runout"][0] - (0.99 * 0.05)) <= 1e-6
+        assert abs(history["height"][0] - 0.1) <= 1e-6
         # 1.2 and 1.9 a**(2/3) of the measured columns is 2.4 to 3.0 half widths for a = 2
-        self.assertGreater(history["runout"][-1] / 0.05 - 1.0, 2.0)
-        self.assertLess(history["runout"][-1] / 0.05 - 1.0, 4.0)
-        self.assertGreater(history["height"][-1] / 0.05, 0.8)
-        self.assertLess(history["height"][-1] / 0.05, 1.4)
-        self.assertTrue(np.all(np.diff(history["dissipated"]) >= 0.0))
-        self.assertLess(history["dissipated"][-1], history["potential"][0] - history["potential"][-1])
-        self.assertGreater(history["dissipated"][-1], 0.5 * (history["potential"][0] - history["potential"][-1]))
+        assert history["runout"][-1] / 0.05 - 1.0 > 2.0
+        assert history["runout"][-1] / 0.05 - 1.0 < 4.0
+        assert history["height"][-1] / 0.05 > 0.8
+        assert history["height"][-1] / 0.05 < 1.4
+        assert np.all(np.diff(history["dissipated"]) >= 0.0)
+        assert history["dissipated"][-1] < history["potential"][0] - history["potential"][-1]
+        assert history["dissipated"][-1] > 0.5 * (history["potential"][0] - history["potential"][-1])
 
     def test_profile(self):
         """The surface falls outwards at the end, and the front moved with the velocity of its depth."""
@@ -155,83 +158,82 @@ class Column(unittest.TestCase):
         last = profile["time"] == profile["time"].max()
         height = profile["surface_height"][last]
         filled = profile["particles"][last] > 0
-        self.assertAlmostEqual(height.max(), table(self.run_, "_history.csv")["height"][-1], delta=1e-12)
-        self.assertEqual(height[~filled].max(), 0.0)
+        assert abs(height.max() - table(self.run_, "_history.csv")["height"][-1]) <= 1e-12
+        assert height[~filled].max() == 0.0
         smooth = np.convolve(height, np.ones(20) / 20, mode="valid")
-        self.assertLess(np.diff(smooth).max(), 1e-3)
+        assert np.diff(smooth).max() < 1e-3
         middle = np.abs(profile["time"] - 0.15) < 0.006
-        self.assertGreater(profile["depth_mean_velocity"][middle].max(), 0.2)
+        assert profile["depth_mean_velocity"][middle].max() > 0.2
 
     def test_strain(self):
         """What slid is strained by more than 1, the core hardly; nothing flows at the end."""
         snapshot = self.run_.snapshots()[-1][1]
         strain, number = snapshot.fields["equivalent_strain"], snapshot.fields["inertial_number"]
-        self.assertGreater(strain.max(), 1.0)
-        self.assertLess(strain.min(), 0.1)
-        self.assertGreaterEqual(number.min(), 0.0)
+        assert strain.max() > 1.0
+        assert strain.min() < 0.1
+        assert number.min() >= 0.0
         flow = max(np.median(s.fields["inertial_number"]) for time, s in self.run_.snapshots() if time < 0.2)
-        self.assertGreater(flow, 0.05)
-        self.assertLess(np.median(number), 0.1 * flow)
+        assert flow > 0.05
+        assert np.median(number) < 0.1 * flow
 
-    def test_bits(self):
+    def test_bits(self, options):
         """Two ranks write the same tables."""
         short = ("--quiet", *SMALL, "--set", "time.t_end=0.05")
-        one = case.Case(OPTIONS, "one", DECK).run(*short)
-        two = case.Case(OPTIONS, "two", DECK, ranks=2).run(*short)
+        one = case.Case(options, "one", DECK).run(*short)
+        two = case.Case(options, "two", DECK, ranks=2).run(*short)
         for ending in ("_profile.csv", "_history.csv"):
-            self.assertEqual(one.path(ending).read_bytes(), two.path(ending).read_bytes())
-        self.assertEqual(one.summary["digest"], two.summary["digest"])
+            assert one.path(ending).read_bytes() == two.path(ending).read_bytes()
+        assert one.summary["digest"] == two.summary["digest"]
 
 
-class Meaning(unittest.TestCase):
+class TestMeaning:
     """Fields of scenes whose values are known."""
 
-    def block(self, name, expect=0, options=("--quiet",), **words):
+    def block(self, options, name, expect=0, flags=("--quiet",), **words):
         words = {"dimension": "3d", "steps": 0, "gravity": ".false.", "low": "0 0 0", "high": "0 0 0", "more": "",
                  "axis": "x", **words}
-        return case.Case(OPTIONS, name, BLOCK.format(**words)).run(*options, expect=expect)
+        return case.Case(options, name, BLOCK.format(**words)).run(*flags, expect=expect)
 
-    def test_surface(self):
+    def test_surface(self, options, sheet):
         """Blocks of 1 m and 2.5 m whose feet are at 1.5 m; where there is none, the floor at 1 m."""
         for dimension in ("3d", "plane_strain", "axisymmetric"):
-            with self.subTest(dimension):
-                run = self.block("surface_" + dimension, dimension=dimension)
+            with sheet.part(dimension):
+                run = self.block(options, "surface_" + dimension, dimension=dimension)
                 height = table(run)["surface_height"][:8]
-                self.assertLess(np.abs(height - [1, 1, 2.5, 2.5, 4, 4, 1, 1]).max(), 2e-3)
-                self.assertAlmostEqual(table(run, "_history.csv")["height"][0], 4.0, delta=2e-3)
+                assert np.abs(height - [1, 1, 2.5, 2.5, 4, 4, 1, 1]).max() < 2e-3
+                assert abs(table(run, "_history.csv")["height"][0] - 4.0) <= 2e-3
 
-    def test_ends(self):
-        history = table(self.block("ends"), "_history.csv")
-        self.assertEqual([history[name][0] for name in ("tail_x", "front_x", "tail_z", "front_z")],
-                         [1.125, 2.875, 1.625, 3.875])
+    def test_ends(self, options):
+        history = table(self.block(options, "ends"), "_history.csv")
+        assert [history[name][0] for name in ("tail_x", "front_x", "tail_z", "front_z")] == [1.125, 2.875, 1.625, 3.875]
         # 99 % of 3.5 m2 lie left of 3 m less 1 % of it over the height of 2.5 m
-        self.assertAlmostEqual(history["runout"][0], 3.0 - 0.035 / 2.5, delta=1e-12)
+        assert abs(history["runout"][0] - (3.0 - 0.035 / 2.5)) <= 1e-12
 
-    def test_velocity(self):
+    def test_velocity(self, options):
         """A block that moves has its velocity along the axis, not its speed, and a bin of two their mean by mass."""
-        run = self.block("velocity", low="3 0 -1", high="-0.5 0 2", steps=1)
+        run = self.block(options, "velocity", low="3 0 -1", high="-0.5 0 2", steps=1)
         profile = table(run)
         mean = profile["depth_mean_velocity"]
-        self.assertLess(np.abs(mean[:8] - [0, 0, 3, 3, -0.5, -0.5, 0, 0]).max(), 1e-12)
-        self.assertTrue(np.array_equal(mean, profile["velocity_x"]))
+        assert np.abs(mean[:8] - [0, 0, 3, 3, -0.5, -0.5, 0, 0]).max() < 1e-12
+        assert np.array_equal(mean, profile["velocity_x"])
 
-    def test_potential(self):
-        history = table(self.block("potential", gravity=".true.", more="'potential'"), "_history.csv")
+    def test_potential(self, options):
+        history = table(self.block(options, "potential", gravity=".true.", more="'potential'"), "_history.csv")
         energy = 2000 * 2 * 9.80665 * (1 * 1 * 2.0 + 1 * 2.5 * 2.75)
-        self.assertAlmostEqual(history["potential"][0] / energy, 1.0, delta=1e-12)
+        assert abs(history["potential"][0] / energy - 1.0) <= 1e-12
 
-    def test_refused(self):
+    def test_refused(self, options, sheet):
         for more, said in (("'potential'", "output field 'potential' needs &effects gravity = .true."),
                            ("'front'", "output field 'front' is unknown in a history"),
                            ("'velocity_error'", "output field 'velocity_error' needs &exact"),
                            ("'front_y'", "output field 'front_y' is along a direction that the scene does not have")):
-            with self.subTest(more):
-                run = self.block("refused", expect=2, more=more, dimension="plane_strain")
-                self.assertIn(said, run.output)
-        run = self.block("axis_z", expect=2, axis="z")
-        self.assertIn("surface_height is a height along z", run.output)
+            with sheet.part(more):
+                run = self.block(options, "refused", expect=2, more=more, dimension="plane_strain")
+                assert said in run.output
+        run = self.block(options, "axis_z", expect=2, axis="z")
+        assert "surface_height is a height along z" in run.output
 
-    def test_inertial_number(self):
+    def test_inertial_number(self, options):
         """Steady flow down 24 degrees has the same number at all depths, whatever the pressure."""
         slope, layers, height, cell = np.radians(24.0), 20, 0.01, 0.001
         tangent = np.tan(slope)
@@ -250,49 +252,45 @@ class Meaning(unittest.TestCase):
                      f"velocity={float(flows.bagnold(0.5 * (low + high), 24.0, height))!r},0,0 /\n")
         deck += ("&output name='p' kind='profile' axis='z' bins=14 dt=0.1 fields='velocity','pressure',"
                  "'inertial_number','equivalent_strain' /\n")
-        profile = table(case.Case(OPTIONS, "incline", deck).run("--quiet"))
+        profile = table(case.Case(options, "incline", deck).run("--quiet"))
         first, last = (profile["time"] == when for when in (0.0, profile["time"].max()))
         number = profile["inertial_number"][last][1:8]
-        self.assertLess(np.abs(number / wanted - 1.0).max(), 0.05)
+        assert np.abs(number / wanted - 1.0).max() < 0.05
         # that of the formula, with the velocities and pressures of the same layers
         shear = np.gradient(profile["velocity_x"][last], cell)[1:8]
         formula = shear * flows.DIAMETER * np.sqrt(flows.GRAIN_DENSITY / profile["pressure"][last][1:8])
-        self.assertLess(np.abs(number / formula - 1.0).max(), 0.01)
+        assert np.abs(number / formula - 1.0).max() < 0.01
         # and the strain is that of the velocity at the start, as the flow hardly changes
         rate = np.gradient(profile["velocity_x"][first], cell)[1:8]
         strain = profile["equivalent_strain"][last][1:8]
-        self.assertLess(np.abs(strain / (0.1 * rate / np.sqrt(3.0)) - 1.0).max(), 0.05)
+        assert np.abs(strain / (0.1 * rate / np.sqrt(3.0)) - 1.0).max() < 0.05
 
 
-class Without(unittest.TestCase):
+class TestWithout:
     """Grains without an equation of state are those of the linear one, and faces across a plane scene."""
 
-    def test_same_bits(self):
+    def test_same_bits(self, options):
         """Would catch another pressure than the linear one, and a cohesion of 0 that is one."""
         short = ("--quiet", *SMALL, "--set", "time.t_end=0.05")
-        off = case.Case(OPTIONS, "off", DECK).run(*short)
-        linear = case.Case(OPTIONS, "linear", DECK.replace("eos = .false.", "eos = .true.").replace(
+        off = case.Case(options, "off", DECK).run(*short)
+        linear = case.Case(options, "linear", DECK.replace("eos = .false.", "eos = .true.").replace(
             "cohesion = 0.0", "")).run(*short)
-        self.assertEqual(off.summary["digest"], linear.summary["digest"])
-        self.assertIn("eos", linear.summary["timers"])
-        self.assertNotIn("eos", off.summary["timers"])
+        assert off.summary["digest"] == linear.summary["digest"]
+        assert "eos" in linear.summary["timers"]
+        assert "eos" not in off.summary["timers"]
 
-    def test_cohesion(self):
+    def test_cohesion(self, options):
         """A cohesion of half its weight over the height lets the column stand."""
-        run = case.Case(OPTIONS, "stands", DECK).run(*COARSE, "--set", "material.cohesion=800",
+        run = case.Case(options, "stands", DECK).run(*COARSE, "--set", "material.cohesion=800",
                                                      "--set", "time.t_end=0.12")
-        self.assertLess(table(run, "_history.csv")["runout"][-1], 0.055)
+        assert table(run, "_history.csv")["runout"][-1] < 0.055
 
-    def test_faces(self):
+    def test_faces(self, options, sheet):
         for words, fine in (("'slip'", True), ("'stick'", False), ("'symmetry' t_on = 0.1", False),
                             ("'symmetry' temperature = 300", False), ("'periodic'", False)):
             deck = DECK.replace("face = 'ylo'  type = 'symmetry'", f"face = 'ylo'  type = {words}")
-            with self.subTest(words):
-                run = case.Case(OPTIONS, "faces", deck).run("--check", "--no-estimate", *SMALL,
+            with sheet.part(words):
+                run = case.Case(options, "faces", deck).run("--check", "--no-estimate", *SMALL,
                                                          expect=0 if fine else 2)
                 if not fine:
-                    self.assertIn("dimension = 'plane_strain' has no face ylo", run.output)
-
-
-if __name__ == "__main__":
-    unittest.main()
+                    assert "dimension = 'plane_strain' has no face ylo" in run.output

@@ -5,13 +5,10 @@ Would catch gravity that is taken at the begin of a step or at one of its ends, 
 that the balance does not know, a restart that goes on with another gravity, and bits that depend on ranks.
 """
 
-import unittest
-
 import numpy as np
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 # times, gx and gz; steps fall on none of the corners
 TABLE = np.array([[0.0, 0.0, 0.0], [0.1, 30.0, 4.0], [0.17, -20.0, 4.0], [0.31, 5.0, -8.0]])
 DECK = """&run dimension = 'plane_strain'  {method} /
@@ -39,53 +36,49 @@ def velocity(time):
     return np.array(found)
 
 
-class Gravity(unittest.TestCase):
+class TestGravity:
     """A free block in a box."""
 
-    def run_of(self, name, *options, ranks=1, expect=0, table=None, keep=False, **scene):
+    def run_of(self, options, name, *flags, ranks=1, expect=0, table=None, keep=False, **scene):
         """A run beside its table."""
         scene = {"method": "", "units": "si", "more": "", "file": "g.csv", **scene}
-        run = case.Case(OPTIONS, name, DECK.format(**scene), ranks, keep=keep)
+        run = case.Case(options, name, DECK.format(**scene), ranks, keep=keep)
         # a second in ms, and a metre a second squared in mm a ms squared
         second, unit = (1e3, 1e-3) if scene["units"] == "mm-ms-kg" else (1.0, 1.0)
         rows = [f"{second * t!r}, {unit * x!r}, {table or 0}, {unit * z!r}" for t, x, z in TABLE.tolist()]
         (run.folder / "g.csv").write_text("t, gx, gy, gz\n" + "\n".join(rows) + "\n", encoding="utf-8")
-        return run.run("--quiet", *options, expect=expect)
+        return run.run("--quiet", *flags, expect=expect)
 
-    def test_impulse_and_work(self):
+    def test_impulse_and_work(self, options, sheet):
         """Momentum is that of the integral to rounding, and the balance closes."""
         for method in ("method = 'ddmp'", "/\n&method transfer = 'apic'"):
-            with self.subTest(method):
-                history = self.run_of("free", method=method).history
+            with sheet.part(method):
+                history = self.run_of(options, "free", method=method).history
                 wanted = history["mass"][0] * velocity(history["time"] - 0.5 * history["dt"])
-                self.assertGreater(np.ptp(wanted[0]), 1000.0)
-                self.assertGreater(len(history["time"]), 30)
+                assert np.ptp(wanted[0]) > 1000.0
+                assert len(history["time"]) > 30
                 for name, row in zip(("momentum_x", "momentum_z"), wanted):
-                    self.assertLess(np.abs(history[name] - row).max(), 1e-11 * np.abs(wanted).max())
+                    assert np.abs(history[name] - row).max() < 1e-11 * np.abs(wanted).max()
                 gain = history["kinetic"] - history["kinetic"][0]
-                self.assertGreater(np.abs(gain).max(), 1000.0)
-                self.assertLess(np.abs(gain - history["external_work"]).max(), 2e-3 * np.abs(gain).max())
+                assert np.abs(gain).max() > 1000.0
+                assert np.abs(gain - history["external_work"]).max() < 2e-3 * np.abs(gain).max()
 
-    def test_units(self):
+    def test_units(self, options):
         """A table in mm and ms."""
-        history = self.run_of("units", units="mm-ms-kg").history
+        history = self.run_of(options, "units", units="mm-ms-kg").history
         wanted = history["mass"][0] * velocity(history["time"] - 0.5 * history["dt"])
-        self.assertLess(np.abs(history["momentum_x"] - wanted[0]).max(), 1e-11 * np.abs(wanted).max())
+        assert np.abs(history["momentum_x"] - wanted[0]).max() < 1e-11 * np.abs(wanted).max()
 
-    def test_same_bits(self):
+    def test_same_bits(self, options):
         """On two ranks, and after a restart between the entries of the table."""
-        whole = self.run_of("whole")
-        self.assertEqual(whole.summary["digest"], self.run_of("ranks", ranks=2).summary["digest"])
-        self.run_of("parts", "--set", "time.max_steps=20")
-        parts = self.run_of("parts", "--restart", keep=True)
-        self.assertEqual(whole.summary["digest"], parts.summary["digest"])
+        whole = self.run_of(options, "whole")
+        assert whole.summary["digest"] == self.run_of(options, "ranks", ranks=2).summary["digest"]
+        self.run_of(options, "parts", "--set", "time.max_steps=20")
+        parts = self.run_of(options, "parts", "--restart", keep=True)
+        assert whole.summary["digest"] == parts.summary["digest"]
 
-    def test_faults(self):
+    def test_faults(self, options):
         """A table that is not there, or pushes along a direction that the scene lacks."""
-        self.assertIn("cannot ", self.run_of("none", file="h.csv", expect=2).output)
-        told = self.run_of("across", table=1.0, expect=2).output
-        self.assertIn("the table must be 0 in y, as the scene does not have this direction", told)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert "cannot " in self.run_of(options, "none", file="h.csv", expect=2).output
+        told = self.run_of(options, "across", table=1.0, expect=2).output
+        assert "the table must be 0 in y, as the scene does not have this direction" in told

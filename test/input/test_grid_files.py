@@ -7,12 +7,11 @@ older readers cannot bear.
 
 import subprocess
 import sys
-import unittest
+
+import pytest
 
 import case
-import report
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = '{dimension}' /
 &grid lo = 0 0 0  hi = 1 {y} 1  dx = 0.0625 /
 &time t_end = 1e-5 /
@@ -23,16 +22,16 @@ DECK = """&run dimension = '{dimension}' /
 """
 
 
-class GridFiles(unittest.TestCase):
+class TestGridFiles:
     """Runs of a few steps."""
 
-    def test_all_dimensions(self):
+    def test_all_dimensions(self, options, sheet):
         """The last one has a single layer of cells across z."""
         for name, dimension, y, low in [("box", "3d", 1, 0.25), ("plane", "plane_strain", 0.5, 0.25),
                                         ("ring", "axisymmetric", 0, 0.25), ("bar", "1d", 0.1, 0.25),
                                         ("sheet", "3d", 1, 0.4375)]:
-            with self.subTest(name):
-                run = case.Case(OPTIONS, name, DECK.format(
+            with sheet.part(name):
+                run = case.Case(options, name, DECK.format(
                     dimension=dimension, y=y, low=low, precision="double" if name == "box" else "single",
                     speed=0 if dimension == "axisymmetric" else 30))
                 run.run("--quiet")
@@ -40,19 +39,15 @@ class GridFiles(unittest.TestCase):
                     [sys.executable, "-m", "scree_post", "check", run.path("_g.hdf.series")],
                     cwd=case.ROOT / "python/src", text=True, capture_output=True)
                 if answer.returncode == 77:
-                    report.skip_part(self, "the package vtk is not installed")
-                self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
-                self.assertIn("3 grids", answer.stdout)
+                    pytest.skip("the package vtk is not installed")
+                assert answer.returncode == 0, answer.stdout + answer.stderr
+                assert "3 grids" in answer.stdout
 
-    def test_refused_sizes(self):
+    def test_refused_sizes(self, options):
         """Would catch a grid that fills a disk unasked: more than 1e9 cells need --force or a region."""
         big = DECK.format(dimension="3d", y=1, low=0.25, precision="single", speed=0).replace(
             "dx = 0.0625", "dx = 0.0009765625").replace("hi = 0.75 0.5 0.5", "hi = 0.13 0.26 0.26")
-        run = case.Case(OPTIONS, "big", big).run("--check", expect=2)
-        self.assertIn("would write up to 1.07374e9 cells at a time", run.output)
+        run = case.Case(options, "big", big).run("--check", expect=2)
+        assert "would write up to 1.07374e9 cells at a time" in run.output
         where = big.replace("kind = 'grid'", "kind = 'grid'  region = 'block'")
-        case.Case(OPTIONS, "bounded", where).run("--check", "--no-estimate")
-
-
-if __name__ == "__main__":
-    unittest.main()
+        case.Case(options, "bounded", where).run("--check", "--no-estimate")

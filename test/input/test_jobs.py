@@ -9,12 +9,11 @@ import os
 import shutil
 import subprocess
 import time
-import unittest
+
+import pytest
 
 import case
-import report
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = 'plane_strain'  case = 'block' /
 &grid lo = 0 0 0  hi = 1 0.1 1  dx = 0.1 /
 &time t_end = 2e-4  dt_fixed = 1e-5  wall_limit = 'slurm' /
@@ -27,12 +26,12 @@ CALL = '#!/bin/bash\necho "{0} $*" >> calls\n'
 SOON, LATE = 30, 100000     # seconds: less and more than the program keeps in reserve
 
 
-class Jobs(unittest.TestCase):
+class TestJobs:
     """Each test has a folder of its own."""
 
-    def setUp(self):
-        self.folder = OPTIONS.work / f"{self.id().split('.')[-1]} 'quoted'"
-        shutil.rmtree(self.folder, ignore_errors=True)
+    @pytest.fixture(autouse=True)
+    def made(self, options):
+        self.folder = options.work / "a 'quoted' one"
         (self.folder / "bin").mkdir(parents=True)
         for name, text in [("srun", SRUN), ("scontrol", CALL.format("scontrol")),
                            ("qsub", CALL.format("qsub"))]:
@@ -40,16 +39,16 @@ class Jobs(unittest.TestCase):
             (self.folder / "bin" / name).chmod(0o755)
         (self.folder / "my deck.nml").write_text(DECK, encoding="utf-8")
 
-    def script(self, *words, expect=0):
+    def script(self, options, *words, expect=0):
         """The script for some words of the command line, or what is said of them."""
-        answer = subprocess.run([OPTIONS.scree, *words, "my deck.nml"], cwd=self.folder, text=True,
+        answer = subprocess.run([options.scree, *words, "my deck.nml"], cwd=self.folder, text=True,
                                 capture_output=True)
-        self.assertEqual(answer.returncode, expect, answer.stderr)
+        assert answer.returncode == expect, answer.stderr
         if expect:
             return answer.stderr
         path = self.folder / "job.sh"
         path.write_text(answer.stdout, encoding="utf-8")
-        self.assertEqual(subprocess.run(["bash", "-n", path]).returncode, 0, answer.stdout)
+        assert subprocess.run(["bash", "-n", path]).returncode == 0, answer.stdout
         return answer.stdout
 
     def execute(self, seconds, ranks):
@@ -66,61 +65,61 @@ class Jobs(unittest.TestCase):
     def summary(self, outdir):
         return case.json.loads((self.folder / outdir / "block.summary.json").read_text(encoding="utf-8"))
 
-    def test_slurm_comes_back(self):
+    def test_slurm_comes_back(self, options):
         """A job whose time is over is put into the queue again, goes on, ends, and is not put there then."""
-        text = self.script("--job", "slurm", "--ranks", "2", "--threads", "1", "--outdir", "re sults",
+        text = self.script(options, "--job", "slurm", "--ranks", "2", "--threads", "1", "--outdir", "re sults",
                            "--set", "run.title='it is \"so\"'")
-        self.assertIn("#SBATCH --ntasks=2\n", text)
-        self.assertIn("#SBATCH --signal=USR1@300\n", text)
+        assert "#SBATCH --ntasks=2\n" in text
+        assert "#SBATCH --signal=USR1@300\n" in text
         code, calls = self.execute(SOON, 2)
-        self.assertEqual(code, 75, self.said)
-        self.assertEqual(calls[1:], ["scontrol requeue 4711"])
-        self.assertNotIn("--restart", calls[0])
+        assert code == 75, self.said
+        assert calls[1:] == ["scontrol requeue 4711"]
+        assert "--restart" not in calls[0]
         before = self.summary("re sults")
-        self.assertTrue(0 < before["steps"] < 20, before["steps"])
+        assert 0 < before["steps"] < 20, before["steps"]
         code, calls = self.execute(LATE, 2)
-        self.assertEqual((code, len(calls)), (0, 1), self.said)
-        self.assertTrue(calls[0].endswith("--restart"), calls)
+        assert (code, len(calls)) == (0, 1), self.said
+        assert calls[0].endswith("--restart"), calls
         straight = subprocess.run(
-            [OPTIONS.scree, "--quiet", "my deck.nml", "--set", "time.wall_limit=none"], cwd=self.folder)
-        self.assertEqual(straight.returncode, 0)
-        self.assertEqual(self.summary("re sults")["digest"], self.summary("out/block")["digest"])
+            [options.scree, "--quiet", "my deck.nml", "--set", "time.wall_limit=none"], cwd=self.folder)
+        assert straight.returncode == 0
+        assert self.summary("re sults")["digest"] == self.summary("out/block")["digest"]
 
-    def test_slurm_stays_away(self):
+    def test_slurm_stays_away(self, options):
         """A run that fails for another reason is not put into the queue again."""
-        self.script("--job", "slurm", "--set", "time.speed_max=0.5")
+        self.script(options, "--job", "slurm", "--set", "time.speed_max=0.5")
         code, calls = self.execute(LATE, 1)
-        self.assertEqual((code, len(calls)), (4, 1), self.said)
+        assert (code, len(calls)) == (4, 1), self.said
 
-    def test_pbs_comes_back(self):
+    def test_pbs_comes_back(self, options):
         """The same for PBS: the clock of the run ends it, and the script submits itself."""
         if not shutil.which("mpirun"):
-            report.skip_part(self, "there is no mpirun")
-        text = self.script("--job", "pbs", "--ranks", "2", "--threads", "3", "--time", "1:00:00")
-        self.assertIn("#PBS -l select=2:ncpus=3:mpiprocs=1:ompthreads=3\n", text)
-        self.assertIn("#PBS -l walltime=1:00:00\n", text)
-        text = self.script("--job", "pbs", "--ranks", "2", "--threads", "1", "--time", "1:00:00")
-        self.assertIn("--set time.wall_limit=00:55:00 ", text)
+            pytest.skip("there is no mpirun")
+        text = self.script(options, "--job", "pbs", "--ranks", "2", "--threads", "3", "--time", "1:00:00")
+        assert "#PBS -l select=2:ncpus=3:mpiprocs=1:ompthreads=3\n" in text
+        assert "#PBS -l walltime=1:00:00\n" in text
+        text = self.script(options, "--job", "pbs", "--ranks", "2", "--threads", "1", "--time", "1:00:00")
+        assert "--set time.wall_limit=00:55:00 " in text
         path = self.folder / "job.sh"
         path.write_text(text.replace("00:55:00", "00:00:00"), encoding="utf-8")
         code, calls = self.execute(LATE, 2)
-        self.assertEqual((code, calls), (75, ["qsub job.sh"]), self.said)
+        assert (code, calls) == (75, ["qsub job.sh"]), self.said
         path.write_text(text, encoding="utf-8")
         code, calls = self.execute(LATE, 2)
-        self.assertEqual((code, calls), (0, []), self.said)
-        self.assertIn("restart from", (self.folder / "out/block/block.log").read_text(encoding="utf-8"))
+        assert (code, calls) == (0, []), self.said
+        assert "restart from" in (self.folder / "out/block/block.log").read_text(encoding="utf-8")
 
-    def test_suggestions(self):
+    def test_suggestions(self, options):
         """Would catch a suggestion that does not follow the particles, and times that are taken for others."""
-        text = self.script("--job", "slurm", "--time", "0:05:00")
-        self.assertIn("#SBATCH --ntasks=1\n", text)
-        self.assertIn("#SBATCH --signal=USR1@60\n", text)
-        fine = self.script("--job", "slurm", "--set", "grid.dx=5e-4")
+        text = self.script(options, "--job", "slurm", "--time", "0:05:00")
+        assert "#SBATCH --ntasks=1\n" in text
+        assert "#SBATCH --signal=USR1@60\n" in text
+        fine = self.script(options, "--job", "slurm", "--set", "grid.dx=5e-4")
         particles = int(fine.split("# ")[2].split()[0])
-        self.assertGreater(particles, 1.5e6)
-        self.assertIn(f"#SBATCH --ntasks={-(-particles // 10**6)}\n", fine)
+        assert particles > 1.5e6
+        assert f"#SBATCH --ntasks={-(-particles // 10**6)}\n" in fine
 
-    def test_refusals(self):
+    def test_refusals(self, options, sheet):
         """Would catch a number or word that is taken for another, and a job that no signal reaches."""
         for words, message in [
                 (["--job", "lsf"], "--job knows slurm and pbs, not 'lsf'"),
@@ -135,9 +134,5 @@ class Jobs(unittest.TestCase):
                 (["--job", "slurm", "--set", "checkpoint.on_signal='TERM'"],
                  "the scheduler announces the end of the job with signal USR1; add 'USR1' to on_signal"),
                 (["--job", "slurm", "--set", "grid.dxx=1"], "unknown key 'dxx'")]:
-            with self.subTest(words):
-                self.assertIn(message, self.script(*words, expect=2))
-
-
-if __name__ == "__main__":
-    unittest.main()
+            with sheet.part(words):
+                assert message in self.script(options, *words, expect=2)

@@ -6,13 +6,10 @@ wrong direction or with the wrong sign, pressures that the first step forgets be
 them, and a column that falls under a weight that it should bear.
 """
 
-import unittest
-
 import numpy as np
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = '{dimension}'  {method} /
 &grid lo = 0 0 0  hi = {width} {width} 10  dx = 0.5 /
 &time t_end = {end}  max_steps = {steps} /
@@ -34,12 +31,12 @@ SCENE = {"dimension": "plane_strain", "method": "", "end": 1, "steps": 0, "gravi
          "more": "", "width": 2}
 
 
-class Lithostatic(unittest.TestCase):
+class TestLithostatic:
     """Two layers in a box, 4 m of soil under 2 m of clay."""
 
-    def run_of(self, name, ranks=1, options=("--quiet",), expect=0, **scene):
+    def run_of(self, options, name, ranks=1, flags=("--quiet",), expect=0, **scene):
         """A run, by itself of no steps."""
-        return case.Case(OPTIONS, name, DECK.format(**{**SCENE, **scene}), ranks).run(*options, expect=expect)
+        return case.Case(options, name, DECK.format(**{**SCENE, **scene}), ranks).run(*flags, expect=expect)
 
     def first(self, run):
         """Heights and stresses at the start."""
@@ -50,24 +47,25 @@ class Lithostatic(unittest.TestCase):
         """Of what lies above a height."""
         return 10 * (density[0] * np.maximum(4 - z, 0) + density[1] * (6 - np.maximum(z, 4)))
 
-    def test_stress_at_the_start(self):
+    def test_stress_at_the_start(self, options, sheet):
         """The weight of both layers along gravity and k0 of it across, in plane, space and rings."""
         for dimension in ("plane_strain", "3d", "axisymmetric"):
-            with self.subTest(dimension):
-                points, stress, fields = self.first(self.run_of("start", dimension=dimension, more="k0 = 0.4"))
+            with sheet.part(dimension):
+                points, stress, fields = self.first(self.run_of(options, "start", dimension=dimension, more="k0 = 0.4"))
                 wanted = self.weight(points[:, 2])
-                self.assertGreater(wanted.max(), 9.5e4)
-                self.assertLess(np.abs(stress[:, 2] + wanted).max(), 1e-6)
-                self.assertLess(np.abs(stress[:, :2] + 0.4 * wanted[:, None]).max(), 1e-6)
-                self.assertEqual(np.abs(stress[:, 3:]).max(), 0.0)
+                assert wanted.max() > 9.5e4
+                assert np.abs(stress[:, 2] + wanted).max() < 1e-6
+                assert np.abs(stress[:, :2] + 0.4 * wanted[:, None]).max() < 1e-6
+                assert np.abs(stress[:, 3:]).max() == 0.0
                 # dense enough for its pressure
                 density = fields["mass"] / fields["volume"]
                 strain = density / np.where(points[:, 2] < 4, 2000, 1000) - 1
-                self.assertLess(np.abs(2e7 * strain - 0.6 * wanted).max(), 0.005 * wanted.max())
+                assert np.abs(2e7 * strain - 0.6 * wanted).max() < 0.005 * wanted.max()
 
-    def test_oblique(self):
+    def test_oblique(self, options):
         """Gravity at an angle: the stress along it is the weight on the way up to the surface or a face."""
-        points, stress, _ = self.first(self.run_of("oblique", vector="6 0 -8", more="k0 = 0", end_of_top=9, width=8))
+        points, stress, _ = self.first(self.run_of(options, "oblique", vector="6 0 -8", more="k0 = 0", end_of_top=9,
+                                                   width=8))
         along = np.array([0.6, 0, -0.8])
         tensor = np.zeros((len(points), 3, 3))
         for k, (i, j) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)]):
@@ -76,49 +74,49 @@ class Lithostatic(unittest.TestCase):
         out = np.minimum(x / 0.6, (9 - z) / 0.8)                # length of the way up
         soil = np.clip(np.minimum((4 - z) / 0.8, out), 0, None)
         wanted = 10 * (2000 * soil + 1000 * (out - soil))
-        self.assertLess(np.abs(np.einsum("i,nij,j->n", along, tensor, along) + wanted).max(), 1e-3)
+        assert np.abs(np.einsum("i,nij,j->n", along, tensor, along) + wanted).max() < 1e-3
         across = np.array([0.8, 0, 0.6])
-        self.assertLess(np.abs(np.einsum("i,nij,j->n", across, tensor, across)).max(), 1e-6)
+        assert np.abs(np.einsum("i,nij,j->n", across, tensor, across)).max() < 1e-6
 
-    def test_gaps_and_fresh_bodies(self):
+    def test_gaps_and_fresh_bodies(self, options):
         """What hangs above a gap weighs nothing below it, nor does a body that begins without stress."""
-        points, stress, _ = self.first(self.run_of("gap", above=5, end_of_top=7))
+        points, stress, _ = self.first(self.run_of(options, "gap", above=5, end_of_top=7))
         low = points[:, 2] < 4
-        self.assertLess(np.abs(stress[low, 2] + 2e4 * (4 - points[low, 2])).max(), 1e-6)
-        self.assertLess(np.abs(stress[~low, 2] + 1e4 * (7 - points[~low, 2])).max(), 1e-6)
-        points, stress, _ = self.first(self.run_of("fresh", stress_of_top="zero"))
-        self.assertLess(np.abs(stress[low, 2] + 2e4 * (4 - points[low, 2])).max(), 1e-6)
-        self.assertEqual(np.abs(stress[~low]).max(), 0.0)
-        points, stress, _ = self.first(self.run_of("high", end_of_top=12))       # cut at the face of the grid
-        self.assertAlmostEqual(-stress[:, 2].max(), 1e4 * 0.125, 3)
+        assert np.abs(stress[low, 2] + 2e4 * (4 - points[low, 2])).max() < 1e-6
+        assert np.abs(stress[~low, 2] + 1e4 * (7 - points[~low, 2])).max() < 1e-6
+        points, stress, _ = self.first(self.run_of(options, "fresh", stress_of_top="zero"))
+        assert np.abs(stress[low, 2] + 2e4 * (4 - points[low, 2])).max() < 1e-6
+        assert np.abs(stress[~low]).max() == 0.0
+        points, stress, _ = self.first(self.run_of(options, "high", end_of_top=12))       # cut at the face of the grid
+        assert abs(-stress[:, 2].max() - (1e4 * 0.125)) <= 0.5e-3
 
-    def test_it_stays_at_rest(self):
+    def test_it_stays_at_rest(self, options, sheet):
         """Without stress the column falls; with that of its weight it stays, whatever gives its pressure."""
         for model, more in [("bulk = 2e7", {}), ("bulk = 2e7", {"gravity": ".true.  eos = .false."}),
                             ("eos_model = 'mie_gruneisen'  mg_c0 = 100  mg_s = 1.5  mg_gamma = 1", {}),
                             ("bulk = 2e7  strength_model = 'drucker_prager'  friction_angle = 35  cohesion = 1e3",
                              {"method": "method = 'mpm'"})]:
             for k0 in (0.5, 0.7):
-                with self.subTest(model, k0=k0, **more):
+                with sheet.part(model, k0=k0, **more):
                     speeds = []
                     for stress in ("zero", "lithostatic"):
                         ratio = f"k0 = {k0}" if stress == "lithostatic" else ""
-                        run = self.run_of("rest", steps=120, model=model, stress=stress, stress_of_top=stress,
+                        run = self.run_of(options, "rest", steps=120, model=model, stress=stress, stress_of_top=stress,
                                           **{"more": ratio, **more})
                         kinetic = run.history["kinetic"].max()
                         speeds.append(np.sqrt(2 * kinetic / run.history["mass"][0]))
-                    self.assertGreater(speeds[0], 0.1)
-                    self.assertLess(speeds[1], 0.01 * speeds[0])     # 0.0013 to 0.0030
+                    assert speeds[0] > 0.1
+                    assert speeds[1] < 0.01 * speeds[0]     # 0.0013 to 0.0030
 
-    def test_ranks_and_packings(self):
+    def test_ranks_and_packings(self, options):
         """The same for any ranks; points at random have the stress of their own heights."""
-        one = self.run_of("one", steps=5)
+        one = self.run_of(options, "one", steps=5)
         for ranks in (2, 3):
-            self.assertEqual(self.run_of("ranks", ranks, steps=5).summary["digest"], one.summary["digest"])
-        points, stress, _ = self.first(self.run_of("disks", more="packing = 'poisson_disk'"))
-        self.assertLess(np.abs(stress[:, 2] + self.weight(points[:, 2])).max(), 1e-3)
+            assert self.run_of(options, "ranks", ranks, steps=5).summary["digest"] == one.summary["digest"]
+        points, stress, _ = self.first(self.run_of(options, "disks", more="packing = 'poisson_disk'"))
+        assert np.abs(stress[:, 2] + self.weight(points[:, 2])).max() < 1e-3
 
-    def test_refused(self):
+    def test_refused(self, options, sheet):
         """Each with what to write instead."""
         for name, scene, message in [
                 ("still", {"gravity": ".false.  !"}, "write &effects gravity = .true."),
@@ -126,10 +124,6 @@ class Lithostatic(unittest.TestCase):
                 ("whole", {"model": "bulk = 2e7  strength_model = 'neo_hookean'",
                            "gravity": ".true.  eos = .false."}, "from its deformation alone"),
                 ("ratio", {"stress": "zero", "more": "k0 = 1"}, "k0")]:
-            with self.subTest(name):
-                said = self.run_of(name, options=("--check",), expect=2, **scene).output
-                self.assertIn(message, said)
-
-
-if __name__ == "__main__":
-    unittest.main()
+            with sheet.part(name):
+                said = self.run_of(options, name, flags=("--check",), expect=2, **scene).output
+                assert message in said

@@ -8,15 +8,12 @@ its example.
 # timeout: 200
 
 import re
-import sys
-import unittest
 
-import case
+import pytest
 
-sys.path.insert(0, str(case.ROOT / "scripts"))
-import document_messages as messages  # noqa: E402
 
-OPTIONS = case.arguments(__doc__)
+import document_messages as messages
+
 MOST_LINES = 3500            # of the page
 # Messages without an example: no deck brings them about, none does with the same words twice, or the
 # message is one of several that need no example.
@@ -24,48 +21,44 @@ ALONE = {"D224", "D226", "D227", "D228", "D229", "D350", "D351", "D360", "D361",
          "R124", "R127", "F123", "F124"}
 
 
-class Page(unittest.TestCase):
+class TestPage:
     """The generator runs the program on all examples."""
 
+    @pytest.fixture(autouse=True, scope="class")
     @classmethod
-    def setUpClass(cls):
-        cls.texts = messages.documents(OPTIONS.scree)
+    def made(cls, file_options):
+        cls.texts = messages.documents(file_options.scree)
 
     def test_page_is_that_of_the_program(self):
         """Would catch a page or examples that differ."""
-        self.assertEqual(messages.out_of_date(self.texts), [],
-                         "run scripts/document_messages.py and look at the changes")
+        assert messages.out_of_date(self.texts) == [], "run scripts/document_messages.py and look at the changes"
 
     def test_what_is_out_of_date_is_seen(self):
         """Would catch a comparison that finds nothing."""
         changed = {messages.PAGE: self.texts[messages.PAGE] + "more\n", messages.PAGE.with_name("new.md"): "text"}
-        self.assertEqual(messages.out_of_date(changed), ["messages.md differs", "new.md is missing"])
+        assert messages.out_of_date(changed) == ["messages.md differs", "new.md is missing"]
 
     def test_records(self):
         """Would catch fields that are lost, and a pattern that fits too little or too much."""
         text = "says: it ... is: so\nsays: or so\nwhen: warning\ncause: Why\n  this.\nremedy: What.\nnote: More.\n"
         one = messages.Message("values", "D299", text)
-        self.assertEqual((one.says, one.when, one.cause, one.remedy, one.notes),
-                         (["it ... is: so", "or so"], "warning", "Why this.", "What.", ["More."]))
-        self.assertTrue(one.pattern().search("it surely is: so") and not one.pattern().search("it was"))
-        self.assertEqual(one.told(["a", "it surely is: so [D299]"]), "it surely is: so [D299]")
-        with self.assertRaisesRegex(ValueError, "another code"):
+        assert (one.says, one.when, one.cause, one.remedy, one.notes) == (
+            ["it ... is: so", "or so"], "warning", "Why this.", "What.", ["More."])
+        assert one.pattern().search("it surely is: so") and not one.pattern().search("it was")
+        assert one.told(["a", "it surely is: so [D299]"]) == "it surely is: so [D299]"
+        with pytest.raises(ValueError, match="another code"):
             one.told(["it surely is: so [D298]"])
         for wrong in (text.replace("cause", "reason"), text.replace("remedy: What.\n", ""), "cause: a\nremedy: b\n"):
-            with self.assertRaises(ValueError):
+            with pytest.raises(ValueError):
                 messages.Message("values", "D299", wrong)
 
     def test_each_message_has_its_place_and_example(self):
         """Would catch a code without an anchor, and a message that lost its example."""
         page = self.texts[messages.PAGE]
         codes = [message.code for _, part in messages.sections().values() for message in part]
-        self.assertEqual(re.findall(r"^### (\w+)$", page, re.M), codes)
+        assert re.findall(r"^### (\w+)$", page, re.M) == codes
         shown = dict(messages.records(self.texts[messages.EXAMPLES]))
-        self.assertEqual(list(shown), codes)
-        self.assertEqual({code for code in codes if f"[{code}]" not in shown[code]}, ALONE)
-        self.assertNotIn(str(messages.ROOT), page)
-        self.assertLess(page.count("\n"), MOST_LINES)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert list(shown) == codes
+        assert {code for code in codes if f"[{code}]" not in shown[code]} == ALONE
+        assert str(messages.ROOT) not in page
+        assert page.count("\n") < MOST_LINES

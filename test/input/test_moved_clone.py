@@ -11,9 +11,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import pytest
+
+import case
 
 RENEW = 'set -euo pipefail; source "$1/scripts/common.sh"; renew_python'
 
@@ -30,9 +30,8 @@ def renew(root):
     return run("bash", "-c", RENEW, "bash", root)
 
 
-def main():
+def test_moved_clone(options, sheet):
     """A small environment in one folder, copied into another one."""
-    options, sheet = case.arguments(__doc__), report.Report()
     first, second = options.work / "first", options.work / "zweiter Klon ü"
     for folder in (first, second):
         shutil.rmtree(folder, ignore_errors=True)
@@ -41,7 +40,7 @@ def main():
     code, said = run(sys.executable, "-m", "venv", first / "build" / "venv")
     backend = importlib.util.find_spec("hatchling")
     if code or backend is None or importlib.util.find_spec("editables") is None:
-        report.skip_all(f"no environment can be made here, or hatchling or editables is missing: {said[-200:]}")
+        pytest.skip(f"no environment can be made here, or hatchling or editables is missing: {said[-200:]}")
     (packages,) = (first / "build/venv/lib").glob("python3*/site-packages")
     # What builds the package is that of this environment; links in a folder that is added so are not followed.
     (packages / "builder.pth").write_text(f"{Path(backend.origin).parents[1]}\n", encoding="utf-8")
@@ -64,8 +63,3 @@ def main():
     shutil.rmtree(first)
     sheet.require(run(second / command, "--version")[0] == 0, "it needs nothing of the old place")
     shutil.rmtree(second)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -9,14 +9,11 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
-
-import case
-import report
+import pytest
 
 # Runs in the Python of ParaView: prints what it sees at each time of the files that are named.
 READS = """
@@ -80,13 +77,11 @@ def compare(sheet, name, found, wanted):
                           f"{at}: mean {field} {one['means'][field]}, not {mean}")
 
 
-def main():
+def test_paraview(options, sheet):
     """A short run, opened by ParaView."""
     start = command()
     if not start:
-        report.skip_all("pvbatch, or xvfb-run for it, is not installed")
-    options = case.arguments()
-    sheet = report.Report()
+        pytest.skip("pvbatch, or xvfb-run for it, is not installed")
     shutil.rmtree(options.work / "mine", ignore_errors=True)
     folder = options.work / "mine"
     subprocess.run([options.scree, "--new", "two_discs", folder], check=True, capture_output=True)
@@ -107,8 +102,3 @@ def main():
                             text=True, check=False)
     picture = folder / "view.png"
     sheet.require(picture.is_file() and picture.stat().st_size > 5000, f"view.py: {answer.stdout}{answer.stderr}")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

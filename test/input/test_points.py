@@ -6,13 +6,10 @@ depend on ranks, fields that end at other particles, a run that does not go on w
 are wrong and are read all the same.
 """
 
-import unittest
-
 import numpy as np
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = '{dimension}'  {method} /
 &units system = '{system}' /
 &grid lo = 0 0 0  hi = {hi} {hi} {hi}  dx = {dx} /
@@ -37,20 +34,21 @@ def table(points, **columns):
     return "\n".join([names, *(",".join(repr(float(x)) for x in row) for row in values), ""])
 
 
-class Points(unittest.TestCase):
+class TestPoints:
     """Runs of points."""
 
-    def run_of(self, name, shape="shape = 'points'  file = 'a.csv'", text="", ranks=1, options=("--quiet",), expect=0,
+    def run_of(self, options, name, shape="shape = 'points'  file = 'a.csv'", text="", ranks=1, flags=("--quiet",),
+               expect=0,
                **scene):
         """A run, by itself of no steps."""
-        run = case.Case(OPTIONS, name, DECK.format(shape=shape, **{**SCENE, **scene}), ranks)
+        run = case.Case(options, name, DECK.format(shape=shape, **{**SCENE, **scene}), ranks)
         (run.folder / "a.csv").write_text(text, encoding="utf-8")
-        return run.run(*options, expect=expect)
+        return run.run(*flags, expect=expect)
 
-    def lattice(self, **scene):
+    def lattice(self, options, **scene):
         """A ball of the lattice and its particles."""
         shape = "shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.4"
-        run = self.run_of(f"lattice_{len(scene)}", shape, body="velocity = 1 2 3  spin = 0 0 50", **scene)
+        run = self.run_of(options, f"lattice_{len(scene)}", shape, body="velocity = 1 2 3  spin = 0 0 50", **scene)
         return run, run.snapshots()[-1][1]
 
     def state(self, run, origin=None):
@@ -63,143 +61,148 @@ class Points(unittest.TestCase):
                                                   ("velocity", "mass", "volume", "stress", "pressure")])
         return values[np.argsort(identity)]
 
-    def assertNear(self, found, wanted, share):
+    def near(self, found, wanted, share):
         """Numbers agree to a share of the greatest of their column."""
         scale = np.maximum(np.abs(wanted).max(axis=0), 1e-300)
-        self.assertLess((np.abs(found - wanted) / scale).max(), share)
+        assert (np.abs(found - wanted) / scale).max() < share
 
-    def test_a_table_of_the_lattice(self):
+    def test_a_table_of_the_lattice(self, options):
         """The table of a lattice is the lattice, at the start and after steps; ranks do not matter."""
-        lattice, first = self.lattice(steps=20)
-        at_start = self.lattice()[1]
+        lattice, first = self.lattice(options, steps=20)
+        at_start = self.lattice(options)[1]
         order = np.argsort(at_start.fields["identity"])
         text = table(at_start.points[order], volume=at_start.fields["volume"][order])
         body = "packing = 'file'  velocity = 1 2 3  spin = 0 0 50"
-        one = self.run_of("table", text=text, steps=20, body=body)
-        self.assertGreater(len(first.points), 1000)
-        self.assertGreater(np.abs(first.points - at_start.points).max(), 0)
-        self.assertTrue(np.array_equal(self.state(one), self.state(lattice)))
+        one = self.run_of(options, "table", text=text, steps=20, body=body)
+        assert len(first.points) > 1000
+        assert np.abs(first.points - at_start.points).max() > 0
+        assert np.array_equal(self.state(one), self.state(lattice))
         for ranks in (2, 3):
-            other = self.run_of("ranks", text=text, steps=20, body=body, ranks=ranks)
-            self.assertEqual(other.summary["digest"], one.summary["digest"])
+            other = self.run_of(options, "ranks", text=text, steps=20, body=body, ranks=ranks)
+            assert other.summary["digest"] == one.summary["digest"]
         for kind in ("gimp", "cpdi"):
             how = {"more": f"&method basis = '{kind}' /", "method": "method = 'mpm'", "steps": 20}
-            plain = self.lattice(**how)[0]
-            run = self.run_of(kind, text=text, body=body, **how)
-            self.assertNear(self.state(run), self.state(plain), 1e-9)
+            plain = self.lattice(options, **how)[0]
+            run = self.run_of(options, kind, text=text, body=body, **how)
+            self.near(self.state(run), self.state(plain), 1e-9)
 
-    def test_columns(self):
+    def test_columns(self, options):
         """Any order, comments, empty lines and ends of lines; velocities and volumes in units of the deck."""
         rows = np.array([(30, 40, 50, 0.1, 1, 2, 3), (35, 40, 50, 0.2, 4, 5, 6), (60, 70, 80, 0.3, 7, 8, 9)])
         order = [3, 2, 0, 1, 6, 5, 4]
         head = np.array(["x", "y", "z", "volume", "vx", "vy", "vz"])[order]
         lines = ["# from elsewhere", "", " , ".join(head)] + [",".join(str(x) for x in row[order]) for row in rows]
         scene = {"system": "cgs", "hi": 100, "dx": 12.5, "density": 1, "bulk": 1e10, "shear": 5e9}
-        run = self.run_of("columns", text="\r\n".join(lines) + "\r\n\r\n", body="packing = 'file' velocity = 100 0 0",
+        run = self.run_of(options, "columns", text="\r\n".join(lines) + "\r\n\r\n",
+                          body="packing = 'file' velocity = 100 0 0",
                           **scene)
         last = run.snapshots()[-1][1]
         by = np.argsort(last.fields["identity"])
-        self.assertTrue(np.allclose(last.points[by], rows[:, :3] / 100))
-        self.assertTrue(np.allclose(last.fields["velocity"][by], rows[:, 4:] / 100 + [1, 0, 0]))
-        self.assertTrue(np.allclose(last.fields["mass"][by], rows[:, 3] / 1000))
-        self.assertTrue(np.allclose(last.fields["volume"][by], rows[:, 3] / 1e6))
-        run = self.run_of("key", "shape = 'points'  file = 'a.csv'  point_volume = 0.001  translate = 0.1 0.2 0.3",
+        assert np.allclose(last.points[by], rows[:, :3] / 100)
+        assert np.allclose(last.fields["velocity"][by], rows[:, 4:] / 100 + [1, 0, 0])
+        assert np.allclose(last.fields["mass"][by], rows[:, 3] / 1000)
+        assert np.allclose(last.fields["volume"][by], rows[:, 3] / 1e6)
+        run = self.run_of(options, "key",
+                          "shape = 'points'  file = 'a.csv'  point_volume = 0.001  translate = 0.1 0.2 0.3",
                           "x,y,z\n0.1,0.2,0.3\n0.5,0.5,0.5\n")
         last = run.snapshots()[-1][1]
-        self.assertTrue(np.allclose(np.sort(last.points[:, 0]), [0.2, 0.6]))
-        self.assertTrue(np.allclose(last.fields["volume"], 0.001))
+        assert np.allclose(np.sort(last.points[:, 0]), [0.2, 0.6])
+        assert np.allclose(last.fields["volume"], 0.001)
 
-    def test_materials(self):
+    def test_materials(self, options):
         """Each body takes the points of its own material; identities stay apart."""
         text = "x,y,z,volume,material\n" + "".join(f"{k / 20},0.5,0.5,{k}e-5,{('metal', 'other')[k % 2]}\n"
                                                    for k in range(1, 20))
-        run = self.run_of("materials", text=text,
+        run = self.run_of(options, "materials", text=text,
                           more=OTHER + "&body name = 'two'  region = 'solid'  material = 'other'  packing = 'file' /")
         last = run.snapshots()[-1][1]
-        self.assertEqual(len(set(last.fields["identity"])), 19)
+        assert len(set(last.fields["identity"])) == 19
         k = np.rint(20 * last.points[:, 0])
-        self.assertTrue(np.array_equal(last.fields["body"], 1 + k % 2))
-        self.assertTrue(np.allclose(last.fields["mass"], k * 1e-5 * np.where(k % 2, 2000, 1000)))
+        assert np.array_equal(last.fields["body"], 1 + k % 2)
+        assert np.allclose(last.fields["mass"], k * 1e-5 * np.where(k % 2, 2000, 1000))
 
-    def test_plane_and_rings(self):
+    def test_plane_and_rings(self, options):
         """In a plane scene y says nothing; the volume of a ring is that of all of it."""
         for dimension in ("plane_strain", "axisymmetric"):
             shape = "shape = 'sphere'  centre = 0.5 0.5 0.5  radius = 0.4"
             how = {"more": "&method basis = 'gimp' /", "method": "method = 'mpm'", "steps": 10, "dimension": dimension}
-            plain = self.run_of("plain", shape, body="velocity = 0 0 9", **how)
-            first = self.run_of("first", shape, dimension=dimension, body="").snapshots()[-1][1]
+            plain = self.run_of(options, "plain", shape, body="velocity = 0 0 9", **how)
+            first = self.run_of(options, "first", shape, dimension=dimension, body="").snapshots()[-1][1]
             order = np.argsort(first.fields["identity"])
             text = table((first.points + [0, 0.123, 0])[order], volume=first.fields["volume"][order])
-            run = self.run_of("plane", text=text, body="packing = 'file'  velocity = 0 0 9", **how)
-            self.assertNear(self.state(run), self.state(plain), 1e-9)
+            run = self.run_of(options, "plane", text=text, body="packing = 'file'  velocity = 0 0 9", **how)
+            self.near(self.state(run), self.state(plain), 1e-9)
 
-    def test_going_on_from_a_snapshot(self):
+    def test_going_on_from_a_snapshot(self, options):
         """A run from the last snapshot of another has its mass, momentum and energy, and ends where it would have."""
         ball = {"shape": "shape = 'sphere'  centre = 0.5 0.5 0.4  radius = 0.3", "time": "dt_fixed = 2e-5",
                 "fields": "'spin'"}
         fall = {"body": "velocity = 1 2 -30  spin = 0 0 50", **ball}
-        whole = self.run_of("whole", **{**fall, "steps": 60})
-        half = self.run_of("half", **{**fall, "steps": 30})
+        whole = self.run_of(options, "whole", **{**fall, "steps": 60})
+        half = self.run_of(options, "half", **{**fall, "steps": 30})
         shape = f"shape = 'points'  file = '{half.path('_p_000001.hdf')}'"
         stress = "packing = 'file'  initial_stress = 'file'"
-        rest = self.run_of("rest", shape, body=stress, steps=30, time="dt_fixed = 2e-5", fields="'spin'")
+        rest = self.run_of(options, "rest", shape, body=stress, steps=30, time="dt_fixed = 2e-5", fields="'spin'")
         before, after = half.history, rest.history
         for column in ("mass", "momentum_x", "momentum_y", "momentum_z", "kinetic", "internal"):
             scale = np.abs(before[column]).max()
-            self.assertGreater(scale, 1e-6, column)
-            self.assertLess(abs(after[column][0] - before[column][-1]), 1e-9 * scale, column)
+            assert scale > 1e-6, column
+            assert abs(after[column][0] - before[column][-1]) < 1e-9 * scale, column
         middle, start = half.snapshots()[-1][1], rest.snapshots()[0][1]
-        self.assertNear(self.state(rest, middle), self.state(whole), 1e-9)
+        self.near(self.state(rest, middle), self.state(whole), 1e-9)
         for field in ("spin", "stress", "velocity", "mass", "volume"):
             row = start.fields["identity"] - 1
-            self.assertTrue(np.array_equal(start.fields[field], middle.fields[field][row]), field)
-            self.assertGreater(np.abs(start.fields[field]).max(), 0.0)
-        self.assertGreater(np.abs(self.state(half)[:, 8:14]).max(), 1e4)
-        two = self.run_of("other", shape, body=stress, steps=30, time="dt_fixed = 2e-5", ranks=2, fields="'spin'")
-        self.assertEqual(two.summary["digest"], rest.summary["digest"])
-        still = self.run_of("still", shape, body="packing = 'file'")
+            assert np.array_equal(start.fields[field], middle.fields[field][row]), field
+            assert np.abs(start.fields[field]).max() > 0.0
+        assert np.abs(self.state(half)[:, 8:14]).max() > 1e4
+        two = self.run_of(options, "other", shape, body=stress, steps=30, time="dt_fixed = 2e-5", ranks=2,
+                          fields="'spin'")
+        assert two.summary["digest"] == rest.summary["digest"]
+        still = self.run_of(options, "still", shape, body="packing = 'file'")
         stress = self.state(still)[:, 8:14]       # the deviator begins as 0; the pressure follows from the density
-        self.assertEqual(np.abs(stress[:, 3:]).max(), 0.0)
-        self.assertLess(np.abs(stress[:, :3] - stress[:, :1]).max(), 1e-6)
-        self.assertGreater(np.abs(stress[:, 0]).max(), 1e4)
+        assert np.abs(stress[:, 3:]).max() == 0.0
+        assert np.abs(stress[:, :3] - stress[:, :1]).max() < 1e-6
+        assert np.abs(stress[:, 0]).max() > 1e4
         keeps = "packing = 'file'  initial_stress = 'file'"
         paper = {"more": "&method paper = .true. /", "fields": ""}      # velocities at the times of the steps
-        whole = self.run_of("whole", **{**fall, **paper, "steps": 60})
-        half = self.run_of("half", **{**fall, **paper, "steps": 30})
-        rest = self.run_of("rest", shape, body=keeps, time="dt_fixed = 2e-5", **{**paper, "steps": 30})
-        self.assertNear(self.state(rest, half.snapshots()[-1][1]), self.state(whole), 1e-9)
+        whole = self.run_of(options, "whole", **{**fall, **paper, "steps": 60})
+        half = self.run_of(options, "half", **{**fall, **paper, "steps": 30})
+        rest = self.run_of(options, "rest", shape, body=keeps, time="dt_fixed = 2e-5", **{**paper, "steps": 30})
+        self.near(self.state(rest, half.snapshots()[-1][1]), self.state(whole), 1e-9)
 
-    def test_one_body_of_a_snapshot(self):
+    def test_one_body_of_a_snapshot(self, options):
         """from_body picks one of two bodies of a material; units of the snapshot do not matter."""
         more = ("&region name = 'there'  shape = 'box'  lo = 0.75 0.75 0.75  hi = 1 1 1 /\n"
                 "&body name = 'two'  region = 'there'  material = 'metal'  velocity = 5 0 0 /\n")
-        first = self.run_of("first", "shape = 'box'  lo = 0 0 0  hi = 0.25 0.5 0.5", body="", more=more)
+        first = self.run_of(options, "first", "shape = 'box'  lo = 0 0 0  hi = 0.25 0.5 0.5", body="", more=more)
         file = first.path("_p_000000.hdf")
-        run = self.run_of("picked", f"shape = 'points'  file = '{file}'  from_body = 'two'")
-        self.assertEqual(run.summary["particles"], 64)
-        self.assertTrue(np.all(run.snapshots()[-1][1].fields["velocity"] == [5, 0, 0]))
-        run = self.run_of("both", f"shape = 'points'  file = '{file}'")
-        self.assertEqual(run.summary["particles"], 64 + 256)
-        said = self.run_of("nobody", f"shape = 'points'  file = '{file}'  from_body = 'three'", expect=2).output
-        self.assertIn("no point of body 'three' and of its material; its bodies are: one, two", said)
-        cgs = self.run_of("cgs", "shape = 'box'  lo = 0 0 0  hi = 25 50 50", body="", system="cgs", hi=100, dx=12.5,
+        run = self.run_of(options, "picked", f"shape = 'points'  file = '{file}'  from_body = 'two'")
+        assert run.summary["particles"] == 64
+        assert np.all(run.snapshots()[-1][1].fields["velocity"] == [5, 0, 0])
+        run = self.run_of(options, "both", f"shape = 'points'  file = '{file}'")
+        assert run.summary["particles"] == 64 + 256
+        said = self.run_of(options, "nobody", f"shape = 'points'  file = '{file}'  from_body = 'three'",
+                           expect=2).output
+        assert "no point of body 'three' and of its material; its bodies are: one, two" in said
+        cgs = self.run_of(options, "cgs", "shape = 'box'  lo = 0 0 0  hi = 25 50 50", body="", system="cgs", hi=100,
+                          dx=12.5,
                           density=1, bulk=1e10, shear=5e9)
         text = cgs.deck.read_text(encoding="utf-8").replace("system = 'cgs'", "system = 'cgs'  output_units = 'deck'")
         cgs.deck.write_text(text, encoding="utf-8")
         cgs.run("--quiet", "--force")
-        run = self.run_of("units", f"shape = 'points'  file = '{cgs.path('_p_000000.hdf')}'")
-        plain = self.run_of("plain", "shape = 'box'  lo = 0 0 0  hi = 0.25 0.5 0.5", body="")
-        self.assertNear(self.state(run, cgs.snapshots()[0][1]), self.state(plain), 1e-12)
+        run = self.run_of(options, "units", f"shape = 'points'  file = '{cgs.path('_p_000000.hdf')}'")
+        plain = self.run_of(options, "plain", "shape = 'box'  lo = 0 0 0  hi = 0.25 0.5 0.5", body="")
+        self.near(self.state(run, cgs.snapshots()[0][1]), self.state(plain), 1e-12)
 
-    def test_check_tells(self):
+    def test_check_tells(self, options):
         """How many points there are and what is missing."""
-        first = self.lattice()[0]
-        said = self.run_of("told", f"shape = 'points'  file = '{first.path('_p_000000.hdf')}'",
-                           options=("--check", "--no-estimate")).output
-        self.assertIn(f"particles  {first.summary['particles']} in 1 bodies", said)
-        self.assertIn("list       one: 1088 of 1088 points of the file, which hold 0.265625 m3", said)
+        first = self.lattice(options)[0]
+        said = self.run_of(options, "told", f"shape = 'points'  file = '{first.path('_p_000000.hdf')}'",
+                           flags=("--check", "--no-estimate")).output
+        assert f"particles  {first.summary['particles']} in 1 bodies" in said
+        assert "list       one: 1088 of 1088 points of the file, which hold 0.265625 m3" in said
 
-    def test_refused(self):
+    def test_refused(self, options, sheet):
         """Each with its line in the table, and what to write instead."""
         good = "x,y,z,volume\n0.1,0.2,0.3,1e-4\n0.5,0.5,0.5,1e-4\n"
         points = "shape = 'points'  file = 'a.csv'"
@@ -245,11 +248,7 @@ class Points(unittest.TestCase):
                  "needs packing = 'file' and a snapshot"),
                 ("file", "shape = 'points'  file = 'b.csv'", good, {}, "b.csv': No such file"),
                 ("hdf", "shape = 'points'  file = 'b.hdf'", good, {}, "b.hdf': No such file")]:
-            with self.subTest(name):
-                run = self.run_of(name, shape, text, options=("--check",), expect=2, **scene)
-                self.assertIn(message.format(run.folder / "a.csv"), run.output)
-                self.assertIn(": error: &", run.output)
-
-
-if __name__ == "__main__":
-    unittest.main()
+            with sheet.part(name):
+                run = self.run_of(options, name, shape, text, flags=("--check",), expect=2, **scene)
+                assert message.format(run.folder / "a.csv") in run.output
+                assert ": error: &" in run.output

@@ -2,28 +2,27 @@
 """Tests of the Python post-processing on snapshots with closed solutions.
 
 Each test says in its first line which bug it would catch. No run of the program is needed.
-Usage: test_post.py --scree PATH --work DIR
 """
 
-import argparse
 import json
 import os
 import re
-import sys
 
-sys.dont_write_bytecode = True
-PACKAGES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python", "src")
-sys.path.insert(0, PACKAGES)
-sys.path.insert(0, os.path.join(PACKAGES, "..", "..", "test", "support"))
+import h5py
+import numpy as np
+import pytest
 
-import h5py                                              # noqa: E402
-import numpy as np                                       # noqa: E402
+import case
+import scree_post
+from post_command import call, process
+from sample_snapshots import CENTRE, DENSITY, RADIUS, ball, make_series, matter, write
+from scree_post import areal_density
 
-from post_command import call, process                   # noqa: E402
-from sample_snapshots import (  # noqa: E402
-    CENTRE, DENSITY, RADIUS, ball, make_series, matter, write)
-import scree_post                                        # noqa: E402
-from scree_post import areal_density                     # noqa: E402
+
+@pytest.fixture
+def work(options):
+    """Folder of a test."""
+    return str(options.work)
 
 
 def closed(frame, outer, inner, density):
@@ -241,7 +240,7 @@ def test_errors(work):
              ("radiograph", (f"{work}/gone.hdf.series", *out), 3, "gone.hdf"),
              ("radiograph", (f"{work}/line.hdf", *out), 2, "one-dimensional"),
              ("radiograph", (f"{work}/thin.hdf", *out), 3, "velocity"),
-             ("radiograph", (PACKAGES, *out), 3, "no particle series"),
+             ("radiograph", (str(case.ROOT / "python/src"), *out), 3, "no particle series"),
              ("radiograph", (first, "--out", f"{work}/absent/a.png"), 3, "cannot write"),
              ("radiograph", (first, "--out", f"{work}/never.doc"), 2, ".png"),
              ("radiograph", (first, *out, "--movie", "a.avi"), 2, ".gif"),
@@ -355,29 +354,3 @@ def test_check_files(work):
     damage(drop_units, "mass has units")
     damage(wrong_time, "7.0 s in the file")
     damage(no_cells, "one vertex")
-
-
-def main():
-    """Run every test; exit 1 if one fails."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--scree", metavar="PATH", help="the program; not needed here")
-    parser.add_argument(
-        "--work", metavar="DIR", required=True, help="folder for files of the tests"
-    )
-    work = os.path.abspath(os.path.join(parser.parse_args().work, "post"))
-    os.makedirs(work, exist_ok=True)
-    failures = 0
-    tests = [(name, test) for name, test in globals().items() if name.startswith("test_")]
-    for name, test in tests:
-        try:
-            test(work) if test.__code__.co_argcount else test()
-            print(f"passed {name}", flush=True)
-        except Exception as error:  # every test is to run, whatever the others do
-            failures += 1
-            print(f"FAILED {name}: {type(error).__name__}: {error}", flush=True)
-    print(f"{len(tests) - failures} of {len(tests)} tests passed")
-    return 1 if failures or not tests else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

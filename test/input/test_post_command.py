@@ -4,31 +4,34 @@
 """Tests of scree-post on small runs: info, plot, compare, sweep, and what it says of mistakes.
 
 Each test says in its first line which bug it would catch.
-Usage: test_post_command.py --scree PATH --work DIR
 """
 
 import contextlib
 import csv
-import os
 import re
 import shutil
 import sys
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import h5py
+import numpy as np
+import pytest
 
-import case                                              # noqa: E402
-import report                                            # noqa: E402
-import tier                                              # noqa: E402
-from post_command import INPUT, PACKAGES, call, process, run_cases, run_tests, series  # noqa: E402
-
-import h5py                                              # noqa: E402
-import numpy as np                                       # noqa: E402
-import scree_post                                        # noqa: E402
-from scree_post import fragment_table, progress          # noqa: E402
+import case
+import report
+import scree_post
+import tier
+from post_command import INPUT, PACKAGES, call, process, run_cases, series
+from scree_post import fragment_table, progress
 
 DISCS = INPUT / "two_discs" / "scene.nml"
+
+
+@pytest.fixture(scope="module")
+def options(file_options):
+    """Small runs in a folder that all tests use."""
+    run_cases(file_options, *tier.choose(("two_discs", "coarse", "debris_cloud"), smoke=("two_discs", "coarse")))
+    return file_options
 
 
 def good(answer):
@@ -45,6 +48,7 @@ def refused(answer, code, *parts):
     assert all(part in said[0] for part in parts), f"{parts} not in: {said[0]}"
 
 
+@pytest.mark.tiers("full", "long")
 def test_info(options):
     """Ranges of another snapshot, masses of bodies exchanged, a kind of file not known."""
     folder = options.work / "out" / "debris_cloud"
@@ -76,6 +80,7 @@ def test_deck(options):
             "a history carries no deck")
 
 
+@pytest.mark.tiers("full", "long")
 def test_grids(options):
     """A folder with fields on the grid, slices and fragments of the program that cannot be told."""
     deck = DISCS.read_text(encoding="utf-8") + "".join(
@@ -138,6 +143,7 @@ def test_plot(options):
     assert len({line.get_color() for line in axes.lines}) == 2
 
 
+@pytest.mark.tiers("full", "long")
 def test_compare(options):
     """Differences hidden or invented: a run is itself, and one number is off by a known amount."""
     work = options.work
@@ -178,6 +184,7 @@ def test_compare(options):
     assert re.search(r"^mass .* inf ", text, re.M), "a number against not-a-number is a difference"
 
 
+@pytest.mark.tiers("full", "long")
 def test_compare_histories(options):
     """Lines of different times taken for each other, a tolerance not kept."""
     names = ("two_discs", "coarse")
@@ -199,6 +206,7 @@ def sweep(options, *words):
                 "--threads", "1", "--set", "grid.dx=0.1,0.2", *words)
 
 
+@pytest.mark.tiers("full", "long")
 def test_sweep(options):
     """Values of one run under another, a failure that is silent, a study that begins anew, rows that are lost."""
     shutil.rmtree(options.work / "sweep", ignore_errors=True)
@@ -244,6 +252,7 @@ def test_sweep(options):
     assert sweep(options, *words, "--overwrite").stdout.count("done ") == 1, "another deck, and not run again"
 
 
+@pytest.mark.tiers("full", "long")
 def test_sweep_restart(options):
     """A run that was stopped with a checkpoint begins anew, or is taken for done."""
     folder = options.work / "stopped"
@@ -260,6 +269,7 @@ def test_sweep_restart(options):
     assert "restart" in log.read_text(encoding="utf-8").lower(), "the run did not go on"
 
 
+@pytest.mark.tiers("full", "long")
 def test_mistakes(options):
     """A trace instead of a sentence, no suggestion, a wrong exit code, something left behind."""
     work, discs = options.work, series(options.work, "two_discs")
@@ -324,7 +334,7 @@ def test_command(options):
         report.skipped("scree-post by its name", "scripts/setup.sh has not installed it beside this Python")
 
 
-def test_progress(_options):
+def test_progress():
     """A bar in a pipe or a file, and one that is left behind."""
     class Screen:
         """A terminal that keeps what is written."""
@@ -349,9 +359,3 @@ def test_progress(_options):
     assert pipe.text == "", f"words in a pipe: {pipe.text!r}"
     assert "drawing" in screen.text and "0/4" in screen.text
     assert not screen.text.split("\r")[-1].strip(), "the bar is still there"
-
-
-if __name__ == "__main__":
-    chosen = case.arguments(__doc__)
-    run_cases(chosen, *tier.choose(("two_discs", "coarse", "debris_cloud"), smoke=("two_discs", "coarse")))
-    sys.exit(run_tests(globals(), chosen, smoke=("test_deck", "test_plot", "test_command", "test_progress")))

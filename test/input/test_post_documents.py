@@ -3,32 +3,37 @@
 """Every command of scree-post that a document or a help text shows is run on small runs.
 
 Would catch an option that was renamed, an example that does not work, and a command of a document
-that nobody tried. Usage: test_post_documents.py --scree PATH --work DIR
+that nobody tried.
 """
 
 import os
 import re
 import shlex
 import shutil
-import sys
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import pytest
 
-import case                                              # noqa: E402
-import report                                            # noqa: E402
-from post_command import INPUT, call, run_cases, run_tests  # noqa: E402
-
-from scree_post import film                              # noqa: E402
-from scree_post.command import load                      # noqa: E402
-from scree_post.commands import COMMANDS                 # noqa: E402
-from scree_post.errors import PostError                  # noqa: E402
+import case
+import report
+from post_command import INPUT, call, run_cases
+from scree_post import film
+from scree_post.command import load
+from scree_post.commands import COMMANDS
+from scree_post.errors import PostError
 
 DOCUMENTS = ("README.md", "doc/learn/first_deck.md", "doc/guide/post_processing.md", "doc/guide/accuracy.md",
              "doc/reference/matter_outputs.md", "doc/guide/grain_cell.md", "doc/reference/materials.md",
              "input/debris_cloud/README.md")
 LEAST = 20               # commands that the documents are known to show
+
+
+@pytest.fixture(scope="module")
+def options(file_options):
+    """Small runs in a folder that all tests use, and the decks of the documents."""
+    run_cases(file_options, "two_discs", "coarse", "debris_cloud", "debris_cloud_3d", "grain_cell")
+    shutil.copytree(file_options.work / "out" / "two_discs", file_options.work / "out" / "again")
+    (file_options.work / "input").symlink_to(INPUT)
+    return file_options
 
 
 def shown(path):
@@ -95,13 +100,3 @@ def test_scripts(options):
         os.chdir(here)
     ends = found["run"].history["kinetic"].iloc[-1], found["table"]["kinetic [J]"].iloc[-1]
     assert ends[0] == ends[1] > 0.0 and len(found["mass"]) > 100
-
-
-if __name__ == "__main__":
-    chosen = case.arguments(__doc__)
-    run_cases(chosen, "two_discs", "coarse", "debris_cloud", "debris_cloud_3d", "grain_cell")
-    shutil.rmtree(chosen.work / "out" / "again", ignore_errors=True)
-    shutil.copytree(chosen.work / "out" / "two_discs", chosen.work / "out" / "again")
-    if not (chosen.work / "input").exists():
-        (chosen.work / "input").symlink_to(INPUT)
-    sys.exit(run_tests(globals(), chosen))

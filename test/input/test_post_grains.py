@@ -7,26 +7,21 @@ Would catch: the start of a stage taken for steady shear, a sign lost in reverse
 that are too small, ages of contacts of an earlier stage taken for those of this one, a stop fitted by an exponential to
 zero, means over intervals taken for instantaneous values, G of one component alone, and a block that the program does
 not take or that does not make the stress it was fitted to.
-Usage: test_post_grains.py --scree PATH --work DIR
 """
 
 import csv
 import json
 import os
 import subprocess
-import sys
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import h5py
+import numpy as np
+import pytest
 
-import case                                              # noqa: E402
-import synthetic_cell as cell                            # noqa: E402
-from post_command import call, run_tests                 # noqa: E402
-
-import h5py                                              # noqa: E402
-import numpy as np                                       # noqa: E402
-from scree_post.grains import material, memory, relaxation, rheology, statistics  # noqa: E402
+import case
+import synthetic_cell as cell
+from post_command import call
+from scree_post.grains import material, memory, relaxation, rheology, statistics
 
 BARS = 4.0               # error bars that a value may be off
 
@@ -83,6 +78,7 @@ def test_constants(options):
         assert (folder / f"{cell.CASE}_{ending}.png").stat().st_size > 10000, ending
 
 
+@pytest.mark.tiers("full", "long")
 def test_error_bars(options):
     """Error bars of correlated rows that are too small or far too large: 60 runs, deviation over error bar."""
     generator = np.random.default_rng(3)
@@ -96,6 +92,7 @@ def test_error_bars(options):
     assert statistics.drifts(drifting) and not statistics.drifts(1.0 + 0.05 * cell.noise(generator, 1000, 0.01))
 
 
+@pytest.mark.tiers("full", "long")
 def test_curve(options):
     """Another curve than mu_s + (mu_2 - mu_s)/(1 + I_0/I)."""
     x = np.array([0.003, 0.01, 0.03, 0.1, 0.3])
@@ -104,6 +101,7 @@ def test_curve(options):
     assert np.allclose(found, (0.26, 0.86, 0.3), rtol=1.0e-3), found
 
 
+@pytest.mark.tiers("full", "long")
 def test_laws_of_age(options):
     """An exponent that is not that of the ages, a window that is forgotten."""
     generator = np.random.default_rng(5)
@@ -116,6 +114,7 @@ def test_laws_of_age(options):
         assert abs(memory.exponential_age(memory.truncated_mean(0.1, window), window) / 0.1 - 1.0) < 1.0e-6
 
 
+@pytest.mark.tiers("full", "long")
 def test_block(options):
     """A block that no deck takes, or whose stress is not that of the cell or of the closed solution."""
     folder, _ = fitted(options, "block", "--stage", "slow")
@@ -155,6 +154,7 @@ def test_block(options):
     assert answer.returncode == 0, answer.stderr
 
 
+@pytest.mark.tiers("full", "long")
 def test_several_runs(options):
     """Two runs of one stage each that are not fitted together, or stages of the same name mixed up."""
     one, two = (cell.write(options.work / f"alone_{n}", n, (cell.STAGES[0], ("shear", inertial, 12.0, 1200)))
@@ -174,6 +174,7 @@ def test_several_runs(options):
         assert f"is not finished ({reason}" in said or f"is not finished (it has {reason}" in said, said
 
 
+@pytest.mark.tiers("full", "long")
 def test_unnamed_stages(options):
     """Stages without names of their own that are taken for one."""
     folder, _ = fitted(options, "unnamed", stages=(cell.STAGES[0], ("stage", 0.1, 6.0, 600), ("stage", 0.05, 6.0, 600)))
@@ -221,7 +222,3 @@ def test_refusals(options):
     refused(2, folder, "no survival was measured", "snapshots")
     (folder / f"{cell.CASE}.echo.nml").unlink()
     refused(3, folder, "no such file", "echo.nml")
-
-
-if __name__ == "__main__":
-    sys.exit(run_tests(globals(), case.arguments(__doc__), smoke=("test_constants", "test_refusals")))

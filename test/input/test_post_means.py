@@ -6,16 +6,11 @@ Would catch rows outside of the times that count, an error bar of correlated row
 a drift that is not seen, and grids of another extent that are added in other cells.
 """
 
-import sys
-from pathlib import Path
-
 import h5py
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case          # noqa: E402
-import post_command  # noqa: E402
-import report        # noqa: E402
+import case
+import post_command
 
 # A block that flies through cells: the smallest box of cells that holds it moves along.
 DECK = """
@@ -30,7 +25,7 @@ DECK = """
 ROWS, MEMORY = 20000, 0.9
 
 
-def tables(options, sheet):
+def test_tables(options, sheet):
     """A correlated series with a known error, and one that drifts."""
     noise = np.random.default_rng(1).standard_normal(ROWS)
     values = np.zeros(ROWS)
@@ -51,7 +46,7 @@ def tables(options, sheet):
     sheet.near("its error", table["error"][0], 10 / np.sqrt(late.sum()), 0.35)
 
 
-def grids(options, sheet):
+def test_grids(options, sheet):
     """Cells keep their positions though files have boxes of their own."""
     run = case.Case(options, "flight", DECK).run("-q")
     out = options.work / "mean.hdf"
@@ -71,14 +66,3 @@ def grids(options, sheet):
     wrong = max(abs(total[round((first + 0.1 * n) * 100)] - value) for n, value in enumerate(mean))
     sheet.below("mean density of a row of cells over that of the block", wrong / 1000.0, 1e-6)
     sheet.require(error.max() > 10.0, "cells that are empty at times have an error")
-
-
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    tables(options, sheet)
-    grids(options, sheet)
-    sheet.end()
-
-
-main()

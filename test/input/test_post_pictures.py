@@ -4,28 +4,30 @@
 """Tests of what scree-post draws and counts on small runs: picture, movie, radiograph, fragments.
 
 Pictures are judged by their numbers. Each test says in its first line which bug it would catch.
-Usage: test_post_pictures.py --scree PATH --work DIR
 """
 
 import math
 import sys
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import numpy as np
+import pytest
 
-import case                                              # noqa: E402
-import report                                            # noqa: E402
-import tier                                              # noqa: E402
-from post_command import call, run_cases, run_tests, series  # noqa: E402
+import report
+import scree_post
+import tier
+from post_command import call, run_cases, series
+from sample_snapshots import matter, write
+from scree_post import film, fragment_table, pieces, view_options
+from scree_post.colour import colour_for, paint, values_of
+from scree_post.command import parser_of
+from scree_post.commands import movie as movie_command
 
-import numpy as np                                       # noqa: E402
-import scree_post                                        # noqa: E402
-from sample_snapshots import matter, write               # noqa: E402
-from scree_post import film, fragment_table, pieces, view_options  # noqa: E402
-from scree_post.colour import colour_for, paint, values_of  # noqa: E402
-from scree_post.command import parser_of                 # noqa: E402
-from scree_post.commands import movie as movie_command   # noqa: E402
+
+@pytest.fixture(scope="module")
+def options(file_options):
+    """Small runs in a folder that all tests use."""
+    run_cases(file_options, *tier.choose(("two_discs", "debris_cloud", "debris_cloud_3d"), smoke=("two_discs",)))
+    return file_options
 
 
 def good(answer):
@@ -69,6 +71,7 @@ def test_plane_picture(options):
     assert later.shape[2] == 3 and (later.shape != image.shape or (later != image).any())
 
 
+@pytest.mark.tiers("full", "long")
 def test_axisymmetric_picture(options):
     """One half only, or halves that are not mirror images; --view or --bodies not obeyed."""
     image, sphere, sheet = body_page(options, "debris_cloud", "--time", "0", "--title", "")
@@ -85,6 +88,7 @@ def test_axisymmetric_picture(options):
     assert snap.points[:, 0].min() >= 0.0
 
 
+@pytest.mark.tiers("full", "long")
 def test_space_picture(options):
     """Nothing drawn without a display, mirror images or a cut forgotten, a camera that is fixed."""
     whole, sphere, sheet = body_page(options, "debris_cloud_3d", "--camera", "z")
@@ -106,6 +110,7 @@ def test_space_picture(options):
     assert abs(found["turned"] - found["whole"]) > 0.01, found
 
 
+@pytest.mark.tiers("full", "long")
 def test_fragment_picture(options):
     """A colour bar from 0 to the last number, two heavy fragments of one colour, dust as bright as pieces."""
     out = options.work / "fragments.png"
@@ -143,6 +148,7 @@ def frames_of(path):
     return [pixels(page) for page in sorted(folder.glob("*.png"))]
 
 
+@pytest.mark.tiers("full", "long")
 def test_movie(options):
     """A page missing, all pages the same, colours that change from page to page, half a film."""
     base = options.work / "out"
@@ -178,6 +184,7 @@ def test_movie(options):
     assert len(list(options.work.glob("page_*.png"))) == len(late)
 
 
+@pytest.mark.tiers("full", "long")
 def test_turning_film(options):
     """A camera that does not turn, a window that does, in three dimensions."""
     out = options.work / "turning.gif"
@@ -188,6 +195,7 @@ def test_turning_film(options):
     assert (np.abs(pages[0] - pages[1]).max(axis=2) > 30).mean() > 0.02
 
 
+@pytest.mark.tiers("full", "long")
 def test_colours(options):
     """A component taken for another, a range that strays stretch, signs that do not show."""
     file = scree_post.series(series(options.work, "debris_cloud"))[-1][1]
@@ -212,6 +220,7 @@ def test_colours(options):
     assert (ends[0] != ends[1]).any() and (ends[2, :3] == 0.6).all()
 
 
+@pytest.mark.tiers("full", "long")
 def test_radiograph(options):
     """Mass lost between particles and picture on files of the program."""
     for name, copies in (("debris_cloud", 1.0), ("debris_cloud_3d", 4.0), ("two_discs", 1.0)):
@@ -245,6 +254,7 @@ def snapshot_of(options, points, dimension="3d", symmetry="", failed=None, echo=
     return snap
 
 
+@pytest.mark.tiers("full", "long")
 def test_fragments_of_blocks(options):
     """Blocks tied that are apart or parted that touch; masses, places, sizes of the wrong block."""
     points = np.concatenate([lattice((0, 0, 0), (4, 4, 4)), lattice((0, 0, 5.6e-3), (3, 3, 3)),
@@ -268,7 +278,8 @@ def test_fragments_of_blocks(options):
     assert abs(found.failed - 16.0e-6) < 1.0e-15
 
 
-def test_fragments_by_brute_force(_options):
+@pytest.mark.tiers("full", "long")
+def test_fragments_by_brute_force():
     """Pairs lost in the search by cells, where widths and densities differ."""
     random = np.random.default_rng(11)
     for axes, count in ((2, 400), (3, 500), (1, 60)):
@@ -288,6 +299,7 @@ def test_fragments_by_brute_force(_options):
         assert len(pairs) == len(set(labels.tolist())) == len(set(mine.tolist())), f"{axes} axes"
 
 
+@pytest.mark.tiers("full", "long")
 def test_fragments_at_faces(options):
     """A piece across a mirror plane counted twice or halved, a piece cut at a periodic face."""
     points = np.concatenate([lattice((0, 0, 0), (2, 2, 2)), lattice((6e-3, 0, 0), (1, 1, 1))])
@@ -312,6 +324,7 @@ def test_fragments_at_faces(options):
     assert [row[2] for row in found.rows] == [2, 1, 1], "ends tied without a periodic face"
 
 
+@pytest.mark.tiers("full", "long")
 def test_fragments_are_rings(options):
     """A ring of an axisymmetric run told as a lump: mass, radius, size of the cross-section."""
     flat = lattice((4e-3, 0, 0), (3, 1, 3))
@@ -323,6 +336,7 @@ def test_fragments_are_rings(options):
     assert abs(row[5] / (2.0 * math.sqrt(9.0e-6 / math.pi)) - 1.0) < 1.0e-9, row[5]
 
 
+@pytest.mark.tiers("full", "long")
 def test_fragments_command(options):
     """A table that does not hold the mass of the particles, or that cannot be read again."""
     table = options.work / "pieces.csv"
@@ -351,6 +365,7 @@ def refused(answer, code, *parts):
     assert all(part in said[0] for part in parts), f"{parts} not in: {said[0]}"
 
 
+@pytest.mark.tiers("full", "long")
 def test_mistakes(options):
     """A trace instead of a sentence, no suggestion, a wrong exit code, half a picture."""
     discs, cloud = (options.work / "out" / name for name in ("two_discs", "debris_cloud_3d"))
@@ -387,9 +402,11 @@ def test_mistakes(options):
     assert not list(options.work.glob("never*")) and not list(options.work.glob("*.part*"))
 
 
+@pytest.mark.tiers("full", "long")
 def test_missing_packages(options):
     """A picture in space that needs vtk or a display, a trace where ffmpeg is not installed."""
     import importlib
+
     from scree import errors
     saved, which = importlib.import_module, film.shutil.which
 
@@ -415,6 +432,7 @@ def test_missing_packages(options):
                 sys.modules[name] = module
 
 
+@pytest.mark.tiers("full", "long")
 def test_sample(options):
     """A film whose window is that of its first page."""
     frames = scree_post.series(series(options.work, "debris_cloud"))
@@ -426,9 +444,3 @@ def test_sample(options):
     snap = scree_post.snapshot(frames[-1][1])
     assert page.box[3] > snap.points[:, 2].max() and page.box[1] > snap.points[:, 0].max()
     assert page.box[0] == -page.box[1]
-
-
-if __name__ == "__main__":
-    chosen = case.arguments(__doc__)
-    run_cases(chosen, *tier.choose(("two_discs", "debris_cloud", "debris_cloud_3d"), smoke=("two_discs",)))
-    sys.exit(run_tests(globals(), chosen, smoke=("test_plane_picture",)))

@@ -17,7 +17,6 @@ import numpy as np
 
 import case
 import post_command
-import report
 import tier
 
 SYSTEMS = ("mm-us-mg",) if tier.NAME == "smoke" else ("cgs", "mm-ms-kg", "mm-ms-g", "cm-us-g", "mm-us-mg")
@@ -163,9 +162,8 @@ def compare(sheet, system, one, two):
         sheet.require(not wrong, f"{system}: {name}: {'the same as in SI' if not wrong else ' | '.join(wrong[:3])}")
 
 
-def main():
+def test_post_units(options, sheet):
     """The same scene in all systems."""
-    options, sheet = case.arguments(__doc__), report.Report()
     si = case.Case(options, "in_si", deck("si", "si")).run("--quiet")
     wanted = results(si, options, options.work / "post", commands)
     for name, (code, text, *_) in wanted.items():
@@ -190,8 +188,3 @@ def main():
                                options.scree, "--work", options.work / "own_work")
     sheet.require(answer.returncode == 0 and "cells [mm]" in answer.stdout and "length [m]" in answer.stdout,
                   f"cells are in the unit of the deck, the length in m: {answer.stdout[-300:]}{answer.stderr}")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -22,7 +22,6 @@ import numpy as np
 
 import case
 import post_command
-import report
 
 PLANE = """
 &run dimension='plane_strain' title='A block over a hill' /
@@ -206,7 +205,7 @@ def pictures(sheet, run):
     sheet.near("growth of rigid regions to the end", found["end"] / found["start"], 140.0 / 116.5, 0.1)
 
 
-def line_and_space(options, sheet):
+def test_line_and_space(options, sheet):
     """Points along a line, triangles in space."""
     run = case.Case(options, "line", LINE).run("-q", "--set", "time.max_steps=1")
     found = walls_in(run.path("_walls.hdf"))
@@ -274,14 +273,7 @@ def previews(options, sheet, run):
     sheet.require(answer.returncode == 0, f"of the results of a run: {answer.stderr}")
 
 
-def main():
+def test_preview(options, sheet):
     """All of it."""
-    options, sheet = case.arguments(__doc__), report.Report()
     run = plane(options, sheet)
-    line_and_space(options, sheet)
     previews(options, sheet, run)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

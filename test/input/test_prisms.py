@@ -7,13 +7,10 @@ prisms side by side that share points or leave some out, an end that counts twic
 and is filled all the same.
 """
 
-import unittest
-
 import numpy as np
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = '{dimension}' /
 &grid lo = 0 0 0  hi = 1 1 1  dx = {dx} /
 &time t_end = 1  max_steps = 0 /
@@ -36,65 +33,66 @@ def area(corners):
     return abs((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()) / 2
 
 
-class Prisms(unittest.TestCase):
+class TestPrisms:
     """Particles of the first state."""
 
-    def run_of(self, name, shape, dimension="plane_strain", dx=0.03125, packing="", options=("--quiet",), expect=0):
+    def run_of(self, options, name, shape, dimension="plane_strain", dx=0.03125, packing="", flags=("--quiet",),
+               expect=0):
         """A run of no steps."""
         deck = DECK.format(dimension=dimension, dx=dx, shape=shape, packing=packing)
-        return case.Case(OPTIONS, name, deck).run(*options, expect=expect)
+        return case.Case(options, name, deck).run(*flags, expect=expect)
 
     def points(self, run):
         """Positions."""
         return {tuple(point) for point in run.snapshots()[-1][1].points}
 
-    def test_the_area(self):
+    def test_the_area(self, options, sheet):
         """Sites cut at the edges hold the area of the polygon; whole ones come near it; both ways round."""
         for name, corners in [("hook", HOOK), ("back", HOOK[::-1]), ("closed", np.append(HOOK, HOOK[:1], axis=0))]:
-            with self.subTest(name):
-                run = self.run_of(name, text(corners))
-                self.assertLess(abs(len(self.points(run)) / 64**2 / area(HOOK) - 1), 0.005)
-                run = self.run_of(name, text(corners), packing="packing = 'cut'")
+            with sheet.part(name):
+                run = self.run_of(options, name, text(corners))
+                assert abs(len(self.points(run)) / 64**2 / area(HOOK) - 1) < 0.005
+                run = self.run_of(options, name, text(corners), packing="packing = 'cut'")
                 mass = run.snapshots()[-1][1].fields["mass"].sum() / 1000
-                self.assertLess(abs(mass / area(HOOK) - 1), 0.001)
-        said = self.run_of("told", text(HOOK), options=("--check", "--no-estimate")).output
+                assert abs(mass / area(HOOK) - 1) < 0.001
+        said = self.run_of(options, "told", text(HOOK), flags=("--check", "--no-estimate")).output
         told = float(said.split("prism      one: it has ")[1].split()[0])
-        self.assertAlmostEqual(told / area(HOOK), 1.0, 5)
+        assert abs(told / area(HOOK) - 1.0) <= 0.5e-5
 
-    def test_on_the_lattice(self):
+    def test_on_the_lattice(self, options):
         """Edges that meet the points of the lattice: the half of a rectangle and its other half are all of it."""
         shift = "  translate = 0.015625 0 0.015625"
-        wanted = self.run_of("whole", "polygon = 0 0  0.75 0  0.75 0.5  0 0.5" + shift)
-        lower = self.run_of("lower", TRIANGLE + shift)
-        upper = self.run_of("upper", "polygon = 0.75 0  0.75 0.5  0 0.5" + shift)
-        self.assertEqual(len(self.points(wanted)), 48 * 32)
-        self.assertEqual(len(self.points(lower)) + len(self.points(upper)), 48 * 32)
-        self.assertEqual(self.points(lower) | self.points(upper), self.points(wanted))
-        self.assertGreater(min(len(self.points(lower)), len(self.points(upper))), 750)
+        wanted = self.run_of(options, "whole", "polygon = 0 0  0.75 0  0.75 0.5  0 0.5" + shift)
+        lower = self.run_of(options, "lower", TRIANGLE + shift)
+        upper = self.run_of(options, "upper", "polygon = 0.75 0  0.75 0.5  0 0.5" + shift)
+        assert len(self.points(wanted)) == 48 * 32
+        assert len(self.points(lower)) + len(self.points(upper)) == 48 * 32
+        assert self.points(lower) | self.points(upper) == self.points(wanted)
+        assert min(len(self.points(lower)), len(self.points(upper))) > 750
 
-    def test_axes_in_space(self):
+    def test_axes_in_space(self, options):
         """The coordinates of the polygon are those other than the axis, in order; the end is not part of it."""
         for axis, order in [(0, (1, 2)), (1, (0, 2)), (2, (0, 1))]:
             direction = [int(k == axis) for k in range(3)]
             shape = f"{TRIANGLE}  axis = {direction[0]} {direction[1]} {direction[2]}  span = 0.125 0.5"
-            found = np.array(sorted(self.points(self.run_of("axis", shape, "3d", 0.125))))
-            self.assertEqual(found[:, axis].min(), 0.15625)
-            self.assertEqual(found[:, axis].max(), 0.46875)
+            found = np.array(sorted(self.points(self.run_of(options, "axis", shape, "3d", 0.125))))
+            assert found[:, axis].min() == 0.15625
+            assert found[:, axis].max() == 0.46875
             a, b = found[:, order[0]], found[:, order[1]]
-            self.assertTrue((a / 0.75 + b / 0.5 < 1 + 1e-9).all())
+            assert (a / 0.75 + b / 0.5 < 1 + 1e-9).all()
             line = (np.arange(16) + 0.5) / 16
             inside = (line[:, None] / 0.75 + line[None, :] / 0.5 < 1).sum()
-            self.assertLess(abs(len(found) / 6 - inside), 3)
-            self.assertGreater(len(found), 200)
+            assert abs(len(found) / 6 - inside) < 3
+            assert len(found) > 200
 
-    def test_scaled_and_turned(self):
+    def test_scaled_and_turned(self, options):
         """A turn about the axis and a factor: the area is that of the turned polygon."""
         shape = text(HOOK) + "  scale = 0.7  rotate = 0 30 0  translate = 0 0 0.35"
-        run = self.run_of("turned", shape, packing="packing = 'cut'")
+        run = self.run_of(options, "turned", shape, packing="packing = 'cut'")
         mass = run.snapshots()[-1][1].fields["mass"].sum() / 1000
-        self.assertLess(abs(mass / (0.49 * area(HOOK)) - 1), 0.002)
+        assert abs(mass / (0.49 * area(HOOK)) - 1) < 0.002
 
-    def test_refused(self):
+    def test_refused(self, options, sheet):
         """Each with its line, and what to write instead."""
         for name, shape, dimension, message in [
                 ("odd", "polygon = 0 0  1 0  1", "plane_strain", "polygon holds 5 numbers, but corners have two"),
@@ -109,11 +107,7 @@ class Prisms(unittest.TestCase):
                 ("plane", TRIANGLE + "  axis = 0 0 1", "plane_strain", "remove axis"),
                 ("line", TRIANGLE, "1d", "a scene in one direction has no plane for a polygon; use a box"),
                 ("none", "", "plane_strain", "polygon")]:
-            with self.subTest(name):
-                said = self.run_of(name, shape, dimension, options=("--check",), expect=2).output
-                self.assertIn(message, said)
-                self.assertIn(".nml:5: error", said)
-
-
-if __name__ == "__main__":
-    unittest.main()
+            with sheet.part(name):
+                said = self.run_of(options, name, shape, dimension, flags=("--check",), expect=2).output
+                assert message in said
+                assert ".nml:5: error" in said

@@ -16,12 +16,11 @@ import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import pytest
+
+import case
+import tier
 
 FOLDER = case.ROOT / "python"
 
@@ -29,8 +28,7 @@ FOLDER = case.ROOT / "python"
 def call(sheet, options, what, *words):
     """Run a tool of Python in the folder of the package."""
     if not importlib.util.find_spec(words[0]):
-        sheet.skipped(what, f"{words[0]} is not installed; scripts/setup.sh installs it")
-        return
+        pytest.skip(f"{words[0]} is not installed; scripts/setup.sh installs it")
     answer = subprocess.run([sys.executable, "-m", *map(str, words)], cwd=FOLDER, text=True, check=False,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             env={**os.environ, **case.OPEN_MPI, "SCREE": str(options.scree),
@@ -44,7 +42,7 @@ def names_and_ranges(text):
     return dict(re.findall(r"^\s*\"?([\w-]+)(?:\[\w+\])?([<>=][^\"\n]*)\"?,?$", text, re.M))
 
 
-def dependencies(sheet):
+def test_dependencies(sheet):
     """What the package imports is listed, with the ranges of scripts/requirements.txt."""
     project = (FOLDER / "pyproject.toml").read_text(encoding="utf-8")
     listed = names_and_ranges(re.search(r"^dependencies = \[(.*?)^\]", project, re.M | re.S).group(1))
@@ -67,11 +65,11 @@ def dependencies(sheet):
                 sheet.require(known, f"{path.relative_to(FOLDER)} imports {name}, which python/pyproject.toml lacks")
 
 
-def installation(sheet, options):
+@pytest.mark.tiers("full", "long")
+def test_installation(options, sheet):
     """The package can be installed, and needs nothing of the repository then."""
     if not importlib.util.find_spec("hatchling"):
-        sheet.skipped("installation", "hatchling is not installed; scripts/setup.sh installs it")
-        return
+        pytest.skip("hatchling is not installed; scripts/setup.sh installs it")
     place = options.work / "place"
     shutil.rmtree(place, ignore_errors=True)
     answer = subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
@@ -94,19 +92,16 @@ def installation(sheet, options):
     sheet.require(not rests, f"the installation leaves files in the sources: {rests}")
 
 
-def main():
-    """All parts; those whose tools are missing are skipped. The tier smoke leaves out installation, types, and the
-    tests that start many runs."""
-    options, sheet = case.arguments(__doc__), report.Report()
-    dependencies(sheet)
+def test_ruff(options, sheet):
     call(sheet, options, "ruff", "ruff", "check", "--no-cache", "--quiet", ".")
-    if tier.NAME != "smoke":
-        installation(sheet, options)
-        call(sheet, options, "mypy", "mypy", "--cache-dir", options.work / "mypy")
+
+
+@pytest.mark.tiers("full", "long")
+def test_mypy(options, sheet):
+    call(sheet, options, "mypy", "mypy", "--cache-dir", options.work / "mypy")
+
+
+def test_pytest(options, sheet):
+    """The tier smoke leaves out the tests that start many runs."""
     call(sheet, options, "pytest", "pytest", "-q", "--basetemp", options.work / "pytest", *tier.choose(
         smoke=[f"tests/test_{name}.py" for name in ("results", "snapshots", "plot")], full=[]))
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

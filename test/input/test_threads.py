@@ -12,17 +12,14 @@ ever; a run without processor time that does not say so, or says so twice; studi
 import os
 import signal
 import subprocess
-import sys
 import time
-import unittest
 from pathlib import Path
 
+import pytest
+
 import case
+from scree_post import study
 
-sys.path.insert(0, str(case.ROOT / "python/src"))
-from scree_post import study  # noqa: E402
-
-OPTIONS = case.arguments(__doc__)
 SETTINGS = ("OMP_NUM_THREADS", "OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMPI_MCA_mpi_yield_when_idle")
 CORES = len(os.sched_getaffinity(0))
 ENDLESS = 10**8
@@ -46,51 +43,59 @@ def clean(**more):
     return {**{name: value for name, value in os.environ.items() if name not in SETTINGS}, **case.OPEN_MPI, **more}
 
 
-class Threads(unittest.TestCase):
+class TestThreads:
     """Runs with and without settings of the user."""
 
-    def threads(self, name, deck, **more):
+    def threads(self, options, name, deck, **more):
         """Threads that the summary of a run reports, and the run."""
-        run = case.Case(OPTIONS, name, deck.format(steps=2))
+        run = case.Case(options, name, deck.format(steps=2))
         answer = subprocess.run(run.command(), env=clean(**more), cwd=run.folder, text=True, capture_output=True,
                                 timeout=250, check=False)
-        self.assertEqual(answer.returncode, 0, answer.stderr)
+        assert answer.returncode == 0, answer.stderr
         run.output = answer.stdout
         return run.summary["threads"], run
 
-    def test_as_many_as_the_scene_keeps_busy(self):
+    def test_as_many_as_the_scene_keeps_busy(self, options):
         """One for few particles, all cores for many, and whatever OMP_NUM_THREADS says; the same bits."""
-        few, run = self.threads("small", SMALL)
-        self.assertEqual(few, 1)
+        few, run = self.threads(options, "small", SMALL)
+        assert few == 1
         if CORES > 1:
-            self.assertIn("256 particles in", run.output)
-        two, same = self.threads("small_two", SMALL, OMP_NUM_THREADS="2")
-        self.assertEqual(two, 2)
-        self.assertEqual(run.summary["digest"], same.summary["digest"])
-        self.assertEqual(self.threads("large", LARGE)[0], min(CORES, 40000 // 500))
+            assert "256 particles in" in run.output
+        two, same = self.threads(options, "small_two", SMALL, OMP_NUM_THREADS="2")
+        assert two == 2
+        assert run.summary["digest"] == same.summary["digest"]
+        assert self.threads(options, "large", LARGE)[0] == min(CORES, 40000 // 500)
 
-    def started(self, name, deck, *options, **more):
+    @pytest.fixture(autouse=True)
+    def made(self):
+        """No run is left behind."""
+        self.children = []
+        yield
+        for child in self.children:
+            child.kill()
+
+    def started(self, options, name, deck, *flags, **more):
         """A run that does not end by itself, after its first steps."""
-        run = case.Case(OPTIONS, name, deck.format(steps=ENDLESS))
-        child = subprocess.Popen(run.command(*options), env=clean(**more), cwd=run.folder, text=True,
+        run = case.Case(options, name, deck.format(steps=ENDLESS))
+        child = subprocess.Popen(run.command(*flags), env=clean(**more), cwd=run.folder, text=True,
                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        self.addCleanup(child.kill)
+        self.children.append(child)
         history = run.path("_history.csv")
         end = time.monotonic() + 200
         while child.poll() is None and time.monotonic() < end and not (
                 history.is_file() and history.stat().st_size > 2000):
             time.sleep(0.02)
-        self.assertIsNone(child.poll(), child.stdout.read() if child.poll() is not None else "")
+        assert child.poll() is None, child.stdout.read() if child.poll() is not None else ""
         return run, child
 
     def stop(self, child):
         """What a run says that is asked to leave by a signal."""
         child.send_signal(signal.SIGTERM)
         said, _ = child.communicate(timeout=200)
-        self.assertEqual(child.returncode, 75, said)
+        assert child.returncode == 75, said
         return said
 
-    def test_waiting(self):
+    def test_waiting(self, options, sheet):
         """Threads that wait for long give their core away, unless the user wants it otherwise. The program begins again
         in the same process, with all of its words, and obeys signals."""
         # with two threads the words are the same after the program has begun again
@@ -98,23 +103,22 @@ class Threads(unittest.TestCase):
         for name, more, expected in (("default", {}, "10000"), ("own", {"GOMP_SPINCOUNT": "7"}, "7"),
                                      ("policy", {"OMP_WAIT_POLICY": "passive"}, None),
                                      ("empty", {"GOMP_SPINCOUNT": ""}, "")):
-            with self.subTest(name):
-                run, child = self.started(f"wait_{name}", SMALL, *odd, OMP_NUM_THREADS="2", **more)
+            with sheet.part(name):
+                run, child = self.started(options, f"wait_{name}", SMALL, *odd, OMP_NUM_THREADS="2", **more)
                 place = Path("/proc") / str(child.pid)
                 words = dict(word.split("=", 1) for word in place.joinpath("environ").read_bytes().decode().split("\0")
                              if "=" in word)
-                self.assertEqual(words.get("GOMP_SPINCOUNT"), expected)
-                self.assertEqual(place.joinpath("cmdline").read_bytes().decode().split("\0")[:-1],
-                                 run.command(*odd))
+                assert words.get("GOMP_SPINCOUNT") == expected
+                assert place.joinpath("cmdline").read_bytes().decode().split("\0")[:-1] == run.command(*odd)
                 self.stop(child)
-                self.assertIn("blänks", run.path(".echo.nml").read_text(encoding="utf-8"))
-        run, child = self.started("wait_one", SMALL, OMP_NUM_THREADS="1")
-        self.assertNotIn(b"GOMP_SPINCOUNT", Path(f"/proc/{child.pid}/environ").read_bytes())
+                assert "blänks" in run.path(".echo.nml").read_text(encoding="utf-8")
+        run, child = self.started(options, "wait_one", SMALL, OMP_NUM_THREADS="1")
+        assert b"GOMP_SPINCOUNT" not in Path(f"/proc/{child.pid}/environ").read_bytes()
         self.stop(child)
 
-    def test_without_processor(self):
+    def test_without_processor(self, options):
         """A run that stands still for longer than all it has worked says so, once, with what to do."""
-        run, child = self.started("starved", SMALL, "-q", OMP_NUM_THREADS="1")
+        run, child = self.started(options, "starved", SMALL, "-q", OMP_NUM_THREADS="1")
         begin = time.monotonic()
         child.send_signal(signal.SIGSTOP)
         time.sleep(6.0)
@@ -126,18 +130,18 @@ class Threads(unittest.TestCase):
             time.sleep(0.05)
         time.sleep(1.5)                           # two more lines of progress
         said = self.stop(child)
-        self.assertEqual(said.count("s of wall time and"), 1, said)
-        self.assertIn("core of its own", said)
-        run = case.Case(OPTIONS, "fed", SMALL.format(steps=20)).run("-q")
-        self.assertEqual(run.output, "")
+        assert said.count("s of wall time and") == 1, said
+        assert "core of its own" in said
+        run = case.Case(options, "fed", SMALL.format(steps=20)).run("-q")
+        assert run.output == ""
 
     def test_studies(self):
         """A run of a study has one thread, and as many run at a time as there are cores."""
         before = os.environ.pop("OMP_NUM_THREADS", None)
         try:
-            self.assertEqual((study.threads_of_a_run(), study.jobs_for(1)), (1, CORES))
+            assert (study.threads_of_a_run(), study.jobs_for(1)) == (1, CORES)
             os.environ["OMP_NUM_THREADS"] = "2"
-            self.assertEqual((study.threads_of_a_run(), study.jobs_for(2)), (2, max(1, CORES // 2)))
+            assert (study.threads_of_a_run(), study.jobs_for(2)) == (2, max(1, CORES // 2))
         finally:
             os.environ.pop("OMP_NUM_THREADS", None)
             if before is not None:
@@ -148,7 +152,3 @@ def worked(process):
     """Processor time of a process [s]."""
     fields = Path(f"/proc/{process}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -6,15 +6,11 @@ with the wrong sign, width or order of bytes, bits of the mask that are packed a
 another solid, and a broken file that is taken for a whole one.
 """
 
-import struct
-import unittest
-
 import h5py
 import numpy as np
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = '{dimension}' /
 &units system = '{system}' /
 &grid lo = 0 0 0  hi = {size} {size} {size}  dx = {dx} /
@@ -41,14 +37,14 @@ def image(voxels, edge, corner, order="<", name="LOCAL", more=""):
     return "\n".join(head).encode(), data
 
 
-class Voxels(unittest.TestCase):
+class TestVoxels:
     """Particles of the first state."""
 
-    def run_of(self, name, files, more="", ranks=1, options=("--quiet",), expect=0, file=None, **scene):
+    def run_of(self, options, name, files, more="", ranks=1, flags=("--quiet",), expect=0, file=None, **scene):
         """A run of no steps. `files` are bytes, or data sets with their attributes, by name."""
         scene = {"dimension": "3d", "system": "si", "size": 1, "dx": 0.0625, **scene}
         shape = f"shape = 'voxel'  file = '{file or next(iter(files))}'  {more}"
-        run = case.Case(OPTIONS, name, DECK.format(shape=shape, **scene), ranks)
+        run = case.Case(options, name, DECK.format(shape=shape, **scene), ranks)
         for path, content in files.items():
             if isinstance(content, bytes):
                 (run.folder / path).write_bytes(content)
@@ -56,18 +52,18 @@ class Voxels(unittest.TestCase):
             with h5py.File(run.folder / path, "w") as target:
                 for key, (voxels, attributes) in content.items():
                     target.create_dataset(key, data=voxels, compression="gzip").attrs.update(attributes)
-        return run.run(*options, expect=expect)
+        return run.run(*flags, expect=expect)
 
     def points(self, run):
         """Positions, sorted."""
         points = run.snapshots()[-1][1].points
         return points[np.lexsort(points.T)]
 
-    def box_of(self, lo, hi, **scene):
+    def box_of(self, options, lo, hi, **scene):
         """Points of a box, sorted."""
         scene = {"dimension": "3d", "system": "si", "size": 1, "dx": 0.0625, **scene}
         shape = "shape = 'box'  lo = {} {} {}  hi = {} {} {}".format(*lo, *hi)
-        return self.points(case.Case(OPTIONS, "box", DECK.format(shape=shape, **scene)).run("--quiet"))
+        return self.points(case.Case(options, "box", DECK.format(shape=shape, **scene)).run("--quiet"))
 
     def block(self):
         """Voxels of other numbers along each axis; a block of twos in ones in threes: [z, y, x]."""
@@ -76,103 +72,107 @@ class Voxels(unittest.TestCase):
         voxels[2:4, 1:3, 4:7] = 2
         return voxels
 
-    def test_a_block_is_exact(self):
+    def test_a_block_is_exact(self, options, sheet):
         """Values apart, edges that differ, an origin: the points of a box, whatever the type and the format."""
-        wanted = self.box_of((0.0625 + 4 * 0.125, 0.125 + 0.0625, 2 * 0.1875), (0.0625 + 7 * 0.125, 0.3125, 0.75))
+        wanted = self.box_of(options, (0.0625 + 4 * 0.125, 0.125 + 0.0625, 2 * 0.1875),
+                             (0.0625 + 7 * 0.125, 0.3125, 0.75))
         where = {"spacing": [0.125, 0.0625, 0.1875], "origin": [0.0625, 0.125, 0.0]}
         more = "voxel_value = 2"
-        first = self.run_of("block", {"block.h5": {"voxels": (self.block(), where)}}, more)
-        self.assertGreater(len(wanted), 200)
-        self.assertTrue(np.array_equal(self.points(first), wanted))
+        first = self.run_of(options, "block", {"block.h5": {"voxels": (self.block(), where)}}, more)
+        assert len(wanted) > 200
+        assert np.array_equal(self.points(first), wanted)
         for kind in TYPES:
             for order in "<>":
                 head, data = image(self.block().astype(kind), *where.values(), order)
                 files = {"block.mha": head + data}
                 if order == ">":
                     files = {"block.mhd": head.replace(b"LOCAL", b"block.raw"), "block.raw": data}
-                with self.subTest(kind, order=order):
-                    run = self.run_of("image", files, more)
-                    self.assertEqual(run.summary["digest"], first.summary["digest"])
+                with sheet.part(kind, order=order):
+                    run = self.run_of(options, "image", files, more)
+                    assert run.summary["digest"] == first.summary["digest"]
         signed = np.where(self.block() == 2, -2, 3).astype("i2")
         for name, files in [("signed", {"a.h5": {"/deep/er": (signed.astype("f4"), where)}}),
                             ("minus", {"a.mha": b"".join(image(signed, *where.values(), ">"))})]:
-            run = self.run_of(name, files, "voxel_value = -2  dataset = '/deep/er'")
-            self.assertEqual(run.summary["digest"], first.summary["digest"])
+            run = self.run_of(options, name, files, "voxel_value = -2  dataset = '/deep/er'")
+            assert run.summary["digest"] == first.summary["digest"]
         skipped = image(self.block(), *where.values(), name="skip.raw", more="HeaderSize = 11")
-        run = self.run_of("skip", {"skip.mhd": skipped[0], "skip.raw": bytes(11) + skipped[1] + bytes(5)}, more)
-        self.assertEqual(run.summary["digest"], first.summary["digest"])
+        run = self.run_of(options, "skip", {"skip.mhd": skipped[0], "skip.raw": bytes(11) + skipped[1] + bytes(5)},
+                          more)
+        assert run.summary["digest"] == first.summary["digest"]
         for ranks in (2, 3):
-            run = self.run_of("ranks", {"block.h5": {"voxels": (self.block(), where)}}, more, ranks)
-            self.assertEqual(run.summary["digest"], first.summary["digest"])
+            run = self.run_of(options, "ranks", {"block.h5": {"voxels": (self.block(), where)}}, more, ranks)
+            assert run.summary["digest"] == first.summary["digest"]
 
-    def test_parts_share_no_point(self):
+    def test_parts_share_no_point(self, options):
         """A body a value: together they have every point of the box of voxels once, also when turned."""
         for turn in ("", "rotate = 0 0 30"):
             counts = []
             for value in (1, 2, 3):
                 where = {"spacing": 0.09, "origin": [0.01, -0.33, 0.03]}
-                run = self.run_of("part", {"block.h5": {"voxels": (self.block(), where)}},
+                run = self.run_of(options, "part", {"block.h5": {"voxels": (self.block(), where)}},
                                   f"voxel_value = {value}  {turn}  translate = 0.1 0.4 0.1")
                 counts.append({tuple(point) for point in self.points(run)})
-            whole = self.run_of("whole", {"block.h5": {"voxels": (np.ones((5, 7, 9), "u1"), where)}},
+            whole = self.run_of(options, "whole", {"block.h5": {"voxels": (np.ones((5, 7, 9), "u1"), where)}},
                                 f"{turn}  translate = 0.1 0.4 0.1")
-            self.assertGreater(min(len(part) for part in counts), 20)
-            self.assertEqual(sum(len(part) for part in counts), len(self.points(whole)))
-            self.assertEqual(len(set.union(*counts)), len(self.points(whole)))
+            assert min(len(part) for part in counts) > 20
+            assert sum(len(part) for part in counts) == len(self.points(whole))
+            assert len(set.union(*counts)) == len(self.points(whole))
 
-    def test_transformations(self):
+    def test_transformations(self, options):
         """Scale, then turn, then move; lengths of the file are in the unit of the deck; without attributes
         voxels are cubes of one unit at the origin."""
-        wanted = self.box_of((0.25, 0.375, 0.25), (0.5, 0.75, 0.625))
+        wanted = self.box_of(options, (0.25, 0.375, 0.25), (0.5, 0.75, 0.625))
         voxels = np.zeros((5, 4, 3), dtype="u1")            # turned by -90 degrees about z it is y, -x, z
         voxels[2:5, 2:4, 0:3] = 1
-        run = self.run_of("moved", {"a.h5": {"voxels": (voxels, {})}},
+        run = self.run_of(options, "moved", {"a.h5": {"voxels": (voxels, {})}},
                           "scale = 0.125  rotate = 0 0 -90  translate = 0 0.75 0")
-        self.assertTrue(np.array_equal(self.points(run), wanted))
-        run = self.run_of("cgs", {"a.h5": {"voxels": (voxels, {"spacing": [1, 1, 1]})}},
+        assert np.array_equal(self.points(run), wanted)
+        run = self.run_of(options, "cgs", {"a.h5": {"voxels": (voxels, {"spacing": [1, 1, 1]})}},
                           "scale = 12.5  rotate = 0 0 -90  translate = 0 75 0", system="cgs", size=100, dx=6.25)
-        self.assertTrue(np.allclose(self.points(run), wanted))
+        assert np.allclose(self.points(run), wanted)
 
-    def test_a_sphere_converges(self):
+    def test_a_sphere_converges(self, options):
         """The mass of a sphere of voxels goes to that of a sphere with the voxels, and fills theirs."""
         off = []
         for n in (8, 16, 32, 64):
             line = (np.arange(n) + 0.5) / n - 0.5
             z, y, x = np.meshgrid(line, line, line, indexing="ij")
             voxels = (x**2 + y**2 + z**2 < 0.16).astype("u1")
-            run = self.run_of("sphere", {"a.h5": {"voxels": (voxels, {"spacing": 1 / n})}}, dx=0.03125)
+            run = self.run_of(options, "sphere", {"a.h5": {"voxels": (voxels, {"spacing": 1 / n})}}, dx=0.03125)
             mass = len(self.points(run)) / 64**3
-            self.assertAlmostEqual(mass, voxels.sum() / n**3, 9)
+            assert abs(mass - (voxels.sum() / n**3)) <= 0.5e-9
             off.append(abs(mass / (4 / 3 * np.pi * 0.064) - 1))
-        self.assertLess(off[-1], 0.003)
-        self.assertLess(off[-1], 0.3 * off[0])
+        assert off[-1] < 0.003
+        assert off[-1] < 0.3 * off[0]
 
-    def test_plane(self):
+    def test_plane(self, options):
         """Data of two directions lie in the plane of x and z; three directions need one layer along y."""
-        wanted = self.box_of((0.25, 0, 0.5), (0.5, 1, 0.625), dimension="plane_strain")
+        wanted = self.box_of(options, (0.25, 0, 0.5), (0.5, 1, 0.625), dimension="plane_strain")
         plane = np.zeros((8, 8), dtype="i4")
         plane[4:5, 2:4] = 1
         scene = {"dimension": "plane_strain"}
-        run = self.run_of("plane", {"a.h5": {"voxels": (plane, {"spacing": [0.125, 0.125]})}}, **scene)
-        self.assertTrue(np.array_equal(self.points(run), wanted))
-        run = self.run_of("layer", {"a.h5": {"voxels": (plane[:, None, :], {"spacing": 0.125})}}, **scene)
-        self.assertTrue(np.array_equal(self.points(run), wanted))
+        run = self.run_of(options, "plane", {"a.h5": {"voxels": (plane, {"spacing": [0.125, 0.125]})}}, **scene)
+        assert np.array_equal(self.points(run), wanted)
+        run = self.run_of(options, "layer", {"a.h5": {"voxels": (plane[:, None, :], {"spacing": 0.125})}}, **scene)
+        assert np.array_equal(self.points(run), wanted)
         files = {"a.mha": b"".join(image(plane, [0.125, 0.125], [0, 0]))}
-        run = self.run_of("flat", files, **scene)
-        self.assertTrue(np.array_equal(self.points(run), wanted))
-        said = self.run_of("deep", {"a.h5": {"voxels": (np.ones((4, 4, 4)), {})}}, expect=2, options=("--check",),
+        run = self.run_of(options, "flat", files, **scene)
+        assert np.array_equal(self.points(run), wanted)
+        said = self.run_of(options, "deep", {"a.h5": {"voxels": (np.ones((4, 4, 4)), {})}}, expect=2,
+                           flags=("--check",),
                            **scene).output
-        self.assertIn("the scene has no direction y, but there are 4 voxels along it; write one layer", said)
-        said = self.run_of("thin", {"a.h5": {"voxels": (plane, {})}}, expect=2, options=("--check",)).output
-        self.assertIn("the voxels have 2 directions, the scene 3", said)
+        assert "the scene has no direction y, but there are 4 voxels along it; write one layer" in said
+        said = self.run_of(options, "thin", {"a.h5": {"voxels": (plane, {})}}, expect=2, flags=("--check",)).output
+        assert "the voxels have 2 directions, the scene 3" in said
 
-    def test_check_tells_volumes(self):
+    def test_check_tells_volumes(self, options):
         """Voxels, their volume and that of the particles."""
-        said = self.run_of("told", {"a.h5": {"voxels": (self.block(), {"spacing": 0.0625})}}, "voxel_value = 2",
-                           options=("--check", "--no-estimate")).output
-        self.assertIn("voxels     one: 12 have 0.00292969 m3, its particles hold 0.00292969 m3 (0 %)", said)
+        said = self.run_of(options, "told", {"a.h5": {"voxels": (self.block(), {"spacing": 0.0625})}},
+                           "voxel_value = 2",
+                           flags=("--check", "--no-estimate")).output
+        assert "voxels     one: 12 have 0.00292969 m3, its particles hold 0.00292969 m3 (0 %)" in said
 
-    def test_broken_files(self):
+    def test_broken_files(self, options, sheet):
         """Each is refused with what is wrong and where; nothing crashes."""
         voxels = self.block()
         head, data = image(voxels, [0.1] * 3, [0] * 3)
@@ -204,12 +204,8 @@ class Voxels(unittest.TestCase):
                 ("noise", {"a.mha": bytes(range(256))}, "", "cannot read the voxels of"),
                 ("empty", {"a.mha": b""}, "", "it lacks one of NDims"),
                 ("gone", {"b.h5": b""}, "", "a.h5': No such file")]:
-            with self.subTest(name):
+            with sheet.part(name):
                 file = "a.h5" if name == "gone" else None
-                said = self.run_of(name, files, more, options=("--check",), expect=2, file=file).output
-                self.assertIn(message, said)
-                self.assertIn(".nml:6: error", said)
-
-
-if __name__ == "__main__":
-    unittest.main()
+                said = self.run_of(options, name, files, more, flags=("--check",), expect=2, file=file).output
+                assert message in said
+                assert ".nml:6: error" in said

@@ -10,8 +10,9 @@ Each version is installed into an environment of its own, which needs the networ
 import subprocess
 import sys
 
+import pytest
+
 import case
-import report
 
 VERSIONS = ("vtk==9.2.6", "vtk")
 #: Particles, a grid and a slice, with symmetric tensors and whole numbers.
@@ -37,12 +38,10 @@ def environment(folder, package):
     return python if done.returncode == 0 else None
 
 
-def main():
+def test_vtk_versions(options, sheet):
     """One run, read by each version."""
-    options = case.arguments()
     box = case.Case(options, "outputs", DECK)
     box.run()
-    sheet = report.Report()
     sheet.require(box.code == 0, f"exit code {box.code}: {box.output[-300:]}")
     tried = 0
     for package in VERSIONS:
@@ -59,9 +58,4 @@ def main():
             print(f"{package}: {series.name}: {answer.stdout.strip()}")
             sheet.require(answer.returncode == 0, f"{package}: {series.name}: {answer.stdout}{answer.stderr}")
     if not tried:
-        report.skip_all("no version of VTK can be installed here")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+        pytest.skip("no version of VTK can be installed here")

@@ -9,11 +9,9 @@ stops a deck although it says what is always so, and faces that absorb waves and
 
 import os
 import subprocess
-import unittest
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """! Sphere on a thin plate: debris cloud, quarter model by symmetry. Units: mm, us, mg.
 &run
   title   = 'Al sphere D = 9.5 mm on Al plate 2.2 mm, 6.7 km/s, normal'
@@ -109,33 +107,29 @@ DECK = """! Sphere on a thin plate: debris cloud, quarter model by symmetry. Uni
 """
 
 
-class WholeDeck(unittest.TestCase):
+class TestWholeDeck:
     """The deck as it stands, and a coarse copy."""
 
-    def run_it(self, name, *options):
+    def run_it(self, options, name, *flags):
         """The deck in a folder of its own, in a job that ends in an hour."""
-        run = case.Case(OPTIONS, name, DECK)
-        words = [str(OPTIONS.scree), *options, str(run.deck)]
+        run = case.Case(options, name, DECK)
+        words = [str(options.scree), *flags, str(run.deck)]
         answer = subprocess.run(words, capture_output=True, text=True, cwd=run.folder, timeout=250, env={
             **os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"})
-        self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
+        assert answer.returncode == 0, answer.stdout + answer.stderr
         return run, answer.stdout + answer.stderr
 
-    def test_check(self):
+    def test_check(self, options):
         """No error and no warning."""
-        _, said = self.run_it("check", "--check", "--no-estimate")
-        self.assertIn(" 0 errors, 0 warnings", said)
+        _, said = self.run_it(options, "check", "--check", "--no-estimate")
+        assert " 0 errors, 0 warnings" in said
 
-    def test_steps(self):
+    def test_steps(self, options):
         """Steps of a coarse copy to the first state of the cloud, until the wave of the impact is under way."""
-        run, _ = self.run_it("steps", "-q", "--set", "grid.dx=1", "--set", "time.t_end=0.5", "--case", "steps",
+        run, _ = self.run_it(options, "steps", "-q", "--set", "grid.dx=1", "--set", "time.t_end=0.5", "--case", "steps",
                              "--outdir", ".")
         summary = run.summary
-        self.assertGreaterEqual(summary["steps"], 3)
-        self.assertLess(abs(summary["ledger"]["energy_error"]), 1.0e-12)
-        self.assertLess(abs(summary["ledger"]["momentum_error"]), 1.0e-12)
-        self.assertLess(abs(summary["ledger"]["mass_error"]), 1.0e-12)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert summary["steps"] >= 3
+        assert abs(summary["ledger"]["energy_error"]) < 1.0e-12
+        assert abs(summary["ledger"]["momentum_error"]) < 1.0e-12
+        assert abs(summary["ledger"]["mass_error"]) < 1.0e-12

@@ -10,15 +10,10 @@ last bit.
 # timeout: 400
 # cores: 2
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case     # noqa: E402
-import layouts  # noqa: E402
-import report   # noqa: E402
+import case
+import layouts
 
 LAYOUTS = ((1, 1), (1, 2), (2, 1), (3, 1), (2, 2))      # ranks, threads
 
@@ -111,10 +106,8 @@ def restart(options, sheet, name, deck, digest, before, after, steps):
     print(f"         {name}: stopped at step {steps} on {before}, went on on {after}")
 
 
-def main():
+def test_bits(options, sheet):
     """Cloud, block, bar; then the methods, restarts, and what must change the digest."""
-    options = case.arguments()
-    sheet = report.Report()
     cloud = layouts.coarse_cloud(150)
     run, digest = compare(options, sheet, "cloud", cloud)
     start = case.Case(options, "cloud_start", layouts.coarse_cloud(0)).run("-q")
@@ -180,8 +173,3 @@ def main():
     series = BAR + "&method  transfer='fmpm'  order_k=4 /"
     _, digest = compare(options, sheet, "series", series, ((1, 1), (2, 2)))
     restart(options, sheet, "series", series, digest, (2, 1), (1, 2), 75)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -11,14 +11,9 @@ moves or a run is stopped.
 # timeout: 400
 # cores: 2
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='3d'  seed={seed} /
@@ -40,10 +35,8 @@ DECK = """
 """
 
 
-def main():
+def test_brittle_bits(options, sheet):
     """Layouts and another seed."""
-    options = case.arguments()
-    sheet = report.Report()
     for remains, more in (("granular", ""), ("drucker_prager", "failed_friction_angle=30"),
                           ("rubble", "fracture_energy=2.0e-3  softening='exponential'"),
                           ("rubble", "failure_delay=0.5  failure_delay_power=2")):
@@ -72,8 +65,3 @@ def main():
         sheet.require(len(np.unique(last.fields["scatter"])) > 0.9 * len(failed), "each has a strength of its own")
         other = case.Case(options, f"{remains}_seed", DECK.format(**{**words, "seed": 8})).run("-q")
         sheet.require(other.summary["digest"] != digest[1, 1], "another seed is another ball")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

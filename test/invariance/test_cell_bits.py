@@ -8,16 +8,12 @@ Would catch a mean stress in the order of ranks, particles that keep the tiles t
 their way to far ranks, edges, stage or servo that a checkpoint lacks, and a cell at rest that changes a bit.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import cells   # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import cells
+import tier
 
 LAYOUTS = tier.choose(full=((2, 1), (1, 2), (3, 1)), smoke=((2, 1), (1, 2)))
 WAVES = "velocity_formula='0.3*sin(2*pi*z)','0','0.2*cos(2*pi*x)'"
@@ -35,7 +31,11 @@ def tables(one):
     return [one.path(ending).read_bytes() for ending in ("_cell.csv", "_history.csv")]
 
 
-def layouts(options, sheet, name, deck):
+@pytest.mark.parametrize("name, deck", [
+    ("plane", PLANE),
+    pytest.param("space", SPACE, marks=pytest.mark.tiers("full")),
+])
+def test_layouts(options, sheet, name, deck):
     """All layouts, and stops before and after the first flip with another layout behind each."""
     def start(label, ranks=1, threads=1, more=(), keep=False):
         one = case.Case(options, label, deck, ranks, threads, keep=keep)
@@ -59,7 +59,16 @@ def layouts(options, sheet, name, deck):
     sheet.require(rows == [text.splitlines()[-1] for text in kept], f"{name}: after restarts the same last rows")
 
 
-def at_rest(options, sheet, name, **more):
+@pytest.mark.parametrize("name, more", [
+    ("elastic", {}),
+    pytest.param("in_space", {"dimension": "3d"}, marks=pytest.mark.tiers("full")),
+    pytest.param("line", {"dimension": "1d", "body": "velocity_formula='0.3*sin(2*pi*x)','0','0'"},
+                 marks=pytest.mark.tiers("full")),
+    pytest.param("splines", {"method": "mpm", "words": "basis='cubic'"}, marks=pytest.mark.tiers("full")),
+    pytest.param("gas", {"material": "density=1  eos_model='ideal_gas'  ig_gamma=1.4", "effects": "strength=.false.",
+                         "body": "specific_energy=2.5e3  " + WAVES}, marks=pytest.mark.tiers("full")),
+])
+def test_at_rest(options, sheet, name, more):
     """A cell that does not deform and none, by the same method."""
     words = "stress_update='usl'  transfer='flip'  flip=1  " + more.pop("words", "normalise='none'")
     digests = [cells.run(options, f"{name}_{label}", cells.scene(more.get("material", RUBBER), stages, 0.2, **{
@@ -67,22 +76,3 @@ def at_rest(options, sheet, name, **more):
         for label, stages in (("cell", STILL), ("none", None))]
     sheet.require(digests[0]["digest"] == digests[1]["digest"], f"{name}: at rest the same bits as without a cell")
     sheet.require(digests[0]["steps"] > 10, f"{name}: some steps were made")
-
-
-def main():
-    """Layouts in a plane, in other tiers in space too."""
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    layouts(options, sheet, "plane", PLANE)
-    at_rest(options, sheet, "elastic")
-    if tier.NAME == "full":
-        layouts(options, sheet, "space", SPACE)
-        at_rest(options, sheet, "in_space", dimension="3d")
-        at_rest(options, sheet, "line", dimension="1d", body="velocity_formula='0.3*sin(2*pi*x)','0','0'")
-        at_rest(options, sheet, "splines", method="mpm", words="basis='cubic'")
-        at_rest(options, sheet, "gas", material="density=1  eos_model='ideal_gas'  ig_gamma=1.4",
-                effects="strength=.false.", body="specific_energy=2.5e3  " + WAVES)
-    sheet.end()
-
-
-main()

@@ -8,24 +8,16 @@ test/bench/effects.py.
 """
 # timeout: 200
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
-import case     # noqa: E402
-import effects  # noqa: E402
-import report   # noqa: E402
+import case
+import effects
 
 STEPS = 12
 # What a phase of its own is for; all other effects share the phases of every run.
 OWN_PHASE = {"conduction": "heat conduction", "contact": "contact"}
 
 
-def main():
+def test_effects_off(options, sheet):
     """Every effect with a switch."""
-    options = case.arguments()
-    sheet = report.Report()
     seen = {}
 
     def run(name, deck):
@@ -59,8 +51,3 @@ def main():
     for name in ("thermal", "damage", "size_scatter", "voids", "conduction"):
         off, never, on = effects.EFFECTS[name]
         sheet.above(f"{name}: bytes that it carries", run(name, on)[1] - run(name, off or never)[1], 8.0)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

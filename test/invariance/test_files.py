@@ -11,11 +11,9 @@ the folder of the run.
 
 import subprocess
 import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
+import report
 
 DECK = """
 &run  dimension='3d'  case='fall' /
@@ -33,10 +31,8 @@ DECK = """
 """
 
 
-def main():
+def test_files(options, sheet):
     """Three layouts of ranks and threads."""
-    options = case.arguments()
-    sheet = report.Report()
     runs = []
     for ranks, threads in ((1, 1), (2, 1), (1, 2), (3, 1)):
         run = case.Case(options, f"files_{ranks}x{threads}", DECK, ranks, threads)
@@ -71,8 +67,3 @@ def main():
             sheet.skipped(f"the readers of VTK on {path.name}", "the package vtk is not installed")
         sheet.require(answer.returncode in (0, report.NOT_RUN), f"scree-post check on {path.name}: "
                       f"{answer.returncode} {answer.stdout[-2000:]}")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -8,15 +8,13 @@ limits than those of the table, a number for what belongs to no fragment, and a 
 
 import csv
 import itertools
-import unittest
 
 import h5py
 import numpy as np
+import pytest
 
 import case
-import report
 
-OPTIONS = case.arguments(__doc__)
 # Three bodies fly apart; their cells have the order in which they stand here, their masses the other one. Tiles are
 # six cells wide.
 HEAD = """&run dimension = '3d' /
@@ -49,64 +47,64 @@ def table(run, ending="_fragments.csv"):
     return [list(group) for _, group in itertools.groupby(rows, key=lambda row: row["step"])]
 
 
-class FragmentField(unittest.TestCase):
+class TestFragmentField:
     """Each run looks at its own files."""
 
     def agree(self, run, stream="p"):
         """Each number of the table has the particles, the mass and the least identity of its row; the numbers."""
         times, snaps = table(run), [snap for _, snap in run.snapshots(stream)]
-        self.assertEqual(len(times), len(snaps))
+        assert len(times) == len(snaps)
         for rows, snap in zip(times, snaps):
             number = snap.fields["fragment"]
-            self.assertEqual(set(number) - {0}, {row["fragment"] for row in rows})
+            assert set(number) - {0} == {row["fragment"] for row in rows}
             for row in rows:
                 mine = number == row["fragment"]
-                self.assertEqual(mine.sum(), row["particles"])
-                self.assertAlmostEqual(snap.fields["mass"][mine].sum(dtype="f8") / row["mass"], 1.0, 5)
-                self.assertEqual(snap.fields["identity"][mine].min(), row["identity"])
+                assert mine.sum() == row["particles"]
+                assert abs(snap.fields["mass"][mine].sum(dtype="f8") / row["mass"] - 1.0) <= 0.5e-5
+                assert snap.fields["identity"][mine].min() == row["identity"]
         return [snap.fields["fragment"] for snap in snaps]
 
-    def test_bodies_that_fly_apart(self):
+    def test_bodies_that_fly_apart(self, options):
         """Each body is one fragment, the heaviest is 1, and the bodies of the deck tell which."""
-        run = case.Case(OPTIONS, "apart", deck(THREE, TABLE.format("") + POINTS.format("particles", ""))).run("--quiet")
+        run = case.Case(options, "apart", deck(THREE, TABLE.format("") + POINTS.format("particles", ""))).run("--quiet")
         numbers = self.agree(run)
-        self.assertEqual(len(numbers), 3)
+        assert len(numbers) == 3
         for number, (_, snap) in zip(numbers, run.snapshots()):
             for body, wanted in [(1, 3), (2, 2), (3, 1)]:
-                self.assertEqual(set(number[snap.fields["body"] == body]), {wanted})
+                assert set(number[snap.fields["body"] == body]) == {wanted}
 
-    def test_same_bytes(self):
+    def test_same_bytes(self, options, sheet):
         """Any ranks and threads, and a run that goes on from a checkpoint."""
         text = deck(THREE, TABLE.format("velocity_cut = 3") + POINTS.format("particles", ""))
-        one = case.Case(OPTIONS, "one", text).run("--quiet")
+        one = case.Case(options, "one", text).run("--quiet")
         wanted = {path.name: path.read_bytes() for path in one.folder.glob("one_p_0*.hdf")}
-        self.assertEqual(len(wanted), 3)
+        assert len(wanted) == 3
         for ranks, threads in [(3, 1), (2, 1), (1, 2)]:
-            run = case.Case(OPTIONS, f"one_{ranks}_{threads}", text, ranks, threads)
+            run = case.Case(options, f"one_{ranks}_{threads}", text, ranks, threads)
             run.name = "one"
             run.run("--quiet")
             for name, content in wanted.items():
-                with self.subTest(ranks=ranks, threads=threads, file=name):
-                    self.assertEqual((run.folder / name).read_bytes(), content)
-        again = case.Case(OPTIONS, "again", text.replace("max_steps = 12", "max_steps = 7"))
+                with sheet.part(ranks, threads=threads, file=name):
+                    assert (run.folder / name).read_bytes() == content
+        again = case.Case(options, "again", text.replace("max_steps = 12", "max_steps = 7"))
         again.name = "one"
         again.run("--quiet")
         again.run("--quiet", "--restart", "--set", "time.max_steps=12")
         found = [snap.fields["fragment"] for _, snap in again.snapshots()]
         for one_of, (_, snap) in zip([found[0], found[1], found[-1]], one.snapshots()):
-            self.assertTrue(np.array_equal(one_of, snap.fields["fragment"]))
+            assert np.array_equal(one_of, snap.fields["fragment"])
 
-    def test_it_costs_nothing_unasked(self):
+    def test_it_costs_nothing_unasked(self, options):
         """Without the field the file holds the others alone; the state of the run is the same with it."""
-        with_it = case.Case(OPTIONS, "with", deck(THREE, POINTS.format("particles", ""))).run("--quiet")
-        without = case.Case(OPTIONS, "without", deck(THREE, POINTS.format("particles", "").replace(
+        with_it = case.Case(options, "with", deck(THREE, POINTS.format("particles", ""))).run("--quiet")
+        without = case.Case(options, "without", deck(THREE, POINTS.format("particles", "").replace(
             ", 'fragment'", ""))).run("--quiet")
-        self.assertEqual(with_it.summary["digest"], without.summary["digest"])
-        self.assertEqual(set(with_it.snapshots()[0][1].fields) - set(without.snapshots()[0][1].fields), {"fragment"})
+        assert with_it.summary["digest"] == without.summary["digest"]
+        assert set(with_it.snapshots()[0][1].fields) - set(without.snapshots()[0][1].fields) == {"fragment"}
         for _, snap in with_it.snapshots():               # no table: all matter, parted by gaps
-            self.assertEqual(set(snap.fields["fragment"]), {1, 2, 3})
+            assert set(snap.fields["fragment"]) == {1, 2, 3}
 
-    def test_the_table_defines(self):
+    def test_the_table_defines(self, options):
         """Touching bodies that part by velocity_cut of the table; bodies that the table leaves out have 0."""
         pair = [("one", "0.25 0.25 0.25", "0.5 0.5 0.5", "metal", "3 0 0"),
                 ("two", "0.5 0.25 0.25", "0.625 0.5 0.5", "metal", "0 4 0"),
@@ -115,64 +113,59 @@ class FragmentField(unittest.TestCase):
                             ("velocity_cut = 5.1", {1: {2}, 2: {2}, 3: {1}}),
                             ("bodies = 'one' 'far'", {1: {2}, 2: {0}, 3: {1}})]:
             streams = TABLE.format(key) + TABLE.format("").replace("'b'", "'other'")
-            run = case.Case(OPTIONS, f"defined_{len(key)}_{key[-2]}",
+            run = case.Case(options, f"defined_{len(key)}_{key[-2]}",
                             deck(pair, POINTS.format("particles", "") + streams, 0), 2).run("--quiet")
             number, = self.agree(run)
             body = run.snapshots()[0][1].fields["body"]
-            self.assertEqual({row: set(number[body == row]) for row in (1, 2, 3)}, wanted, key)
+            assert {row: set(number[body == row]) for row in (1, 2, 3)} == wanted, key
 
-    def test_failed_matter_has_none(self):
+    def test_failed_matter_has_none(self, options):
         """Where the table takes intact matter alone, particles that have failed have 0, and some have failed."""
         bodies = [("bar", "0.25 0.4375 0.4375", "1.75 0.5625 0.5625", "metal", "0 0 0  spin = 0 0 80")]
-        run = case.Case(OPTIONS, "intact", deck(
+        run = case.Case(options, "intact", deck(
             bodies, TABLE.format("matter = 'intact'") + POINTS.format("particles", "").replace(
                 "'body'", "'failed'"), 60, "damage_model = 'principal_stress'  failure_stress = 3e5",
             "&effects damage = T /"), 2).run("--quiet", "--set", "output[b].every=60", "--set", "output[p].every=60")
         self.agree(run)
         snap = run.snapshots()[-1][1]
         failed = snap.fields["failed"] == 1
-        self.assertGreater(failed.sum(), 0)
-        self.assertTrue(np.array_equal(failed, snap.fields["fragment"] == 0))
-        self.assertGreater(snap.fields["fragment"].max(), 1)
+        assert failed.sum() > 0
+        assert np.array_equal(failed, snap.fields["fragment"] == 0)
+        assert snap.fields["fragment"].max() > 1
 
-    def test_a_part_is_written(self):
+    def test_a_part_is_written(self, options):
         """Slices, strides, bodies and regions of the stream choose rows; the numbers stay those of the whole."""
         where = "&region name = 'left'  shape = 'box'  lo = 0 0 0  hi = 1 1 1 /\n"
         parts = ["stride = 3", "bodies = 'light' 'small'", "region = 'left'"]
         streams = TABLE.format("") + POINTS.format("particles", "") + "".join(
             POINTS.format("particles", part).replace("'p'", f"'q{n}'") for n, part in enumerate(parts)) \
             + POINTS.format("slice", "axis = 'z'  at = 0.44").replace("'p'", "'s'") + where
-        run = case.Case(OPTIONS, "parts", deck(THREE, streams, 6), 2).run("--quiet")
+        run = case.Case(options, "parts", deck(THREE, streams, 6), 2).run("--quiet")
         whole = run.snapshots()[-1][1]
         number = dict(zip(whole.fields["identity"], whole.fields["fragment"]))
         for stream in ("q0_p", "q1_p", "q2_p", "s"):
             part = run.snapshots(stream)[-1][1]
-            self.assertTrue(0 < len(part.points) < len(whole.points), stream)
-            self.assertEqual([number[identity] for identity in part.fields["identity"]],
-                             list(part.fields["fragment"]), stream)
+            assert 0 < len(part.points) < len(whole.points), stream
+            assert [number[identity] for identity in part.fields["identity"]] == list(part.fields["fragment"]), stream
 
-    def test_viewers(self):
+    def test_viewers(self, options):
         """The numbers are whole, of 32 bits, named in the file, and VTK reads them; grids have no mean of them."""
-        run = case.Case(OPTIONS, "viewed", deck(THREE, POINTS.format("particles", ""), 0)).run("--quiet")
+        run = case.Case(options, "viewed", deck(THREE, POINTS.format("particles", ""), 0)).run("--quiet")
         path = run.path("_p_000000.hdf")
         with h5py.File(path) as file:
             field = file["VTKHDF/PointData/fragment"]
-            self.assertEqual(field.dtype, np.dtype("i4"))
-            self.assertEqual(field.attrs["units"].decode().strip(), "1")
+            assert field.dtype == np.dtype("i4")
+            assert field.attrs["units"].decode().strip() == "1"
             wanted = field[:]
-        answer = case.Case(OPTIONS, "grid", deck(THREE, POINTS.format("grid", ""), 0)).run("--check", expect=2).output
-        self.assertIn("has no mean", answer)
+        answer = case.Case(options, "grid", deck(THREE, POINTS.format("grid", ""), 0)).run("--check", expect=2).output
+        assert "has no mean" in answer
         try:
             from vtkmodules.util.numpy_support import vtk_to_numpy
             from vtkmodules.vtkIOHDF import vtkHDFReader
         except ImportError:
-            report.skip_part(self, "the package vtk is not installed")
+            pytest.skip("the package vtk is not installed")
         reader = vtkHDFReader()
         reader.SetFileName(str(path))
         reader.Update()
         data = reader.GetOutputDataObject(0)
-        self.assertTrue(np.array_equal(vtk_to_numpy(data.GetPointData().GetArray("fragment")), wanted))
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert np.array_equal(vtk_to_numpy(data.GetPointData().GetArray("fragment")), wanted)

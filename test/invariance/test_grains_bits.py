@@ -9,14 +9,12 @@ tilt of whole periods that changes the cell.
 """
 
 import signal
-import sys
 import time
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import pytest
+
+import case
+import tier
 
 # The program takes a thread for 300 grains of a rank: 1800 are enough for three ranks with two threads each.
 LOOSE = """&grains number = {number}  shape = '{shape}'  diameter = 1e-3  density = 2500
@@ -39,7 +37,11 @@ def run(options, name, values, ranks=1, threads=1, keep=False, more=(), expect=0
     return one.run("--grains", "--quiet", *more, expect=expect, env={"OMP_WAIT_POLICY": "passive"})
 
 
-def layouts(options, sheet, name, values):
+@pytest.mark.parametrize("name, values", [
+    ("discs", DISCS),
+    pytest.param("spheres", SPHERES, marks=pytest.mark.tiers("full")),
+])
+def test_layouts(options, sheet, name, values):
     """All layouts, and a stop by a signal and by the wall limit with another layout behind it."""
     first = run(options, name, values)
     digest, steps = first.summary["digest"], first.summary["steps"]
@@ -66,7 +68,8 @@ def layouts(options, sheet, name, values):
     sheet.require(last.path("_history.csv").read_bytes() == history, f"{name}: the history after restarts")
 
 
-def by_signal(options, sheet):
+@pytest.mark.tiers("full")
+def test_by_signal(options, sheet):
     """A run that is stopped by a signal and goes on."""
     values = {**DISCS, "strain": 3.0}
     whole = run(options, "signal_whole", values).summary
@@ -87,24 +90,10 @@ def by_signal(options, sheet):
     sheet.require(one.summary["digest"] == whole["digest"], "after a signal and a restart the same digest")
 
 
-def periods(options, sheet):
+def test_periods(options, sheet):
     """A tilt of whole periods is the same cell; of half a period the same cell on either side."""
     short = {**DISCS, "number": 400, "strain": 0.3}
     digests = {tilt: run(options, f"tilt_{n}", {**short, "tilt": tilt}).summary["digest"]
                for n, tilt in enumerate((0, 1, -2, 0.25))}
     sheet.require(digests[0] == digests[1] == digests[-2], f"tilts of 0, 1 and -2 periods: {digests}")
     sheet.require(digests[0] != digests[0.25], "a tilt of a quarter is another cell")
-
-
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    layouts(options, sheet, "discs", DISCS)
-    periods(options, sheet)
-    if tier.NAME == "full":
-        layouts(options, sheet, "spheres", SPHERES)
-        by_signal(options, sheet)
-    sheet.end()
-
-
-main()

@@ -7,13 +7,9 @@ strengths that are drawn from another identity, and tiles that a rank without pa
 # timeout: 300
 # cores: 2
 
-import sys
-from pathlib import Path
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case     # noqa: E402
-import layouts  # noqa: E402
-import report   # noqa: E402
+import layouts
 
 STEPS = 240
 DECK = f"""
@@ -32,22 +28,15 @@ DECK = f"""
 """
 
 
-def main():
+@pytest.mark.parametrize("name, words", (
+        ("plane", {"dimension": "plane_strain", "deep": 1, "dx": 0.04, "across": 1, "low": 0.32, "high": 0.48,
+                   "rate": 6000}),
+        ("space", {"dimension": "3d", "deep": 0.24, "dx": 0.04, "across": 2, "low": 0.32, "high": 0.48,
+                   "rate": 1400})))
+def test_inflow_bits(options, sheet, name, words):
     """Two and three dimensions."""
-    options = case.arguments()
-    sheet = report.Report()
-    for name, words in (
-            ("plane", {"dimension": "plane_strain", "deep": 1, "dx": 0.04, "across": 1, "low": 0.32, "high": 0.48,
-                       "rate": 6000}),
-            ("space", {"dimension": "3d", "deep": 0.24, "dx": 0.04, "across": 2, "low": 0.32, "high": 0.48,
-                       "rate": 1400})):
-        matrix = layouts.Matrix(options, sheet, name, DECK.format(**words), STEPS)
-        matrix.whole(2, 1, "on")
-        matrix.whole(3, 1, "off")
-        matrix.whole(1, 2, "off")
-        matrix.stopped(STEPS // 2, (2, 1), ((1, 1),), "on")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    matrix = layouts.Matrix(options, sheet, name, DECK.format(**words), STEPS)
+    matrix.whole(2, 1, "on")
+    matrix.whole(3, 1, "off")
+    matrix.whole(1, 2, "off")
+    matrix.stopped(STEPS // 2, (2, 1), ((1, 1),), "on")

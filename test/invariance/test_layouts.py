@@ -12,28 +12,15 @@ layouts of ranks {1, 2, 3, 4, 7} and threads {1, 2, 3}, with restarts at the fir
 # timeout long: 7200
 # cores: 2
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case     # noqa: E402
-import layouts  # noqa: E402
-import report   # noqa: E402
-import tier     # noqa: E402
+import layouts
+import tier
 
 
-def main():
+def test_layouts(options, sheet):
     """The layouts of this tier."""
-    options = case.arguments()
-    sheet = report.Report()
     if tier.NAME == "smoke":
         layouts.run_few(options, sheet)
     elif tier.NAME == "full":
         layouts.run_all(options, sheet, ranks=(4, 7), threads=(1,), restarts=(1,))
     else:
         layouts.run_all(options, sheet, ranks=(1, 2, 3, 4, 7), threads=(1, 2, 3), restarts=(0, 1, 2))
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

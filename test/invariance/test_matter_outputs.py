@@ -8,14 +8,13 @@ two fragments taken for one, sums that depend on who adds them up, and rows that
 
 import csv
 import itertools
-import unittest
 
 import h5py
 import numpy as np
+import pytest
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DX = 1.0 / 32
 # Tiles are six cells wide: the first body crosses faces of tiles and, of two or three ranks, of ranks.
 HEAD = """&run dimension = '3d' /
@@ -62,84 +61,84 @@ def table(run, ending):
     return {step: list(group) for step, group in itertools.groupby(rows, key=lambda row: int(row["step"]))}
 
 
-class MatterOutputs(unittest.TestCase):
+class TestMatterOutputs:
     """A run once, looked at from many sides."""
 
+    @pytest.fixture(autouse=True, scope="class")
     @classmethod
-    def setUpClass(cls):
-        cls.one = case.Case(OPTIONS, "three", deck(THREE)).run("--quiet")
+    def made(cls, file_options):
+        cls.one = case.Case(file_options, "three", deck(THREE)).run("--quiet")
         cls.kept = {path.name: path.read_bytes() for path in cls.one.folder.iterdir()
                     if path.suffix in (".hdf", ".csv", ".series")}
 
-    def test_same_bytes(self):
+    def test_same_bytes(self, options, sheet):
         """Any ranks and threads; all files of all streams are there."""
-        self.assertEqual(len(self.kept), 3 * 3 + 3 + 3 + 1)          # the last one holds the walls
+        assert len(self.kept) == 3 * 3 + 3 + 3 + 1          # the last one holds the walls
         for ranks, threads in [(2, 1), (3, 1), (1, 2)]:
-            run = case.Case(OPTIONS, f"three_{ranks}_{threads}", deck(THREE), ranks, threads)
+            run = case.Case(options, f"three_{ranks}_{threads}", deck(THREE), ranks, threads)
             run.name = "three"
             run.run("--quiet")
             for name, wanted in self.kept.items():
-                with self.subTest(ranks=ranks, threads=threads, file=name):
-                    self.assertEqual((run.folder / name).read_bytes(), wanted)
+                with sheet.part(ranks, threads=threads, file=name):
+                    assert (run.folder / name).read_bytes() == wanted
 
     def test_fragments_are_the_bodies(self):
         """Number, order, mass, volume, centre, velocity, energy, corners, of three bodies that fly apart."""
         rows = table(self.one, "_fragments.csv")
-        self.assertEqual(sorted(rows), [0, 4, 8])
+        assert sorted(rows) == [0, 4, 8]
         heaviest = sorted(THREE, key=mass_of, reverse=True)
         for body, row in zip(heaviest, rows[0]):
             lower, upper = box_of(body)
             velocity = np.array([float(word) for word in body[3].split()])
-            self.assertAlmostEqual(row["mass"] / mass_of(body), 1.0, 12)
-            self.assertAlmostEqual(row["volume"] * 2700.0 / mass_of(body), 1.0, 12)
-            self.assertEqual(row["particles"], round(2 * np.prod(upper - lower) / DX**3))
-            self.assertAlmostEqual(row["kinetic"] / (0.5 * mass_of(body) * velocity @ velocity), 1.0, 12)
+            assert abs(row["mass"] / mass_of(body) - 1.0) <= 0.5e-12
+            assert abs(row["volume"] * 2700.0 / mass_of(body) - 1.0) <= 0.5e-12
+            assert row["particles"] == round(2 * np.prod(upper - lower) / DX**3)
+            assert abs(row["kinetic"] / (0.5 * mass_of(body) * velocity @ velocity) - 1.0) <= 0.5e-12
             for k, axis in enumerate("xyz"):
-                self.assertAlmostEqual(row[f"centre_{axis}"], 0.5 * (lower + upper)[k], 12)
-                self.assertAlmostEqual(row[f"velocity_{axis}"], velocity[k], 12)
+                assert abs(row[f"centre_{axis}"] - (0.5 * (lower + upper)[k])) <= 0.5e-12
+                assert abs(row[f"velocity_{axis}"] - velocity[k]) <= 0.5e-12
                 half = DX / (4 if axis == "y" else 2)
-                self.assertAlmostEqual(row[f"lower_{axis}"], lower[k] + half, 12)
-                self.assertAlmostEqual(row[f"upper_{axis}"], upper[k] - half, 12)
+                assert abs(row[f"lower_{axis}"] - (lower[k] + half)) <= 0.5e-12
+                assert abs(row[f"upper_{axis}"] - (upper[k] - half)) <= 0.5e-12
         for step in rows:
-            self.assertEqual([row["fragment"] for row in rows[step]], [1, 2, 3])
+            assert [row["fragment"] for row in rows[step]] == [1, 2, 3]
             total = sum(row["mass"] for row in rows[step])
-            self.assertAlmostEqual(total / sum(map(mass_of, THREE)), 1.0, 12)
+            assert abs(total / sum(map(mass_of, THREE)) - 1.0) <= 0.5e-12
 
     def test_profile(self):
         """Sums over the bins are those of the bodies; a mean is that of the matter in the bin."""
         rows = table(self.one, "_profile.csv")
-        self.assertEqual([len(rows[step]) for step in rows], [50] * 3)
+        assert [len(rows[step]) for step in rows] == [50] * 3
         history = self.one.history
         for step, bins in rows.items():
-            self.assertAlmostEqual(sum(row["mass"] for row in bins) / sum(map(mass_of, THREE)), 1.0, 12)
+            assert abs(sum(row["mass"] for row in bins) / sum(map(mass_of, THREE)) - 1.0) <= 0.5e-12
             at = list(history["step"]).index(step)
             momentum = sum(row["mass"] * row["velocity_x"] for row in bins)
-            self.assertAlmostEqual(momentum / history["momentum_x"][at], 1.0, 10)
+            assert abs(momentum / history["momentum_x"][at] - 1.0) <= 0.5e-10
         inside = [row for row in rows[0] if 0.1 < row["position"] < 0.9]
-        self.assertGreater(len(inside), 15)
-        self.assertTrue(all(row["velocity_x"] == 5.0 for row in inside))
-        self.assertTrue(all(abs(row["density"] / 2700.0 - 1.0) < 1e-12 for row in inside))
-        self.assertTrue(all(row["mass"] == 0.0 for row in rows[0] if row["position"] > 1.75))
+        assert len(inside) > 15
+        assert all(row["velocity_x"] == 5.0 for row in inside)
+        assert all(abs(row["density"] / 2700.0 - 1.0) < 1e-12 for row in inside)
+        assert all(row["mass"] == 0.0 for row in rows[0] if row["position"] > 1.75)
 
     def test_grid(self):
         """The image holds all mass, no more cells than are needed, and the velocity of each body."""
         series = sorted(self.one.folder.glob("three_g_0*.hdf"))
-        self.assertEqual(len(series), 3)
+        assert len(series) == 3
         for path in series:
             with h5py.File(path) as file:
                 image = file["VTKHDF"]
                 density = image["PointData/density"][:]
                 extent = image.attrs["WholeExtent"]
-                self.assertEqual(density.shape, tuple(extent[5::-2] + 1))
-                self.assertAlmostEqual(density.sum() * DX**3 / sum(map(mass_of, THREE)), 1.0, 12)
-                self.assertTrue(np.allclose(density, 2700.0 * image["PointData/volume_fraction"][:], rtol=1e-3))
+                assert density.shape == tuple(extent[5::-2] + 1)
+                assert abs(density.sum() * DX**3 / sum(map(mass_of, THREE)) - 1.0) <= 0.5e-12
+                assert np.allclose(density, 2700.0 * image["PointData/volume_fraction"][:], rtol=1e-3)
                 if path == series[0]:
-                    self.assertEqual(density.shape, (18, 24, 52))
-                    self.assertTrue(np.allclose(image.attrs["Origin"], [0.0625 + DX / 2, 0.125 + DX / 2,
-                                                                        0.25 + DX / 2]))
+                    assert density.shape == (18, 24, 52)
+                    assert np.allclose(image.attrs["Origin"], [0.0625 + DX / 2, 0.125 + DX / 2, 0.25 + DX / 2])
                     velocity = image["PointData/velocity"][:]
-                    self.assertEqual({5.0, 0.0}, set(velocity[..., 0].ravel()))
-                    self.assertEqual({-4.0, 0.0}, set(velocity[..., 2].ravel()))
+                    assert {5.0, 0.0} == set(velocity[..., 0].ravel())
+                    assert {-4.0, 0.0} == set(velocity[..., 2].ravel())
 
     def test_slice(self):
         """Particles within half a cell of the plane, no others, and not none."""
@@ -147,12 +146,12 @@ class MatterOutputs(unittest.TestCase):
         _, cut = self.one.snapshots("s")[-1]
         off = whole.points[:, 2] - 0.5
         near = (off >= -DX / 2) & (off < DX / 2)
-        self.assertGreater(near.sum(), 100)
-        self.assertEqual(sorted(whole.fields["identity"][near]), sorted(cut.fields["identity"]))
+        assert near.sum() > 100
+        assert sorted(whole.fields["identity"][near]) == sorted(cut.fields["identity"])
 
-    def test_restart(self):
+    def test_restart(self, options):
         """Tables are cut back and go on, files and series too."""
-        run = case.Case(OPTIONS, "again", deck(THREE, steps=5))
+        run = case.Case(options, "again", deck(THREE, steps=5))
         run.name = "three"
         run.run("--quiet")
         cut = run.path("_fragments.csv").read_text(encoding="utf-8")
@@ -161,22 +160,22 @@ class MatterOutputs(unittest.TestCase):
         run.run("--quiet", "--restart", "--set", "time.max_steps=8")
         for ending in ("_profile.csv", "_fragments.csv"):
             seen, wanted = table(run, ending), table(self.one, ending)
-            self.assertEqual(sorted(seen), [0, 4, 5, 8])
+            assert sorted(seen) == [0, 4, 5, 8]
             for step in wanted:
-                self.assertEqual(seen[step], wanted[step])
-        self.assertEqual(len(list(run.folder.glob("three_g_0*.hdf"))), 4)
-        self.assertEqual(run.path("_g.hdf.series").read_text(encoding="utf-8").count("time"), 4)
+                assert seen[step] == wanted[step]
+        assert len(list(run.folder.glob("three_g_0*.hdf"))) == 4
+        assert run.path("_g.hdf.series").read_text(encoding="utf-8").count("time") == 4
 
 
-class Fragments(unittest.TestCase):
+class TestFragments:
     """What belongs together, at the first step."""
 
-    def masses(self, name, bodies, ranks=1, key="", more=""):
+    def masses(self, options, name, bodies, ranks=1, key="", more=""):
         stream = f"&output name = 'b'  kind = 'fragments'  every = 1  {key} /\n"
-        run = case.Case(OPTIONS, name, deck(bodies, stream, 0, more), ranks).run("--quiet")
+        run = case.Case(options, name, deck(bodies, stream, 0, more), ranks).run("--quiet")
         return [(row["mass"], row) for row in table(run, "_fragments.csv")[0]]
 
-    def test_touching(self):
+    def test_touching(self, options, sheet):
         """Cells that share a face, an edge or a corner belong together, and those one cell apart do not, wherever
         faces of tiles are, of any ranks."""
         for shift in range(6, 12):                   # all places in a tile of six cells
@@ -185,46 +184,41 @@ class Fragments(unittest.TestCase):
             for gap, pieces in [(0, 1), (1, 2)]:
                 start = edge + gap * DX
                 other = ("two", f"{start} {0.25 + gap * DX} 0.25", f"{start + 0.25} 0.75 0.5", "0 0 0")
-                found = self.masses(f"touch_{shift}_{gap}", [first, other], ranks=1 + shift % 3)
-                with self.subTest(shift=shift, gap=gap):
-                    self.assertEqual(len(found), pieces)
+                found = self.masses(options, f"touch_{shift}_{gap}", [first, other], ranks=1 + shift % 3)
+                with sheet.part(shift, gap=gap):
+                    assert len(found) == pieces
 
-    def test_periodic(self):
+    def test_periodic(self, options):
         """A body across a periodic face is one fragment whose middle is that of the body, not of the box."""
         faces = "&boundary face = 'xlo' type = 'periodic' /\n&boundary face = 'xhi' type = 'periodic' /\n"
         parts = [("one", "0 0.25 0.25", "0.125 0.5 0.5", "0 0 7"), ("two", "1.75 0.25 0.25", "2 0.5 0.5", "0 0 7")]
-        closed = self.masses("round", parts, ranks=2, more=faces)
-        self.assertEqual(len(closed), 1)
+        closed = self.masses(options, "round", parts, ranks=2, more=faces)
+        assert len(closed) == 1
         row = closed[0][1]
-        self.assertAlmostEqual(row["centre_x"] % 2.0, 1.9375, 12)
-        self.assertAlmostEqual(row["upper_x"] - row["lower_x"], 0.375 - DX, 12)
-        self.assertLess(abs(row["angular_momentum_y"]), 1e-9 * row["mass"])
-        self.assertEqual(len(self.masses("open", parts)), 2)
+        assert abs(row["centre_x"] % 2.0 - 1.9375) <= 0.5e-12
+        assert abs(row["upper_x"] - row["lower_x"] - (0.375 - DX)) <= 0.5e-12
+        assert abs(row["angular_momentum_y"]) < 1e-9 * row["mass"]
+        assert len(self.masses(options, "open", parts)) == 2
 
-    def test_velocity_cut(self):
+    def test_velocity_cut(self, options):
         """Touching bodies part where their velocities differ by more than the limit, and only there."""
         parts = [("one", "0.25 0.25 0.25", "0.5 0.5 0.5", "3 0 0"), ("two", "0.5 0.25 0.25", "0.625 0.5 0.5", "0 4 0")]
         for limit, pieces in [(4.99, 2), (5.01, 1)]:
-            self.assertEqual(len(self.masses(f"cut_{pieces}", parts, 2, f"velocity_cut = {limit}")), pieces)
+            assert len(self.masses(options, f"cut_{pieces}", parts, 2, f"velocity_cut = {limit}")) == pieces
 
-    def test_only_some(self):
+    def test_only_some(self, options):
         """Bodies and regions choose; the share that is left out has no mass here."""
-        found = self.masses("some", THREE, 1, "bodies = 'cube' 'slab'")
-        self.assertEqual([round(mass / mass_of(body), 9) for (mass, _), body in zip(found, [THREE[2], THREE[1]])],
-                         [1.0, 1.0])
+        found = self.masses(options, "some", THREE, 1, "bodies = 'cube' 'slab'")
+        assert [round(mass / mass_of(body), 9) for (mass, _), body in zip(found, [THREE[2], THREE[1]])] == [1.0, 1.0]
         where = "&region name = 'left'  shape = 'box'  lo = 0 0 0  hi = 0.5 1 1 /\n"
-        found = self.masses("where", THREE, 2, "region = 'left'", where)
-        self.assertAlmostEqual(found[0][0] / mass_of(THREE[0]), 0.4375 / 0.875, 12)
-        self.assertEqual(len(found), 1)
+        found = self.masses(options, "where", THREE, 2, "region = 'left'", where)
+        assert abs(found[0][0] / mass_of(THREE[0]) - (0.4375 / 0.875)) <= 0.5e-12
+        assert len(found) == 1
 
-    def test_spin(self):
+    def test_spin(self, options):
         """Angular momentum about the own middle of a body that turns and flies, far from the origin."""
         bodies = [("one", "1.5 0.5 0.5", "1.75 0.75 0.75", "1000 0 0  spin = 0 0 20")]
-        mass, row = self.masses("spin", bodies)[0]
+        mass, row = self.masses(options, "spin", bodies)[0]
         # sum over lattice points of x and y: edge^2 (1 - 1/n^2)/12 with 8 and 16 points
         inertia = mass * 0.25**2 / 12.0 * ((1 - 1 / 8**2) + (1 - 1 / 16**2))
-        self.assertAlmostEqual(row["angular_momentum_z"] / (20.0 * inertia), 1.0, 9)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert abs(row["angular_momentum_z"] / (20.0 * inertia) - 1.0) <= 0.5e-9

@@ -7,14 +7,10 @@ otherwise than its opposite, positions taken from a wrong origin. Limits 1e-12, 
 guard: the scene moves, fails and flows.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 LIMIT = 1.0e-12
 
@@ -77,7 +73,7 @@ def last(options, name, deck):
     return first, snap, run.summary["steps"]
 
 
-def units(options, sheet):
+def test_units(options, sheet):
     """SI and mm-us-mg."""
     first, one, steps = last(options, "units_si", UNITS.format(**SI))
     _, two, _ = last(options, "units_mm", UNITS.format(**MM))
@@ -99,7 +95,13 @@ def nearest(points, others):
     return np.array([np.argmin(((others - point) ** 2).sum(axis=1)) for point in points])
 
 
-def mirror(options, sheet, name, words):
+@pytest.mark.parametrize("name, words", [
+    ("default", ""),
+    ("xpic", "transfer='xpic' stress_update='musl'"),
+    ("apic", "transfer='apic'"),
+    ("fmpm", "transfer='fmpm' order_k=3"),
+])
+def test_mirror(options, sheet, name, words):
     """A scene and its image in the plane x = 0."""
     _, one, steps = last(options, f"scene_{name}", MIRROR.format(**{**SCENE, "words": words}))
     _, two, _ = last(options, f"image_{name}", MIRROR.format(**{**IMAGE, "words": words}))
@@ -117,19 +119,3 @@ def mirror(options, sheet, name, words):
                         np.abs(stress).max())}
     for key, (mine, other, scale) in pairs.items():
         sheet.below(f"mirror {name}: {key}", np.abs(mine - other).max() / scale, LIMIT)
-
-
-def main():
-    """Units and mirror images."""
-    options = case.arguments()
-    sheet = report.Report()
-    units(options, sheet)
-    mirror(options, sheet, "default", "")
-    mirror(options, sheet, "xpic", "transfer='xpic' stress_update='musl'")
-    mirror(options, sheet, "apic", "transfer='apic'")
-    mirror(options, sheet, "fmpm", "transfer='fmpm' order_k=3")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

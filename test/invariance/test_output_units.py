@@ -9,14 +9,13 @@ twice, and an echo that writes other units than the deck did.
 import csv
 import re
 import shutil
-import unittest
 
 import h5py
 import numpy as np
+import pytest
 
 import case
 
-OPTIONS = case.arguments(__doc__)
 DECK = """&run dimension = 'plane_strain' /
 &units system = 'mm-us-mg'  output_units = '{units}' /
 &grid lo = 0 0 0  hi = 20 1 10  dx = 1 /
@@ -48,39 +47,40 @@ def heading_and_rows(path):
     return [name for name, _ in parts], [unit for _, unit in parts], np.array(rows, dtype=float)
 
 
-class OutputUnits(unittest.TestCase):
+class TestOutputUnits:
     """The same run twice."""
 
+    @pytest.fixture(autouse=True, scope="class")
     @classmethod
-    def setUpClass(cls):
-        cls.si, cls.deck = (case.Case(OPTIONS, name, DECK.format(units=units)).run("--quiet")
+    def made(cls, file_options):
+        cls.si, cls.deck = (case.Case(file_options, name, DECK.format(units=units)).run("--quiet")
                             for name, units in (("in_si", "si"), ("in_deck", "deck")))
 
     def close(self, found, wanted):
-        self.assertTrue(np.all(np.abs(found - wanted) <= CLOSE * np.abs(wanted)), (found, wanted))
+        assert np.all(np.abs(found - wanted) <= CLOSE * np.abs(wanted)), (found, wanted)
 
     def test_same_run(self):
         """Units of outputs change no bit of the run."""
-        self.assertEqual(self.si.summary["digest"], self.deck.summary["digest"])
+        assert self.si.summary["digest"] == self.deck.summary["digest"]
 
-    def test_tables(self):
+    def test_tables(self, sheet):
         for ending in ("_history.csv", "_profile.csv", "_fragments.csv"):
             names, units, wanted = heading_and_rows(self.si.path(ending))
             same, other, found = heading_and_rows(self.deck.path(ending))
-            self.assertEqual(names, same)
-            self.assertGreater(len(wanted), 2)
+            assert names == same
+            assert len(wanted) > 2
             for k, unit in enumerate(units):
-                with self.subTest(table=ending, column=names[k]):
+                with sheet.part(ending, column=names[k]):
                     label, factor = NAMES[unit] if unit else (None, 1.0)
-                    self.assertEqual(other[k], label)
+                    assert other[k] == label
                     self.close(found[:, k] * factor, wanted[:, k])
 
-    def test_snapshots_and_grids(self):
+    def test_snapshots_and_grids(self, sheet):
         for stream, fields in (("p", 10), ("g", 4)):
             for number in range(3):
                 ending = f"_{stream}_{number:06d}.hdf"
                 with h5py.File(self.si.path(ending)) as one, h5py.File(self.deck.path(ending)) as two:
-                    self.assertGreaterEqual(len(one["VTKHDF/PointData"]), fields)
+                    assert len(one["VTKHDF/PointData"]) >= fields
                     sets = [f"VTKHDF/PointData/{name}" for name in one["VTKHDF/PointData"]]
                     if stream == "p":
                         sets += ["VTKHDF/Points", "VTKHDF/FieldData/TimeValue"]
@@ -89,11 +89,11 @@ class OutputUnits(unittest.TestCase):
                         self.close(two["VTKHDF"].attrs["Spacing"] * 1e-3, one["VTKHDF"].attrs["Spacing"])
                         self.close(two["VTKHDF"].attrs["Origin"] * 1e-3, one["VTKHDF"].attrs["Origin"])
                     for name in sets:
-                        with self.subTest(name):
+                        with sheet.part(name):
                             label, factor = NAMES[one[name].attrs["units"].decode()]
-                            self.assertEqual(two[name].attrs["units"].decode(), label)
-                            self.assertAlmostEqual(two[name].attrs["unitSI"] / factor, 1.0, 14)
-                            self.assertEqual(one[name].attrs["unitSI"], 1.0)
+                            assert two[name].attrs["units"].decode() == label
+                            assert abs(two[name].attrs["unitSI"] / factor - 1.0) <= 0.5e-14
+                            assert one[name].attrs["unitSI"] == 1.0
                             self.close(two[name][...] * factor, one[name][...])
 
     def test_post_processing(self):
@@ -101,21 +101,17 @@ class OutputUnits(unittest.TestCase):
         for (time, one), (other, two) in zip(self.si.snapshots(), self.deck.snapshots()):
             self.close(np.array(other), np.array(time))
             self.close(two.points, one.points)
-            self.assertEqual(one.units, two.units)
+            assert one.units == two.units
             for name in one.fields:
                 self.close(two.fields[name], one.fields[name])
 
-    def test_echo(self):
+    def test_echo(self, options):
         """The echo is in SI, and its outputs are the same bytes all the same."""
         echo = self.deck.path(".echo.nml").read_text(encoding="utf-8")
-        self.assertIn("output_units = 'mm-us-mg'", echo)
-        shutil.rmtree(OPTIONS.work / "echo", ignore_errors=True)
-        again = case.Case(OPTIONS, "echo", echo)
+        assert "output_units = 'mm-us-mg'" in echo
+        shutil.rmtree(options.work / "echo", ignore_errors=True)
+        again = case.Case(options, "echo", echo)
         again.name = "in_deck"
         again.run("--quiet")
         for ending in ("_history.csv", "_profile.csv", "_fragments.csv", "_p.hdf.series", "_g.hdf.series"):
-            self.assertEqual(again.path(ending).read_bytes(), self.deck.path(ending).read_bytes())
-
-
-if __name__ == "__main__":
-    unittest.main()
+            assert again.path(ending).read_bytes() == self.deck.path(ending).read_bytes()

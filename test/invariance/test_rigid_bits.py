@@ -8,13 +8,9 @@ nodes that are remembered for tiles that went to another rank; normals that are 
 # timeout: 300
 # cores: 2
 
-import sys
-from pathlib import Path
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case     # noqa: E402
-import layouts  # noqa: E402
-import report   # noqa: E402
+import layouts
 
 STEPS = 40
 DECK = f"""
@@ -36,32 +32,25 @@ DECK = f"""
 """
 
 
-def main():
+@pytest.mark.parametrize("name, words", (
+        ("plane", {"dimension": "plane_strain", "method": "ddmp", "deep": 1, "dx": 0.01, "across": 1, "middle": 0.5,
+                   "words": ""}),
+        ("space", {"dimension": "3d", "method": "ddmp", "deep": 0.4, "dx": 0.04, "across": 2, "middle": 0.21,
+                   "words": ""}),
+        ("wide", {"dimension": "plane_strain", "method": "mpm", "deep": 1, "dx": 0.01, "across": 1, "middle": 0.5,
+                  "words": "&method  basis='quadratic' /"}),
+        ("before", {"dimension": "plane_strain", "method": "mpm", "deep": 1, "dx": 0.02, "across": 1, "middle": 0.5,
+                    "words": "&method  stress_update='usf' /"})))
+def test_rigid_bits(options, sheet, name, words):
     """Two and three dimensions."""
-    options = case.arguments()
-    sheet = report.Report()
-    for name, words in (
-            ("plane", {"dimension": "plane_strain", "method": "ddmp", "deep": 1, "dx": 0.01, "across": 1, "middle": 0.5,
-                       "words": ""}),
-            ("space", {"dimension": "3d", "method": "ddmp", "deep": 0.4, "dx": 0.04, "across": 2, "middle": 0.21,
-                       "words": ""}),
-            ("wide", {"dimension": "plane_strain", "method": "mpm", "deep": 1, "dx": 0.01, "across": 1, "middle": 0.5,
-                      "words": "&method  basis='quadratic' /"}),
-            ("before", {"dimension": "plane_strain", "method": "mpm", "deep": 1, "dx": 0.02, "across": 1, "middle": 0.5,
-                        "words": "&method  stress_update='usf' /"})):
-        matrix = layouts.Matrix(options, sheet, name, DECK.format(**words), STEPS)
-        matrix.whole(2, 1, "on")
-        matrix.whole(3, 1, "off")
-        if name == "plane":
-            matrix.whole(1, 2, "off")
-        if name in ("plane", "before"):
-            matrix.stopped(STEPS // 2, (2, 1), ((1, 1),), "on")
-        first = matrix.new("free", 1, 1, "off")
-        first.deck.write_text("".join(line for line in first.deck.read_text(encoding="utf-8").splitlines(True)
-                                      if "&boundary" not in line or "region=" not in line), encoding="utf-8")
-        sheet.require(first.run("-q").summary["digest"] != matrix.digest, f"{name}: the regions do something")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    matrix = layouts.Matrix(options, sheet, name, DECK.format(**words), STEPS)
+    matrix.whole(2, 1, "on")
+    matrix.whole(3, 1, "off")
+    if name == "plane":
+        matrix.whole(1, 2, "off")
+    if name in ("plane", "before"):
+        matrix.stopped(STEPS // 2, (2, 1), ((1, 1),), "on")
+    first = matrix.new("free", 1, 1, "off")
+    first.deck.write_text("".join(line for line in first.deck.read_text(encoding="utf-8").splitlines(True)
+                                  if "&boundary" not in line or "region=" not in line), encoding="utf-8")
+    sheet.require(first.run("-q").summary["digest"] != matrix.digest, f"{name}: the regions do something")

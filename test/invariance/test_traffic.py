@@ -8,14 +8,9 @@ restart, a list of all tiles on some rank, and cuts of the curve that depend on 
 """
 
 import re
-import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-import case     # noqa: E402
-import report   # noqa: E402
-import scaling  # noqa: E402
+import case
+import scaling
 
 STEPS = 4
 WORD = 8
@@ -42,7 +37,7 @@ SPHERES = """
 """
 
 
-def bars(options, sheet):
+def test_bars(options, sheet):
     """Eight tiles in a row on two ranks: one tile of each rank touches the other."""
     for method, exchanges in scaling.EXCHANGES.items():
         run = case.Case(options, f"bar_{method}", BAR.format(method=method, steps=STEPS), ranks=2)
@@ -54,7 +49,7 @@ def bars(options, sheet):
                       f"{method}: {traffic['patch_bytes']} bytes of patches")
 
 
-def blocks(options, sheet):
+def test_blocks(options, sheet):
     """A periodic block of 4 x 4 x 4 tiles on 1 to 8 ranks."""
     options.cells, options.steps, options.method_words = 24, STEPS, ""
     for method in scaling.EXCHANGES:
@@ -71,7 +66,7 @@ def blocks(options, sheet):
                            traffic["patch_bytes"] / STEPS / ranks, size, 1.0e-3)
 
 
-def starts(options, sheet):
+def test_starts(options, sheet):
     """Balls in rows, whose boxes share tiles, over a plate, in the lower third of the box: the lists of tiles
     that a rank has at the start and at a restart are shares of the whole, and results are those of one rank."""
     one = case.Case(options, "start_1", SPHERES).run("-q")
@@ -87,17 +82,3 @@ def starts(options, sheet):
                       f"not {one.summary['digest']}")
         many.run("-q", "--restart", "--set", "time.max_steps=3")
         one.run("-q", "--restart", "--set", "time.max_steps=3")
-
-
-def main():
-    """Bars exactly, blocks as the model says, lists of tiles in shares."""
-    options = case.arguments()
-    sheet = report.Report()
-    bars(options, sheet)
-    blocks(options, sheet)
-    starts(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

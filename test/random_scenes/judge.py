@@ -33,8 +33,9 @@ import dataclasses
 import os
 import subprocess
 
-import case
 import numpy as np
+
+import case
 
 # A rank that waits leaves its core to the other one; else two ranks on a machine at work take minutes.
 os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")

@@ -341,7 +341,7 @@ def gas(chance, effects):
 
 def fail(chance, matter, effects, dx):
     """Models of failure that go with the law, and what is left."""
-    keys, bulk = matter.keys, matter.density * matter.bulk_speed ** 2
+    keys = matter.keys
     law = keys.get("strength_model")
     if matter.family == "metal" and law in ("von_mises", "johnson_cook") and chance.true(0.6):
         keys.update(damage_model="johnson_cook", jcd=[chance.uniform(0.02, 0.3), chance.uniform(0.0, 2.0),

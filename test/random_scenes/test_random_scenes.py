@@ -4,25 +4,20 @@
 # timeout long: 18000
 """Random legal decks, each judged by invariants alone; see generate.py for what is drawn and judge.py for the limits.
 
-    PYTHONPATH=test/support python test/random_scenes/test_random_scenes.py --scree build/bin/scree --work FOLDER
-        --seed 17                  one deck: all findings; deck and outputs are kept in FOLDER/s17
+    pytest test/random_scenes/test_random_scenes.py --work FOLDER
+        --seed 17                  one deck: all findings; deck and outputs are kept below FOLDER
         --first 1 --count 100      some decks; --jobs J at a time
 
 Would catch what no deck that somebody tuned shows: matter that runs away with exit code 0, energy from nothing, bits
 that depend on ranks or restarts, combinations of models that nobody has tried, and runs without end.
 """
 
-import argparse
 import collections
 import concurrent.futures
 import shutil
-import sys
-from pathlib import Path
 
-import case
 import generate
 import judge
-import report
 import tier
 
 COUNT = tier.choose(smoke=20, full=200, long=2000)
@@ -104,11 +99,17 @@ def judge_all(sheet, verdicts):
         else:
             sheet.known(name, value, limit=LIMIT, target=target)
     sheet.below("decks that break an invariant and whose run calls itself ok [%]", unsaid, 0.0)
-    sheet.end()
 
 
-def show(options, seed):
-    """All findings of one deck."""
+def test_random_scenes(options, sheet, pytestconfig):
+    """All decks of the tier, or those of the command line."""
+    judge_all(sheet, run(options, pytestconfig.getoption("--first"), pytestconfig.getoption("--count") or COUNT,
+                         pytestconfig.getoption("--jobs")))
+
+
+def test_one_scene(options, pytestconfig):
+    """All findings of the deck of --seed."""
+    seed = pytestconfig.getoption("--seed")
     scene = generate.scene(seed)
     print(scene.deck)
     verdict = one(options, seed, keep=True)
@@ -117,24 +118,4 @@ def show(options, seed):
     for finding in verdict.findings:
         print("   ", *finding)
     print(options.work / f"s{seed}")
-    sys.exit(0 if verdict.result != "bad" else 1)
-
-
-def main():
-    """All decks of the tier, or those of the command line."""
-    options = case.arguments(__doc__)
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, help="one deck, which is kept")
-    parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--count", type=int, default=COUNT)
-    parser.add_argument("--jobs", type=int, default=1)
-    words = parser.parse_args()
-    options.work = Path(options.work)
-    if words.seed is not None:
-        show(options, words.seed)
-    sheet = report.Report()
-    judge_all(sheet, run(options, words.first, words.count, words.jobs))
-
-
-if __name__ == "__main__":
-    main()
+    assert verdict.result != "bad"

@@ -10,8 +10,9 @@ the deflection at rest; the clamp, which keeps the end from getting thicker, mak
 the beam of Timoshenko. The modes of that beam, with its stiffness scaled so that both agree, give the motion.
 """
 
-import bodies
 import numpy as np
+
+import bodies
 
 LENGTH, HEIGHT, YOUNG, DENSITY, GRAVITY = 5.0, 1.0, 1.0e6, 1000.0, 0.1
 DECK = """

@@ -12,8 +12,9 @@ end with exit code 0 and finite energies fails the test. With `may_fail` it does
 
 import subprocess
 
-import case
 import numpy as np
+
+import case
 
 END = """
 &output  name='h'  kind='history'  every={every} /

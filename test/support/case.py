@@ -2,13 +2,11 @@
 """Run a deck from a test and read what it wrote.
 
     import case
-    box = case.Case(case.arguments(), "two_ranks", DECK, ranks=2, threads=1)
-    box.run()                          # box.code, box.output
-    box.summary["digest"]              # of CASE.summary.json
-    box.history["time"]                # numpy arrays by name, of CASE_history.csv
-
-CTest puts this folder into PYTHONPATH; a test run by hand finds it with
-sys.path.insert(0, str(Path(__file__).resolve().parents[N] / "support")).
+    def test_two_ranks(options):               # options: a fixture of test/conftest.py
+        box = case.Case(options, "two_ranks", DECK, ranks=2, threads=1)
+        box.run()                              # box.code, box.output
+        box.summary["digest"]                  # of CASE.summary.json
+        box.history["time"]                    # numpy arrays by name, of CASE_history.csv
 """
 
 import argparse
@@ -32,14 +30,12 @@ OPEN_MPI = {
 
 
 def arguments(description=None):
-    """The options --scree PROGRAM and --work FOLDER, or SCREE and WORK of the environment."""
+    """The options --scree PROGRAM and --work FOLDER of a script that is no test."""
     parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("--scree", default=os.environ.get("SCREE", ROOT / "build/bin/scree"))
-    parser.add_argument("--work", default=os.environ.get("WORK"))
+    parser.add_argument("--scree", default=ROOT / "build/bin/scree")
+    parser.add_argument("--work", required=True)
     known, rest = parser.parse_known_args()
-    if not known.work:
-        parser.error("--work FOLDER is needed")
-    sys.argv[1:] = rest  # so that unittest.main() sees only its own
+    sys.argv[1:] = rest  # for the options of the script itself
     known.scree = Path(known.scree).resolve()
     known.work = Path(known.work).resolve()
     if not known.scree.is_file():
@@ -117,9 +113,6 @@ class Case:
 
 
 def post():
-    """The package scree_post of python/src/, which knows the formats of all files."""
-    folder = str(ROOT / "python/src")
-    if folder not in sys.path:
-        sys.path.insert(0, folder)
+    """The package scree_post of python/src/, which knows the formats of all files; its modules take a while."""
     import scree_post
     return scree_post

@@ -8,8 +8,9 @@
 As in bodies.py a result is a dict, and a run that fails is a failed test.
 """
 
-import bodies
 import numpy as np
+
+import bodies
 
 GRAVITY = 9.81                         # [m/s2]
 

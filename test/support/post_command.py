@@ -18,10 +18,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import case
-import tier
 
 PACKAGES = case.ROOT / "python/src"
-sys.path.insert(0, str(PACKAGES))
 INPUT = case.ROOT / "input"
 # Small runs: options of the program by the folder of their results.
 RUNS = {
@@ -88,20 +86,3 @@ def run_cases(options, *names):
 def series(work, name):
     """The series of a small case."""
     return str(Path(work) / "out" / name / f"{name}_p.hdf.series")
-
-
-def run_tests(tests, options, smoke=()):
-    """Call every function test_NAME(options) of a module, in the tier smoke those named; the result is the exit
-    code."""
-    chosen = [(name, tests[name]) for name in smoke] if tier.NAME == "smoke" else [
-        (name, test) for name, test in tests.items() if name.startswith("test_")]
-    failures = 0
-    for name, test in chosen:
-        try:
-            test(options)
-            print(f"passed {name}", flush=True)
-        except Exception as error:  # every test is to run, whatever the others do
-            failures += 1
-            print(f"FAILED {name}: {type(error).__name__}: {error}", flush=True)
-    print(f"{len(chosen) - failures} of {len(chosen)} tests passed")
-    return 1 if failures or not chosen else 0

@@ -1,22 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Print what a test measured beside its limits, and end with exit code 1 if one was not met.
+"""Print what a test measured beside its limits; a test fails at its end if one of them was not met.
 
-    import report
-    sheet = report.Report()
-    sheet.below("momentum error", error, 1.0e-13)
-    sheet.require(steps > 100, "the run made more than 100 steps")
-    sheet.known("energy lost [%]", lost, limit=10.0, target=2.0)   # a known miss
-    sheet.skipped("full disk", "needs a file system of its own")
-    sheet.end()
+    def test_momentum(options, sheet):
+        sheet.below("momentum error", error, 1.0e-13)
+        sheet.require(steps > 100, "the run made more than 100 steps")
+        sheet.known("energy lost [%]", lost, limit=10.0, target=2.0)   # a known miss
+        sheet.skipped("full disk", "needs a file system of its own")
+        with sheet.part("a name"):                                     # an assertion in it is one check
+            assert first == second
 
-In a test of unittest `report.skip_part(self, why)` takes the place of `self.skipTest(why)`, and
-`report.skip_all(why)` leaves a test that cannot run at all. Lines that begin with KNOWN or SKIPPED are collected by
-scripts/run_tests.py, which prints them in one table at the end of every run.
+The fixture `sheet` of test/conftest.py makes it and judges it. Lines that begin with KNOWN or SKIPPED are collected by
+scripts/run_tests.py, which prints them in one table at the end of every run. A test that cannot run here calls
+pytest.skip(why), whose line is printed as well.
 """
 
+import contextlib
 import math
-import sys
-import time
 
 NOT_RUN = 77    # exit code of a test that was skipped whole
 
@@ -26,23 +25,11 @@ def skipped(what, why):
     print(f"SKIPPED  {what}: {why}", flush=True)
 
 
-def skip_part(test_case, why):
-    """Leave one test of a unittest.TestCase that cannot run here."""
-    skipped(test_case.id().split(".")[-1], why)
-    test_case.skipTest(why)
-
-
-def skip_all(why):
-    """Leave a test that cannot run here."""
-    skipped("all", why)
-    sys.exit(NOT_RUN)
-
-
 class Report:
     """A list of checks. Every check is printed, met or not, so that margins can be read."""
 
     def __init__(self):
-        self.missed, self.checks, self.begin = [], 0, time.time()
+        self.missed, self.checks = [], 0
 
     def below(self, name, value, limit):
         """The size of a number must not exceed its limit."""
@@ -98,8 +85,24 @@ class Report:
             self.missed.append(name)
         print(f"{'met     ' if met else 'FAILED  '} {name}: {value:.6g} ({limit})", flush=True)
 
-    def end(self):
-        """Leave; a test without a single check has failed."""
-        seconds = time.time() - self.begin
-        print(f"{self.checks - len(self.missed)} of {self.checks} checks met, {seconds:.1f} s")
-        sys.exit(1 if self.missed or not self.checks else 0)
+    @contextlib.contextmanager
+    def part(self, *names, **more):
+        """A part of a test whose assertions are one check; what follows it runs all the same."""
+        self.checks += 1
+        try:
+            yield
+        except AssertionError as error:
+            name = ", ".join([*map(str, names), *(f"{key} {value}" for key, value in more.items())])
+            self.missed.append(name)
+            print(f"FAILED   {name}: {error}", flush=True)
+
+    def good(self):
+        """Whether all checks were met, and there was one."""
+        return bool(self.checks) and not self.missed
+
+    def verdict(self):
+        """How many checks were met, and the names of the others."""
+        if not self.checks:
+            return "no check was made"
+        missed = "".join(f"\n   {name}" for name in self.missed)
+        return f"{self.checks - len(self.missed)} of {self.checks} checks met{missed and ', not:'}{missed}"

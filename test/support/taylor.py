@@ -12,8 +12,9 @@ surface, however flat the particles there are.
 
 import dataclasses
 
-import case
 import numpy as np
+
+import case
 
 FOLDER = case.ROOT / "input" / "taylor_copper"
 MILLIMETRE = 1.0e-3

@@ -17,16 +17,14 @@ import importlib.util
 import json
 import re
 import resource
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
+import _support
+import bodies
+import case
 
 WAYS = {  # heading: method, words of &method
     "ddmp": ("ddmp", ""),
@@ -84,7 +82,7 @@ VORTEX = """
 
 def load(place):
     """The module of a test, for its deck and its closed solution."""
-    path = HERE / place
+    path = _support.HERE / place
     spec = importlib.util.spec_from_file_location(path.stem, path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

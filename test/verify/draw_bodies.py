@@ -7,24 +7,20 @@ runs the problems of test/support/bodies.py and of the tests of shocks, and writ
 """
 
 import argparse
-import sys
-from pathlib import Path
 
 import matplotlib
+import matplotlib.ticker
 import numpy as np
+from matplotlib import pyplot
+
+import _support
+import bodies
+import case
+import compare_methods
 
 matplotlib.use("Agg")
-import matplotlib.ticker           # noqa: E402
-from matplotlib import pyplot      # noqa: E402
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "support"))
-sys.path.insert(0, str(HERE))
-import bodies           # noqa: E402
-import case             # noqa: E402
-import compare_methods  # noqa: E402
-
-FOLDER = HERE.parents[1] / "doc" / "theory" / "figures"
+FOLDER = _support.HERE.parents[1] / "doc" / "theory" / "figures"
 STYLE = {"font.size": 8, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.2, "figure.dpi": 100,
          "legend.fontsize": 7, "axes.axisbelow": True}
 

@@ -7,24 +7,21 @@ runs the flows of test/support/flows.py and writes doc/theory/figures/granular_*
 """
 
 import argparse
-import sys
-from pathlib import Path
 
 import matplotlib
+import matplotlib.ticker
 import numpy as np
+from matplotlib import pyplot
+
+import _support
+import bodies
+import case
+import flows
+from draw_bodies import STYLE
 
 matplotlib.use("Agg")
-import matplotlib.ticker           # noqa: E402
-from matplotlib import pyplot      # noqa: E402
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "support"))
-import bodies   # noqa: E402
-import case     # noqa: E402
-import flows    # noqa: E402
-from draw_bodies import STYLE  # noqa: E402
-
-FOLDER = HERE.parents[1] / "doc" / "theory" / "figures"
+FOLDER = _support.HERE.parents[1] / "doc" / "theory" / "figures"
 
 
 def save(figure, name):

@@ -10,20 +10,18 @@ doc/theory/figures/manufactured_*.png: error against cells, a line for each meth
 import argparse
 import math
 import sys
-from pathlib import Path
 
 import matplotlib
+import matplotlib.ticker
+from matplotlib import pyplot
+
+import _support
+import case
+import manufactured
 
 matplotlib.use("Agg")
-import matplotlib.ticker       # noqa: E402
-from matplotlib import pyplot  # noqa: E402
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "support"))
-import case          # noqa: E402
-import manufactured  # noqa: E402
-
-FOLDER = HERE.parents[1] / "doc" / "theory" / "figures"
+FOLDER = _support.HERE.parents[1] / "doc" / "theory" / "figures"
 STYLE = {"font.size": 8, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.2, "lines.markersize": 4,
          "legend.fontsize": 7, "axes.axisbelow": True}
 MARKS = "osv^D<>ph*X"

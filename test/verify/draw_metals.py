@@ -8,24 +8,21 @@ runs the problems of test/support/taylor.py and of the tests of shocks, and writ
 
 import argparse
 import sys
-from pathlib import Path
 
 import matplotlib
 import numpy as np
+from matplotlib import pyplot
+
+import _support
+import case
+import taylor
+import test_flyer
+import test_precursor
+import test_taylor
 
 matplotlib.use("Agg")
-from matplotlib import pyplot      # noqa: E402
 
-HERE = Path(__file__).resolve().parent
-for place in (HERE.parent / "support", HERE / "taylor", HERE / "shocks"):
-    sys.path.insert(0, str(place))
-import case               # noqa: E402
-import taylor             # noqa: E402
-import test_flyer         # noqa: E402
-import test_precursor     # noqa: E402
-import test_taylor        # noqa: E402
-
-FOLDER = HERE.parents[1] / "doc" / "theory" / "figures"
+FOLDER = _support.HERE.parents[1] / "doc" / "theory" / "figures"
 STYLE = {"font.size": 8, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.2, "figure.dpi": 100,
          "legend.fontsize": 7, "axes.axisbelow": True}
 

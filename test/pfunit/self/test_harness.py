@@ -9,14 +9,11 @@ import re
 import subprocess
 import sys
 import tempfile
-import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import report  # noqa: E402
+import pytest
 
 HERE = Path(__file__).resolve().parent
-SERIAL, PARALLEL = sys.argv[1], sys.argv[2:]
 
 GOOD = """module test_x
    use funit
@@ -48,46 +45,48 @@ def translate(text):
         return answer.returncode, answer.stderr
 
 
-class Harness(unittest.TestCase):
+class TestHarness:
     """Failing tests fail."""
 
-    def test_every_failing_test_fails(self):
+    def test_every_failing_test_fails(self, pytestconfig):
+        if not pytestconfig.getoption("--serial"):
+            pytest.skip("CTest names the program")
         source = (HERE / "test_failing.pf").read_text(encoding="utf-8").splitlines()
         tests = [source[n + 1].split()[1].rstrip("()") for n, line in enumerate(source)
                  if line.strip() == "@test"]
-        code, output = run([SERIAL])
-        self.assertEqual(code, 1, output)
-        self.assertIn(f"{len(tests)} tests, {len(tests)} failed", output)
+        code, output = run([pytestconfig.getoption("--serial")])
+        assert code == 1, output
+        assert f"{len(tests)} tests, {len(tests)} failed" in output
         for name in tests:
-            self.assertIn(f"FAIL {name}\n", output)
+            assert f"FAIL {name}\n" in output
             found = re.search(rf"^test_failing\.pf:(\d+): {name}: ", output, re.M)
-            self.assertTrue(found, f"{name} does not say where it failed")
-            self.assertIn("@assert", source[int(found.group(1)) - 1])
-        self.assertIn("words of the test", output)
+            assert found, f"{name} does not say where it failed"
+            assert "@assert" in source[int(found.group(1)) - 1]
+        assert "words of the test" in output
 
-    def test_failure_on_one_rank_is_seen(self):
-        if not PARALLEL:
-            report.skip_part(self, "there is no mpiexec")
-        code, output = run(PARALLEL)
-        self.assertNotEqual(code, 0, output)
-        self.assertIn("ok   last_of_two_fails [1 ranks]", output)
-        self.assertIn("FAIL last_of_two_fails [2 ranks]", output)
-        self.assertIn("ok   a_later_test_runs [2 ranks]", output)
-        self.assertIn("3 tests, 1 failed", output)
-        self.assertIn("(rank 1 of 2)", output)
+    def test_failure_on_one_rank_is_seen(self, pytestconfig):
+        if not pytestconfig.getoption("--parallel"):
+            pytest.skip("there is no mpiexec")
+        code, output = run(pytestconfig.getoption("--parallel"))
+        assert code != 0, output
+        assert "ok   last_of_two_fails [1 ranks]" in output
+        assert "FAIL last_of_two_fails [2 ranks]" in output
+        assert "ok   a_later_test_runs [2 ranks]" in output
+        assert "3 tests, 1 failed" in output
+        assert "(rank 1 of 2)" in output
 
 
-class Translator(unittest.TestCase):
+class TestTranslator:
     """What is not supported is refused with file and line."""
 
     def test_good_file(self):
-        self.assertEqual(translate(GOOD), (0, ""))
+        assert translate(GOOD) == (0, "")
 
     def refuse(self, old, new, words):
-        self.assertIn(old, GOOD)
+        assert old in GOOD
         code, message = translate(GOOD.replace(old, new))
-        self.assertEqual(code, 1, message)
-        self.assertRegex(message, words)
+        assert code == 1, message
+        assert re.search(words, message)
 
     def test_unknown_directive(self):
         self.refuse("@assertTrue(.true.)", "@assertIsNaN(x)", r"test_x\.pf:7: .*not supported")
@@ -113,7 +112,3 @@ class Translator(unittest.TestCase):
     def test_whole_file(self):
         self.refuse("module test_x", "module test_y", "must be named test_x")
         self.refuse("   @test\n", "", "no test in this file")
-
-
-if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])

@@ -18,14 +18,10 @@ energy afterwards against that with free faces 0.0091, limit 0.01 more than the 
 # timeout: 120
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DENSITY, BULK, SHEAR = 2000.0, 1.0e9, 0.6e9
 P_SPEED, S_SPEED = math.sqrt((BULK + 4.0 / 3.0 * SHEAR) / DENSITY), math.sqrt(SHEAR / DENSITY)
@@ -144,7 +140,7 @@ def returned(options, name, kind, component=0, along=0, cells=20, dimension="1d"
     return back / came
 
 
-def along_the_normal(options, sheet):
+def test_along_the_normal(options, sheet):
     """P waves in bars of all node functions that suit a face, and S waves."""
     sheet.above("free face gives the pulse back", returned(options, "free", "outflow"), 0.8)
     sheet.above("mirror gives it back turned", -returned(options, "mirror", "symmetry"), 0.8)
@@ -189,7 +185,7 @@ def waves(snap):
     return sum(((np.bincount(place, snap.fields["velocity"][:, k]) / count) ** 2).sum() for k in (0, 2))
 
 
-def askew(options, sheet):
+def test_askew(options, sheet):
     """Plane packets of P waves in a box that is periodic along its faces. They begin with a velocity alone, so that
     half of them goes to the one face and half to the other."""
     half, cells = 50 * EDGE, 24
@@ -220,7 +216,7 @@ def askew(options, sheet):
                 energy["absorbing"] / energy["outflow"] - wanted, 0.01)
 
 
-def books(options, sheet):
+def test_books(options, sheet):
     """A ball that flies apart in space, with the same bits on ranks; round an axis a rod that does, with strength."""
     sides = "".join(f"&boundary face='{face}' type='{{}}' /\n" for face in ("xhi", "zlo", "zhi"))
     ball = BLOW.format(dimension="3d", wide=0.2, end=8.0e-5, strength=".false.", shear="", core="sphere", core_words="",
@@ -245,7 +241,7 @@ def books(options, sheet):
     sheet.above("ball: the faces take energy", -work / runs[0].history["kinetic"][0], 0.1)
 
 
-def where_matter_goes_on(options, sheet):
+def test_where_matter_goes_on(options, sheet):
     """A block flies out where none reaches the face at the start; two bars without a Poisson effect, the second with
     half the wave speed, are at rest when their waves have left. With the speeds of the first in both, a ninth of the
     energy of the second comes back."""
@@ -259,18 +255,3 @@ def where_matter_goes_on(options, sheet):
         left[kind] = kinetic[-1] / kinetic[0]
     sheet.above("layers: kinetic energy left with a free face", left["outflow"], 0.2)
     sheet.below("layers: the same with an absorbing one", left["absorbing"], 0.02)
-
-
-def main():
-    """All of them."""
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    along_the_normal(options, sheet)
-    askew(options, sheet)
-    where_matter_goes_on(options, sheet)
-    books(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -11,17 +11,11 @@ are known; `--quick` makes six short runs. No time of a run is judged.
 import math
 import subprocess
 import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-
-case.post()
-sys.path.insert(0, str(case.ROOT / "scripts"))
-import accuracy_cost      # noqa: E402
-import accuracy_front     # noqa: E402
-import accuracy_problems  # noqa: E402
+import accuracy_cost
+import accuracy_front
+import accuracy_problems
+import case
 
 
 def row(way, error, seconds, cause="", steps=100, updates=1000, ppc=2):
@@ -30,7 +24,7 @@ def row(way, error, seconds, cause="", steps=100, updates=1000, ppc=2):
             "ppc": ppc, "cfl": 0.4, "steps": steps, "updates": updates}
 
 
-def judge_front(sheet):
+def test_front(sheet):
     """Best rows and what lies between them."""
     best = [row("a", 0.5, 1.0), row("b", 0.05, 10.0), row("a", 0.005, 1000.0)]
     beaten = [row("b", 0.6, 2.0), row("a", 0.05, 11.0), row("b", 0.06, 10.0), row("a", 0.004, 5.0, "exit code 4"),
@@ -47,7 +41,7 @@ def judge_front(sheet):
     sheet.near("order of three rows", accuracy_front.order(fine), 1.7, 1e-9)
 
 
-def judge_model(sheet):
+def test_model(sheet):
     """Steps and updates have their price, whatever a disturbed run says."""
     rows = [row(way, 0.1, steps * 2.0e-5 + updates * price, steps=steps, updates=updates)
             for way, price in (("a", 3.0e-7), ("b", 5.0e-7)) for steps, updates in
@@ -59,7 +53,7 @@ def judge_model(sheet):
         sheet.near(f"model of {line['updates']} updates", line["model_seconds"], right, 0.01)
 
 
-def judge_decks(options, sheet):
+def test_decks(options, sheet):
     """The program takes the deck of every problem and way."""
     decks = 0
     for name, problem in accuracy_problems.PROBLEMS.items():
@@ -73,7 +67,7 @@ def judge_decks(options, sheet):
     sheet.above("decks that were checked", decks, 25)
 
 
-def judge_quick(options, sheet):
+def test_quick(options, sheet):
     """The study itself, small."""
     answer = subprocess.run([sys.executable, case.ROOT / "scripts/accuracy_cost.py", "--quick", "--scree",
                              options.scree, "--work", options.work / "quick"], text=True, capture_output=True)
@@ -84,7 +78,7 @@ def judge_quick(options, sheet):
     sheet.require(len(rows) == 6, "six rows")
 
 
-def judge_stored(sheet):
+def test_stored(sheet):
     """The rows in the repository are of the plan."""
     rows = accuracy_cost.read(accuracy_cost.ROOT / "doc/accuracy/accuracy.csv")
     keys = [accuracy_cost.key_of(line) for line in rows]
@@ -93,19 +87,3 @@ def judge_stored(sheet):
     sheet.require({line["problem"] for line in rows} <= set(accuracy_problems.PROBLEMS), "of known problems")
     sheet.require({line["way"] for line in rows} <= set(accuracy_problems.WAYS), "by known ways")
     sheet.require(all(line["cause"] or math.isfinite(line["error"]) for line in rows), "with an error or a cause")
-
-
-def main():
-    """Numbers, decks, a small study, what is stored."""
-    options = case.arguments()
-    sheet = report.Report()
-    judge_front(sheet)
-    judge_model(sheet)
-    judge_decks(options, sheet)
-    judge_quick(options, sheet)
-    judge_stored(sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -15,14 +15,9 @@ import csv
 import math
 import subprocess
 import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-
-case.post()
-from scree import convergence as scree_accuracy  # noqa: E402
+import case
+from scree import convergence as scree_accuracy
 
 DECK = """
 &run  dimension='1d' /
@@ -62,7 +57,7 @@ def table(path):
     return found
 
 
-def judge_numbers(sheet):
+def test_numbers(sheet):
     """Made-up numbers."""
     for order in (0.7, 1.0, 2.0, 2.4):
         for sizes in ((2.0, 1.4, 1.0), (4.0, 2.0, 1.0), (3.0, 2.7, 0.9)):
@@ -78,8 +73,16 @@ def judge_numbers(sheet):
                   "an order of 6 is not believed")
 
 
-def judge_bar(options, sheet, deck):
+def bar_deck(options):
+    """The deck of a bar."""
+    deck = options.work / "bar.nml"
+    deck.write_text(DECK.format(size="dx=0.5"), encoding="ascii")
+    return deck
+
+
+def test_bar(options, sheet):
     """Two quantities by two methods on four grids."""
+    deck = bar_deck(options)
     code, text, _ = tool(options, deck, "--quantity", "internal", "front_x", "--factors", "2,1,0.5", "--methods",
                          "ddmp,mpm", "--csv", "bar.csv", "--plot", "bar.png", "--tolerance", "0.02%")
     sheet.require(code == 0, f"the tool ends with {code}: {text}")
@@ -102,8 +105,9 @@ def judge_bar(options, sheet, deck):
     sheet.above("picture [B]", (options.work / "bar.png").stat().st_size, 10000)
 
 
-def judge_forecast(options, sheet, deck):
+def test_forecast(options, sheet):
     """The cells that a tolerance is said to need keep it."""
+    deck = bar_deck(options)
     _, text, _ = tool(options, deck, "--quantity", "internal", "--factors", "4,2,1", "--tolerance", "0.03%",
                       "--csv", "coarse.csv")
     sheet.require("0.03% needs cells of about" in text, f"a forecast: {text}")
@@ -115,7 +119,7 @@ def judge_forecast(options, sheet, deck):
     sheet.above("size of the cells [m]", size, 0.1)
 
 
-def judge_other_words(options, sheet):
+def test_other_words(options, sheet):
     """Cells instead of dx, settings, greatest values and times."""
     deck = options.work / "cells.nml"
     deck.write_text(DECK.format(size="cells=60,1,1"), encoding="ascii")
@@ -130,8 +134,9 @@ def judge_other_words(options, sheet):
     sheet.near("stored energy at a time [J]", float(fine["value"]), ENERGY * turned ** 2, 0.01)
 
 
-def judge_complaints(options, sheet, deck):
+def test_complaints(options, sheet):
     """What cannot be done is told."""
+    deck = bar_deck(options)
     for words, code, told in (
             (("--quantity", "heat"), 2, "there is no quantity 'heat'. There are columns of the history: dt, mass"),
             (("--quantity", "internal", "--factors", "2,1"), 2, "at least three different numbers"),
@@ -151,21 +156,3 @@ def judge_complaints(options, sheet, deck):
     sheet.require("the mass of the bodies differs" in text, f"other bodies on other grids: {text[:300]}")
     code, _, errors = tool(options, options.work / "none.nml", "--quantity", "internal")
     sheet.require(code == 3 and "no such file" in errors, errors)
-
-
-def main():
-    """Numbers, runs, complaints."""
-    options = case.arguments()
-    sheet = report.Report()
-    deck = options.work / "bar.nml"
-    deck.write_text(DECK.format(size="dx=0.5"), encoding="ascii")
-    judge_numbers(sheet)
-    judge_bar(options, sheet, deck)
-    judge_forecast(options, sheet, deck)
-    judge_other_words(options, sheet)
-    judge_complaints(options, sheet, deck)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

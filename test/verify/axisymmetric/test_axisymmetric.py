@@ -16,14 +16,10 @@ Particles whose centres lie inside are counted, and as many are wrong as chance 
 # tiers: smoke, full
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 COMMON = """
 &units  system='mm-us-mg' /
@@ -65,7 +61,11 @@ def last(run):
     return run.snapshots()[-1][1]
 
 
-def compare(options, sheet, method, greatest, usual, words=""):
+@pytest.mark.parametrize("method, greatest, usual, words", [
+    ("mpm", 1.0e-10, 1.0e-10, ""),
+    ("ddmp", 0.125, 0.125 / 12.0, "blend='linear'"),
+])
+def test_compare(options, sheet, method, greatest, usual, words):
     """Tube against line, particle by particle; limits of the worst one and the rms."""
     line = last(case.Case(options, f"line_{method}", LINE.format(method=method, words=words)).run("-q"))
     run = case.Case(options, f"tube_{method}", TUBE.format(method=method, words=words)).run("-q")
@@ -100,12 +100,8 @@ def compare(options, sheet, method, greatest, usual, words=""):
     sheet.below(f"{method}: mass of the cylinder", mass - 1.0, 1.0e-12)
 
 
-def main():
+def test_sphere(options, sheet):
     """Both methods and the mass of a sphere."""
-    options = case.arguments()
-    sheet = report.Report()
-    compare(options, sheet, "mpm", 1.0e-10, 1.0e-10)
-    compare(options, sheet, "ddmp", 0.125, 0.125 / 12.0, "blend='linear'")
     errors = []
     for spacing in (0.5, 0.25, 0.125):
         run = case.Case(options, f"sphere_{spacing}".replace(".", "_"),
@@ -113,8 +109,3 @@ def main():
         exact = 2785.0 * 4.0 / 3.0 * np.pi * 4.765e-3 ** 3
         errors.append(run.summary["ledger"]["start"]["mass"] / exact - 1.0)
         sheet.below(f"mass error of a sphere, cells of {spacing} mm", float(errors[-1]), (0.5 * spacing / 4.765) ** 1.5)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -10,37 +10,32 @@ with finer cells and with the plain method 1 %. At 14 degrees the block may slip
 without stress, for 0.1 s, and then stays.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import flows   # noqa: E402
-import report  # noqa: E402
+import flows
 
 
-def main():
-    """Blocks that slide, and one that does not."""
-    options = case.arguments()
-    sheet = report.Report()
-    for name, limit, words in (("5 s", 1.0e-3, {"end": 5.0}), ("finer cells", 0.01, {"spacing": 0.125}),
-                               ("mpm", 0.01, {"method": "mpm"}), ("apic", 0.01, {"words": "transfer='apic'"})):
-        result = flows.block(options, name.replace(" ", "_"), **words)
-        gain, end = result["expected"], result["when"][-1]
-        sheet.near(f"{name}: way [m]", result["places"][-1], 0.5 * gain * end ** 2, limit)
-        sheet.near(f"{name}: speed [m/s]", result["speeds"][-1], gain * end, limit)
-        sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
-        if not words.get("method"):
-            sheet.below(f"{name}: energy", result["energies"][-1], 0.02)
+@pytest.mark.parametrize("name, limit, words", [
+    ("5 s", 1.0e-3, {"end": 5.0}),
+    ("finer cells", 0.01, {"spacing": 0.125}),
+    ("mpm", 0.01, {"method": "mpm"}),
+    ("apic", 0.01, {"words": "transfer='apic'"}),
+])
+def test_slides(options, sheet, name, limit, words):
+    """Blocks that slide."""
+    result = flows.block(options, name.replace(" ", "_"), **words)
+    gain, end = result["expected"], result["when"][-1]
+    sheet.near(f"{name}: way [m]", result["places"][-1], 0.5 * gain * end ** 2, limit)
+    sheet.near(f"{name}: speed [m/s]", result["speeds"][-1], gain * end, limit)
+    sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
+    if not words.get("method"):
+        sheet.below(f"{name}: energy", result["energies"][-1], 0.02)
+
+
+def test_rest(options, sheet):
     result = flows.block(options, "rest", angle=14.0)
     later = result["places"][result["when"] > 0.2]
     sheet.below("14 degrees: way while it bounces [m]", later[0], 2.0e-3)
     sheet.below("14 degrees: way after that [m]", np.abs(later - later[0]).max(), 1.0e-4)
     sheet.require(len(later) > 10, "14 degrees: there are times after that")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

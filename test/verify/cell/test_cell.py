@@ -20,19 +20,18 @@ lacks, a servo that holds another stress than the mean of the particles.
 * Balance: exact to round-off with internal energy, of second order in the step in elastic material.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import cells   # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import cells
 
 
-def shear(options, sheet, dimension):
+@pytest.mark.parametrize("dimension", [
+    "plane_strain",
+    pytest.param("3d", marks=pytest.mark.tiers("full", "long")),
+])
+def test_shear(options, sheet, dimension):
     """The granular law from rest to steady shear."""
     rate, time, modulus = 2.0, 0.7, 3.0
     found = cells.run(options, f"granular_{dimension}", cells.granular(time, rate, dimension=dimension))
@@ -49,7 +48,8 @@ def shear(options, sheet, dimension):
                 1.0e-10)
 
 
-def path(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_path(options, sheet):
     """Start, reversal and stop: the stress z = (s_xx - s_zz)/2 + i s_xz obeys z' = -(1/tau + i g) z + i G g."""
     time, modulus = 0.7, 3.0
     rates, ends = (2.0, -3.0, 0.0), (1.2, 2.1, 2.5)
@@ -70,7 +70,8 @@ def path(options, sheet):
     sheet.below("path: stress over G", np.abs(stress - exact).max() / modulus, 1.0e-10)
 
 
-def point(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_point(options, sheet):
     """The law in the cell and by --point, to the same strain."""
     deck = cells.granular(0.7, dimension="3d")
     found = cells.run(options, "cell", deck)
@@ -82,7 +83,9 @@ def point(options, sheet):
         sheet.near(f"--point: stress {name} [Pa]", found["stress_" + name][-1], alone[name][-1], 1.0e-10)
 
 
-def wave(options, sheet, method, transfer="flip"):
+@pytest.mark.tiers("full", "long")
+@pytest.mark.parametrize("method, transfer", [("ddmp", "flip"), ("mpm", "flip"), ("ddmp", "xpic")])
+def test_wave(options, sheet, method, transfer):
     """The order of a wave that is sheared."""
     errors = []
     for number in (8, 16, 32):
@@ -97,7 +100,8 @@ def wave(options, sheet, method, transfer="flip"):
     sheet.above(f"wave, {method}, {transfer}: order", np.log2(errors[-2] / errors[-1]), 1.9)
 
 
-def compress(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_compress(options, sheet):
     """Density, pressure and positions in space of a cell that is compressed and sheared."""
     found = cells.run(options, "compressed", cells.scene(
         "density=1000  bulk=1e6  shear=1e4", "&stage  rate=-0.1,0,-0.2,0,0.3,0  duration=1 /", 1.0, every=10)
@@ -113,7 +117,8 @@ def compress(options, sheet):
                1.0e6 * (found["density"][-1] / 1000.0 - 1.0), 1.0e-7)
 
 
-def hold(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_hold(options, sheet):
     """A servo that holds a normal stress in steady shear, of contacts that all lose their load in a strain."""
     found = cells.run(options, "held", cells.scene(
         "density=1  bulk=500  shear=100  strength_model='granular'  gr_gamma_c=0.3",
@@ -125,7 +130,8 @@ def hold(options, sheet):
     sheet.near("held: shear stress [Pa]", found["stress_xz"][-1], 100.0 * 0.3 / 1.09, 1.0e-4)
 
 
-def friction(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_friction(options, sheet):
     """The law of mu(I) at a held pressure from a flow with waves: its friction at the pressure of all three axes."""
     waves = "velocity_formula='0.05*sin(2*pi*z)+0.03*cos(4*pi*x)','0','0.04*cos(2*pi*x)'"
     found = cells.run(options, "friction", cells.scene(
@@ -140,7 +146,8 @@ def friction(options, sheet):
     sheet.near("mu(I): held pressure [Pa]", -found["stress_zz"][-1], 1000.0, 5.0e-3)
 
 
-def balance(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_balance(options, sheet):
     """The energy of the cell and of a flow in it."""
     stage = "&stage  rate=-0.1,0,-0.2,0,0.3,0  duration=1 /"
     found = cells.run(options, "gas", cells.scene(
@@ -162,26 +169,3 @@ def balance(options, sheet):
         every=10))["energy_error"][-1]) for number in (1, 2)]
     sheet.below("elastic: balance of energy", errors[0], 1.0e-7)
     sheet.above("elastic: order of the balance", np.log2(errors[0] / errors[1]), 1.9)
-
-
-def main():
-    """Granular shear in the smoke tier, all in the others."""
-    options = case.arguments()
-    sheet = report.Report()
-    shear(options, sheet, "plane_strain")
-    if tier.NAME != "smoke":
-        shear(options, sheet, "3d")
-        for method in ("ddmp", "mpm"):
-            wave(options, sheet, method)
-        wave(options, sheet, "ddmp", "xpic")
-        path(options, sheet)
-        point(options, sheet)
-        compress(options, sheet)
-        hold(options, sheet)
-        friction(options, sheet)
-        balance(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -26,16 +26,10 @@ Tier full: low columns. Tier long: half to sixteen times as high as half of them
 # tiers: full, long
 # timeout long: 3600
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import flows   # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import flows
 
 SCATTER, LATE = 0.15, 0.1              # of measured prefactors; target of the time
 IN_TIME = {("plane", 2.0), ("round", 0.5)}
@@ -79,7 +73,8 @@ def exponent(aspects, runs, chosen):
     return float(np.polyfit(np.log(chosen), np.log(runs[here]), 1)[0])
 
 
-def range_of_sand(options, sheet):
+@pytest.mark.tiers("smoke", "long")
+def test_range_of_sand(options, sheet):
     """What was measured lies between sands that rest at 30 and at 35 degrees."""
     steep, flat = (flows.collapse(options, f"sand_{angle}", aspect=1.0, cells=16, ends=1.3, law=flows.SAND.replace(
         "friction_angle=45", f"friction_angle={cone}"))["runout"] for angle, cone in SANDS.items())
@@ -89,25 +84,21 @@ def range_of_sand(options, sheet):
     sheet.below("sand of 35 degrees: run-out over that of 30 degrees", flat / steep, 1.0)
 
 
-def main():
-    """Low columns, then all of them."""
-    options = case.arguments()
+@pytest.mark.tiers("full")
+def test_low_columns(options, sheet):
+    """What the tier full has time for."""
     options.timeout = 600
-    sheet = report.Report()
-    if tier.NAME == "full":
-        runs = study(options, sheet, "plane", LOW["plane"], ends=1.3)
-        sheet.near("plane: exponent", exponent(LOW["plane"], runs, LOW["plane"]), 1.0, 0.1)
-        study(options, sheet, "round", (1.0,), ends=1.3)
-        sheet.end()
-    range_of_sand(options, sheet)
-    for word, low in LOW.items():
-        aspects = low + TALL[word]
-        runs = study(options, sheet, word, aspects)
-        sheet.below(f"{word}: exponent of low columns, less 1", exponent(aspects, runs, low) - 1.0, 0.1)
-        sheet.below(f"{word}: exponent of tall columns, less {STEEP[word]:.3f}",
-                    exponent(aspects, runs, TALL[word]) - STEEP[word], 0.07)
-    sheet.end()
+    runs = study(options, sheet, "plane", LOW["plane"], ends=1.3)
+    sheet.near("plane: exponent", exponent(LOW["plane"], runs, LOW["plane"]), 1.0, 0.1)
+    study(options, sheet, "round", (1.0,), ends=1.3)
 
 
-if __name__ == "__main__":
-    main()
+@pytest.mark.tiers("smoke", "long")
+@pytest.mark.parametrize("word, low", LOW.items(), ids=LOW)
+def test_all_columns(options, sheet, word, low):
+    options.timeout = 600
+    aspects = low + TALL[word]
+    runs = study(options, sheet, word, aspects)
+    sheet.below(f"{word}: exponent of low columns, less 1", exponent(aspects, runs, low) - 1.0, 0.1)
+    sheet.below(f"{word}: exponent of tall columns, less {STEEP[word]:.3f}",
+                exponent(aspects, runs, TALL[word]) - STEEP[word], 0.07)

@@ -10,14 +10,10 @@ the period 4 L/c; the top moves between 0 and -rho g L2/E. Limits 1 %, momentum 
 energy in the books 1 % of the work of gravity.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 LENGTH, YOUNG, DENSITY, GRAVITY, CELLS = 10.0, 1.0e6, 1000.0, 0.1, 40
 SPEED = np.sqrt(YOUNG / DENSITY)
@@ -38,7 +34,12 @@ DECK = """
 """
 
 
-def bounce(options, sheet, method, wall):
+@pytest.mark.parametrize("method, wall", [
+    ("ddmp", "slip"),
+    ("ddmp", "symmetry"),
+    ("mpm", "stick"),
+])
+def test_bounce(options, sheet, method, wall):
     """Three periods."""
     name = f"{method}_{wall}"
     deck = DECK.format(method=method, wall=wall, end=float(3.0 * PERIOD))
@@ -70,17 +71,3 @@ def bounce(options, sheet, method, wall):
     books = table["kinetic"] + table["internal"] - table["external_work"]
     sheet.below(f"{name}: energy in the books",
                 np.abs(books).max() / table["external_work"].max(), 0.01)
-
-
-def main():
-    """Both methods, both kinds of closed wall."""
-    options = case.arguments()
-    sheet = report.Report()
-    bounce(options, sheet, "ddmp", "slip")
-    bounce(options, sheet, "ddmp", "symmetry")
-    bounce(options, sheet, "mpm", "stick")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -14,14 +14,10 @@ functions beside it (H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids, 
 # timeout: 120
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 # soft matter, so that sound does not limit the step much
 DENSITY, HEAT, BULK = 1000.0, 500.0, 1000.0
@@ -84,7 +80,7 @@ def heat_of(snapshot, capacity=HEAT):
     return math.fsum(snapshot.fields["mass"] * capacity * snapshot.fields["temperature"])
 
 
-def fading(options, sheet):
+def test_fading(options, sheet):
     """The wave on finer and finer grids, for methods with other gradients."""
     diffusivity, end = 0.1, 0.125
     for name, (method, words) in METHODS.items():
@@ -109,7 +105,7 @@ def fading(options, sheet):
         sheet.below(f"{name}: error on the finest grid", errors[2], 3.0e-3)
 
 
-def other_axes(options, sheet):
+def test_other_axes(options, sheet):
     """The same slab along y and z: the same numbers, so no component of the flux is another's."""
     for name in ("ddmp", "mpm"):
         method, words = METHODS[name]
@@ -129,7 +125,7 @@ def bessel(x):
     return sum((-0.25 * x * x) ** n / math.factorial(n) ** 2 for n in range(25))
 
 
-def cylinder(options, sheet):
+def test_cylinder(options, sheet):
     """A wave of an insulated cylinder: J0(w r) fades as exp(-a w**2 t), w the first zero of J1."""
     wave, diffusivity, end = 3.8317059702075123, 0.1, 0.3
     for name in ("ddmp", "mpm"):
@@ -157,7 +153,7 @@ def cylinder(options, sheet):
         sheet.above(f"cylinder {name}: order", math.log2(errors[0] / errors[1]), 1.5)
 
 
-def halves(options, sheet):
+def test_halves(options, sheet):
     """Two materials in contact, with effusivities 2 to 1 and a third body that insulates."""
     cells, end = 64, 0.04
     # conductivity, density, specific heat, temperature
@@ -193,7 +189,7 @@ def halves(options, sheet):
         sheet.below(f"{name}: change of the heat", heat_of(last) / heat_of(first) - 1.0, 1.0e-13)
 
 
-def longest_step(options, sheet):
+def test_longest_step(options, sheet):
     """Random temperatures at the greatest step: they only come closer. The cause is named."""
     cells, diffusivity = 8, 100.0
     spacing = 1.0 / cells
@@ -241,7 +237,7 @@ DISCS = """
 """
 
 
-def collision(options, sheet):
+def test_collision(options, sheet):
     """Discs that collide: the energy is whole, and heat of matter without an energy is booked."""
     energy = "eos_model='mie_gruneisen'  mg_c0=2000  mg_s=1.5  mg_gamma=1.5  shear=1.0e9"
     bare = "eos_model='linear'  young=5.0e9  poisson=0.3"
@@ -269,20 +265,3 @@ def collision(options, sheet):
         sheet.require("heat conduction" not in without.summary["timers"], "no row without a conductivity")
         sheet.above("bytes of the fields", with_flow.summary["bytes_per_particle"],
                     without.summary["bytes_per_particle"] + 8.0)
-
-
-def main():
-    """All cases."""
-    options = case.arguments()
-    sheet = report.Report()
-    fading(options, sheet)
-    other_axes(options, sheet)
-    cylinder(options, sheet)
-    halves(options, sheet)
-    longest_step(options, sheet)
-    collision(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -9,16 +9,10 @@ A slab at 400 K between 500 K and 300 K tends to a straight line; the way there 
 -400/(n pi) sin(n pi x) exp(-a (n pi)^2 t) (H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids, 1959, 3.4).
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import case             # noqa: E402
-import report           # noqa: E402
-import test_conduction  # noqa: E402
+import case
+import test_conduction
 
 DIFFUSIVITY = 0.1
 FACES = """
@@ -49,10 +43,8 @@ def exact(place, time):
     return result
 
 
-def main():
+def test_held_faces(options, sheet):
     """Finer and finer slabs at two times, and the books in one and three dimensions."""
-    options = case.arguments()
-    sheet = report.Report()
     for name, (method, words) in test_conduction.METHODS.items():
         errors = []
         for cells in (16, 32, 64):
@@ -72,8 +64,3 @@ def main():
         sheet.above(f"{dimension} {method}: rise over that of the whole by 1 K",
                     rise / (test_conduction.HEAT * first.fields["mass"].sum()), 5.0)
         sheet.below(f"{dimension} {method}: energy error", run.summary["ledger"]["energy_error"], 1.0e-11)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

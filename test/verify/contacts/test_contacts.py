@@ -17,18 +17,11 @@ faster: speed and stress within 0.5 % at all times. At the end the stress that d
 while they moved.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "point"))
-import bodies      # noqa: E402
-import case        # noqa: E402
-import flows       # noqa: E402
-import report      # noqa: E402
-import test_point  # noqa: E402
+import bodies
+import flows
+import test_point
 
 POINT = """
 &material  name='g'  density=1000  bulk=5  shear=3  strength_model='granular'  gr_gamma_c=0.3 /
@@ -36,7 +29,7 @@ POINT = """
 """
 
 
-def point(options, sheet):
+def test_points(options, sheet):
     """One point at rates that are far apart."""
     tables = {rate: test_point.drive(options, f"rate_{rate:g}", POINT.format(rate=rate))
               for rate in (1.0e-3, 1.0, 1.0e4)}
@@ -52,7 +45,7 @@ def point(options, sheet):
         sheet.below(f"point at {rate:g} /s: normal stress", np.abs(half - exact[:, 1]).max() / 3.0, 1.0e-12)
 
 
-def flow(options, sheet):
+def test_flow(options, sheet):
     """Flows between two faces."""
     started = bodies.shear(options, "started", started=True, density=0.1, survival=0.7)
     sheet.below("layers that move: shear stress", started["across"], 1.0e-12)
@@ -68,7 +61,7 @@ def flow(options, sheet):
     sheet.above("driven: shear stress at the end [Pa]", curves[0][-1, 0], 0.8)
 
 
-def fading(options, sheet):
+def test_fading(options, sheet):
     """Standing waves in grains that relax."""
     for relaxation, end in ((0.2, 0.6), (0.04, 0.6)):
         result = flows.wave(options, f"wave_{relaxation:g}", relaxation=relaxation, end=end)
@@ -76,17 +69,3 @@ def fading(options, sheet):
         sheet.below(f"tau {relaxation:g} s: speed", result["speed"], 0.005)
         sheet.below(f"tau {relaxation:g} s: stress", result["stress"], 0.005)
         sheet.above(f"tau {relaxation:g} s: greatest stress", np.abs(result["curve"][:, 2]).max(), 0.3)
-
-
-def main():
-    """Points, flows, waves."""
-    options = case.arguments()
-    sheet = report.Report()
-    point(options, sheet)
-    flow(options, sheet)
-    fading(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

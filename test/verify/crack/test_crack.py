@@ -22,17 +22,12 @@ that.
 # tiers: smoke, full
 # timeout: 180
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import bars    # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import bars
+import case
+import tier
 
 TARGET = 0.1                           # of the energy of a crack
 CLOSE = 0.02                           # of it where the width of the band is known, and of the load
@@ -58,7 +53,7 @@ OBLIQUE = """
 """
 
 
-def cells(options, sheet):
+def test_cells(options, sheet):
     """Four sizes of cells, and the load of the last three against the curve."""
     for method, words, ppc, least in (("mpm", "", 2, 8), ("ddmp", "", 2, 8), ("ddmp", "", 4, 8),
                                       ("mpm", "basis='gimp'", 4, 8)):
@@ -92,7 +87,8 @@ def cells(options, sheet):
                     target=CLOSE)
 
 
-def others(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_others(options, sheet):
     """Planes and space, smoother functions, the other curve, and an internal energy."""
     fast = {"speed": 0.02, "end": 0.007, "poisson": 0.2}
     for name, words in (("plane", {"dimension": "plane_strain", **fast}), ("space", {"dimension": "3d", **fast})):
@@ -110,7 +106,8 @@ def others(options, sheet):
         sheet.below(f"with internal energy, {method}: energy in no books", result["ledger"]["energy_error"], 1.0e-13)
 
 
-def oblique(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_oblique(options, sheet):
     """Cracks in directions that are not those of the grid."""
     for angle in (0, 20, 45):
         turn = np.radians(angle)
@@ -126,7 +123,7 @@ def oblique(options, sheet):
             sheet.below(f"oblique by {angle} degrees: error of the energy", off, TARGET)
 
 
-def too_large(options, sheet):
+def test_too_large(options, sheet):
     """A cell beyond 2 E Gf/f^2 is refused, and the message names what is allowed."""
     deck = bars.DECK.replace("fracture_energy=100", "fracture_energy=5").format(
         dimension="1d", method="mpm", words="", h=0.05, end=0.01, speed=0.01, effects="",
@@ -134,19 +131,3 @@ def too_large(options, sheet):
         za=0, zb=1)
     run = case.Case(options, "large", deck).run("--check", expect=2)
     sheet.require("dx must be at most 0.0333333 m" in run.output, "too large a cell is refused, and the limit named")
-
-
-def main():
-    """All of it."""
-    options = case.arguments()
-    sheet = report.Report()
-    cells(options, sheet)
-    if tier.NAME != "smoke":
-        others(options, sheet)
-        oblique(options, sheet)
-    too_large(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

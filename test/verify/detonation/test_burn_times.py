@@ -11,14 +11,9 @@ error is at most 0.6 a doubling of the resolution (order 1).
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='plane_strain' /
@@ -83,10 +78,8 @@ def around_disc(place, centre=np.array([0.05, 0.05]), radius=0.02):
     return np.where(arc > 0.0, bent, distance(SOURCE, place)), arc > 0.0
 
 
-def main():
+def test_burn_times(options, sheet):
     """Shapes of detonators, a block, a disc."""
-    options = case.arguments()
-    sheet = report.Report()
     none = "&region  name='metal'  shape='box'  lo=0,0,0  hi=0.1,1,0.004 /"
     shapes = {
         "point": ("shape='point'  point=0.01,0.3,0.02", lambda p: distance(SOURCE, p)),
@@ -117,8 +110,3 @@ def main():
         sheet.below(f"around the disc, cells of {spacing} m, in cells", off.max() / spacing, 0.5)
         error.append(off[bent].mean())
     sheet.below("ratio of the mean errors around the disc", error[1] / error[0], 0.6)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

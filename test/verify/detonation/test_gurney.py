@@ -16,14 +16,9 @@ axis. Convergence: velocities of half the cell size differ by less than 1 %.
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 PLATE = """
 &run  dimension='1d' /
@@ -91,10 +86,8 @@ def drive(options, name, deck, cell):
     return ratio, middle, velocity[-1], energy
 
 
-def main():
+def test_gurney(options, sheet):
     """Both at two resolutions."""
-    options = case.arguments()
-    sheet = report.Report()
     sheet.near("Gurney's plate of M/C = 1.14", MEASURED * plate_factor(1.14), 1356.0, 1.0e-3)
     for name, deck, cells, factor in (("plate", PLATE, (5.0e-4, 2.5e-4), plate_factor),
                                       ("tube", TUBE, (5.0e-4, 2.5e-4), tube_factor)):
@@ -105,8 +98,3 @@ def main():
             sheet.below(f"{name} at the end", result[2], 1.03 * HIGHEST * factor(result[0]))
             sheet.below(f"energy of the {name}", result[3], 1.0e-12)
         sheet.near(f"{name}, coarse against fine", coarse[2], fine[2], 0.01)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

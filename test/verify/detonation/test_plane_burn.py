@@ -16,15 +16,10 @@ a slope of about one part in the length of the tube right behind the front of 2.
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case        # noqa: E402
-import detonation  # noqa: E402
-import report      # noqa: E402
+import case
+import detonation
 
 DECK = """
 &run  dimension='1d' /
@@ -89,10 +84,8 @@ def slowest(options):
     return table["shock_speed"].min()
 
 
-def main():
+def test_plane_burn(options, sheet):
     """Two resolutions, and the same bits on two ranks and after a restart."""
-    options = case.arguments()
-    sheet = report.Report()
     coarse, fine = burn(options, 200), burn(options, 400)
     for cells, result, peak in ((200, coarse, 0.85), (400, fine, 0.90)):
         sheet.near(f"speed of the front, {cells} cells", result["speed"], SPEED, 1.0e-3)
@@ -114,8 +107,3 @@ def main():
     sheet.require(again.summary["digest"] != coarse["digest"], "the middle of the run is not its end")
     again.run("-q", "--restart")
     sheet.require(again.summary["digest"] == coarse["digest"], "a restart gives the same bits")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -19,14 +19,9 @@ bits depend on its neighbours, failure that does not come or is undone, books th
 # cores: 2
 # timeout: 240
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 BULK, SHEAR, YIELD = 75.0e9, 27.0e9, 0.1e9
 ELASTIC = f"density=2700  bulk={BULK}  shear={SHEAR}"
@@ -97,7 +92,7 @@ def limit(porosity, strength, q1, q2):
     return 2.0 * strength / (3.0 * q2) * np.arccosh((1.0 + (q1 * porosity) ** 2) / (2.0 * q1 * porosity))
 
 
-def hydrostatic(options, sheet):
+def test_hydrostatic(options, sheet):
     """Growth under tension from all sides, and closing under pressure."""
     for f0, q1, q2 in ((0.01, 1.5, 1.0), (1.0e-5, 1.25, 0.95), (0.2, 1.0, 1.0)):
         rows = point(options, f"pull_{f0:g}", f"{GURSON}  gtn_f0={f0}  gtn_q1={q1}  gtn_q2={q2}", "hydrostatic", 0.05,
@@ -202,7 +197,7 @@ class Rates:
         return {"mises": state[0], "pressure": p, "porosity": state[2], "plastic_strain": state[3]}
 
 
-def uniaxial(options, sheet):
+def test_uniaxial(options, sheet):
     """Uniaxial strain with all that the law has."""
     words = (f"{GURSON}  hardening=5e8  gtn_f0=0.002  gtn_q1=1.4  gtn_q2=0.9  gtn_fn=0.02  gtn_en=0.1  gtn_sn=0.04"
              "  gtn_fc=0.03  gtn_ff=0.2")
@@ -220,7 +215,7 @@ def uniaxial(options, sheet):
         sheet.above(f"uniaxial: order of {name}", order, 0.8)
 
 
-def without_pores(options, sheet):
+def test_without_pores(options, sheet):
     """The same as von Mises."""
     for path, strain, more in (("uniaxial_strain", -0.05, "returns=.true."), ("shear", 0.4, ""),
                                ("triaxial", 0.1, "confinement=1e8")):
@@ -233,7 +228,7 @@ def without_pores(options, sheet):
         sheet.below(f"no pores, {path}", worst, allowed)
 
 
-def impact(options, sheet):
+def test_impact(options, sheet):
     """Plates that spall."""
     words = {"dimension": "1d", "wide": 1, "method": "", "damage": "true", "effects": "",
              "material": METAL + "  damage_model='porosity'", "fields": "'porosity','failed','damage'",
@@ -268,7 +263,7 @@ def impact(options, sheet):
                     - books["von_mises", cfl]), 1.0e-3)
 
 
-def work(options, sheet):
+def test_work(options, sheet):
     """Work along uniaxial strain is stored, or heats as plastic work does."""
     errors = []
     for steps in (500, 1000, 2000):
@@ -289,7 +284,7 @@ def work(options, sheet):
     sheet.above("work: order", np.log2(abs(errors[0] / errors[2])) / 2.0, 1.0)
 
 
-def faults(options, sheet):
+def test_faults(options, sheet):
     """All in one pass."""
     run = case.Case(options, "faults", FAULTS)
     run.run("--check", expect=2)
@@ -301,20 +296,3 @@ def faults(options, sheet):
     run.run("--check", expect=2)
     sheet.require("strength_model = 'gurson' has pores of its own; remove it or &effects voids" in run.output,
                   f"voids: {run.output}")
-
-
-def main():
-    """All parts."""
-    options = case.arguments()
-    sheet = report.Report()
-    hydrostatic(options, sheet)
-    uniaxial(options, sheet)
-    without_pores(options, sheet)
-    work(options, sheet)
-    impact(options, sheet)
-    faults(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

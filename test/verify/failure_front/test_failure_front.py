@@ -11,14 +11,10 @@ bars, sqrt(E/rho). Its head is then the integral of an Airy function, a third of
 and that of the rod. Along the grid and at 30 degrees to it the front of two rods in plane strain may differ by a cell.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DENSITY, YOUNG, POISSON = 2230.0, 64.0e9, 0.20
 LONGITUDINAL = np.sqrt(YOUNG * (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON) * DENSITY))
@@ -114,7 +110,7 @@ def wave(options, sheet, name, share, between, right, **words):
                   f"{name}: nothing ages or fails below the strength")
 
 
-def weak(options, sheet):
+def test_weak(options, sheet):
     """The same rod with half the shear strength that it needs fails behind the wave and not ahead of it."""
     words = {"width": 4, "radius": 2.5, "high": 22, "length": 20, "cell": 0.5, "end": 2.5, "every": 0.25}
     box = case.Case(options, "weak", ELASTIC.format(shear=0.02, **words)).run("-q")
@@ -141,7 +137,7 @@ def turned(options, turn):
     return np.array(found), float(snap.fields["mass"][broken].sum())
 
 
-def flags(options, sheet):
+def test_flags(options, sheet):
     """Who has failed, in the order of identities, stays failed, and nobody is in between."""
     before = 0.0
     box = case.Case(options, "box", BOX).run("-q")
@@ -155,16 +151,18 @@ def flags(options, sheet):
     sheet.require(0.5 < failed.mean() < 1.0, "box: most of the glass fails, and not all")
 
 
-def main():
-    """Waves, peace, and angles."""
-    options = case.arguments()
-    sheet = report.Report()
-    wave(options, sheet, "beginning", 0.5, (4.0e-3, 8.0e-3), LONGITUDINAL, width=12, radius=10, high=17, length=16,
-         cell=0.25, end=1.6, every=0.05)
-    wave(options, sheet, "bar", 1.0 / 3.0, (30.0e-3, 50.0e-3), BAR, width=4, radius=2.5, high=62, length=60, cell=0.5,
-         end=10.5, every=0.25)
-    weak(options, sheet)
-    flags(options, sheet)
+@pytest.mark.parametrize("name, share, between, right, words", [
+    ("beginning", 0.5, (4.0e-3, 8.0e-3), LONGITUDINAL, {
+        "width": 12, "radius": 10, "high": 17, "length": 16, "cell": 0.25, "end": 1.6, "every": 0.05}),
+    ("bar", 1.0 / 3.0, (30.0e-3, 50.0e-3), BAR, {
+        "width": 4, "radius": 2.5, "high": 62, "length": 60, "cell": 0.5, "end": 10.5, "every": 0.25}),
+])
+def test_wave(options, sheet, name, share, between, right, words):
+    wave(options, sheet, name, share, between, right, **words)
+
+
+def test_angles(options, sheet):
+    """Along the grid and at 30 degrees."""
     straight, mass = turned(options, 0)
     oblique, oblique_mass = turned(options, 30)
     sheet.above("front along the grid at the end [m]", straight[-1, 1], 0.018)
@@ -172,8 +170,3 @@ def main():
         f"{1e3 * place:.2f} {1e3 * (other - place):+.2f}" for (_, place), (_, other) in zip(straight, oblique)))
     sheet.below("front at 30 degrees off that along the grid, in cells", np.abs(oblique - straight).max() / CELL, 1.0)
     sheet.near("broken mass at 30 degrees", oblique_mass, mass, 0.01)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

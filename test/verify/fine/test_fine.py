@@ -13,26 +13,21 @@ first. Held bar: energy 1 %, period the dispersion of DDMP. Shear of grains: the
 # tiers: long
 # timeout long: 2400
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
+import bodies
 
 
-def main():
-    """One after the other."""
-    options = case.arguments()
-    sheet = report.Report()
-    for ppc in (2, 3):
-        result = bodies.spin(options, f"spin_{ppc}", spacing=0.05, ppc=ppc)
-        sheet.below(f"spin, {ppc} x {ppc}: angular momentum in a turn", result["drift"], 5.0e-4)
-        sheet.below(f"spin, {ppc} x {ppc}: energy in a turn", result["energy"], 5.0e-4)
-        sheet.below(f"spin, {ppc} x {ppc}: displacement", result["displacement"], 5.6e-4)
+@pytest.mark.parametrize("ppc", [2, 3])
+def test_spin(options, sheet, ppc):
+    result = bodies.spin(options, f"spin_{ppc}", spacing=0.05, ppc=ppc)
+    sheet.below(f"spin, {ppc} x {ppc}: angular momentum in a turn", result["drift"], 5.0e-4)
+    sheet.below(f"spin, {ppc} x {ppc}: energy in a turn", result["energy"], 5.0e-4)
+    sheet.below(f"spin, {ppc} x {ppc}: displacement", result["displacement"], 5.6e-4)
+
+
+def test_two_discs(options, sheet):
     for name, limit, words in (("64 cells", 0.005, {"spacing": 0.00625}),
                                ("3 x 3 particles", 0.01, {"spacing": 0.0125, "ppc": 3}),
                                ("short steps", 0.01, {"spacing": 0.0125, "cfl": 0.1})):
@@ -40,31 +35,41 @@ def main():
         sheet.below(f"two discs, {name}: energy", result["energy"], limit)
         sheet.below(f"two discs, {name}: greatest energy", result["greatest"], 0.01)
         sheet.below(f"two discs, {name}: momentum", result["momentum"], 1.0e-13)
-    for speed in (0.1, 0.75):
-        right = bodies.held_bar_reference(speed)["period"]
-        errors = []
-        for cells in (26, 52, 104):
-            result = bodies.held_bar(options, "held", cells=cells, speed=speed)
-            errors.append(abs(result["period"] / right - 1.0))
-            sheet.below(f"held bar, {speed} m/s, {cells} cells: energy", result["energy"], 0.01)
-            sheet.below(f"held bar, {speed} m/s, {cells} cells: period", errors[-1],
-                        7 / 24 * (0.5 * np.pi / cells) ** 2)
-        for rate in bodies.rates(errors):
-            sheet.above(f"held bar, {speed} m/s: rate of the period", rate, 1.8)
+
+
+@pytest.mark.parametrize("speed", [0.1, 0.75])
+def test_held_bar(options, sheet, speed):
+    right = bodies.held_bar_reference(speed)["period"]
+    errors = []
+    for cells in (26, 52, 104):
+        result = bodies.held_bar(options, "held", cells=cells, speed=speed)
+        errors.append(abs(result["period"] / right - 1.0))
+        sheet.below(f"held bar, {speed} m/s, {cells} cells: energy", result["energy"], 0.01)
+        sheet.below(f"held bar, {speed} m/s, {cells} cells: period", errors[-1],
+                    7 / 24 * (0.5 * np.pi / cells) ** 2)
+    for rate in bodies.rates(errors):
+        sheet.above(f"held bar, {speed} m/s: rate of the period", rate, 1.8)
+
+
+def test_free_bar(options, sheet):
     errors = [bodies.free_bar(options, "bar", spacing=spacing)["velocity"] for spacing in (1.0, 0.5, 0.25)]
     for rate in bodies.rates(errors):
         sheet.above("free bar: rate of the velocity", rate, 1.8)
+
+
+def test_column(options, sheet):
     runs = [bodies.column(options, "column", cells=cells) for cells in (40, 80, 160)]
     for cells, result in zip((40, 80, 160), runs):
         sheet.below(f"column, {cells} cells: stress over the weight on the foot", result["stress"], 1.0 / cells)
     for rate in bodies.rates([result["stress"] for result in runs]):
         sheet.above("column: rate of the stress", rate, 0.85)
+
+
+def test_cantilever(options, sheet):
     result = bodies.cantilever(options, "beam", spacing=0.125)
     sheet.near("cantilever, cells of 0.125 m: first minimum [m]", result["fall"], -3.27, 0.015)
+
+
+def test_shear(options, sheet):
     result = bodies.shear(options, "shear", density=1.0e-4)
     sheet.below("shear of very light grains: shear stress", result["across"], 0.01 * 0.2 ** 0.5)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -23,16 +23,11 @@ the bar must be seen to fail, or it crosses nothing.
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import bodies
+import tier
 
 TURN, WAVE, SPEED, LENGTH, END = np.pi * 10.0 / 25.0, np.pi / 25.0, 10.0, 25.0, 9.0
 TARGET = 0.01                          # of the energy of the vibration
@@ -40,13 +35,14 @@ LINEAR_VISCOSITY = 0.06                # bulk_q1 by default
 OTHERS = {"pure_flip": ("ddmp", "flip=1"), "xpic": ("ddmp", "transfer='xpic'"), "usf": ("ddmp", "stress_update='usf'"),
           "musl": ("ddmp", "stress_update='musl'"), "control": ("ddmp", "quadrature='control'"),
           "quadratic": ("mpm", "basis='quadratic'")}
+FULL = pytest.mark.tiers("full", "long")
 
 
 def fly(options, sheet, name, method="ddmp", words="", **more):
     """One flight, whose momentum and energy are judged."""
     result = bodies.free_bar(options, name, method, words, **more)
     figures = ("energy", "books", "greatest", "velocity", "displacement", "stress", "momentum")
-    print(f"{name:<22}" + "".join(f" {result[key]:+11.2e}" for key in figures), flush=True)
+    print(f"         {name}: " + ", ".join(f"{key} {result[key]:+.2e}" for key in figures), flush=True)
     sheet.near(f"{name}: cells flown", result["flown"], 36.0, 1.0e-3)
     sheet.near(f"{name}: energy at the start over that of the mode", result["start"], 1.0, 2.0e-4)
     sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
@@ -63,8 +59,10 @@ def judge(sheet, name, result):
     sheet.below(f"{name}: stress", result["stress"], 0.005)
 
 
-def viscous(sheet, result):
+@FULL
+def test_viscous(options, sheet):
     """What artificial viscosity takes, against its closed value."""
+    result = fly(options, sheet, "viscous", effects="")
     time = (np.arange(100000) + 0.5) * END / 100000
     shrinks = np.cos(TURN * time) > 0.0
     exact = (2.0 * LINEAR_VISCOSITY * SPEED * 0.5 * WAVE ** 2
@@ -74,12 +72,8 @@ def viscous(sheet, result):
     sheet.below("viscous: greatest energy", result["greatest"], 0.02)
 
 
-def main():
-    """The default with two sizes of cells, with artificial viscosity, and other ways to compute."""
-    options = case.arguments()
-    sheet = report.Report()
-    heads = ("energy", "+viscous", "greatest E", "velocity", "displacement", "stress", "momentum")
-    print(f"{'changes and errors':<22}" + "".join(f" {head:>11}" for head in heads))
+def test_usual(options, sheet):
+    """The default, with two sizes of cells."""
     usual = fly(options, sheet, "usual")
     sheet.require(usual["particles"] == 100, "the bar keeps its particles")
     judge(sheet, "usual", usual)
@@ -87,13 +81,17 @@ def main():
         coarse = fly(options, sheet, "coarse", spacing=1.0)
         for key in ("velocity", "stress"):
             sheet.above(f"rate of {key}", bodies.rates([coarse[key], usual[key]])[0], 1.3)
-        viscous(sheet, fly(options, sheet, "viscous", effects=""))
-        for name, words in OTHERS.items():
-            judge(sheet, name, fly(options, sheet, name, *words))
-        plain = fly(options, sheet, "mpm", "mpm")
-        sheet.above("mpm: energy of the vibration over that at the start", 1.0 + plain["energy"], 2.0)
-    sheet.end()
 
 
-if __name__ == "__main__":
-    main()
+@FULL
+@pytest.mark.parametrize("name", OTHERS)
+def test_others(options, sheet, name):
+    """Other ways to compute."""
+    judge(sheet, name, fly(options, sheet, name, *OTHERS[name]))
+
+
+@FULL
+def test_plain(options, sheet):
+    """The plain method does not keep the energy."""
+    plain = fly(options, sheet, "mpm", "mpm")
+    sheet.above("mpm: energy of the vibration over that at the start", 1.0 + plain["energy"], 2.0)

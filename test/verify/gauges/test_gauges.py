@@ -7,14 +7,9 @@ restart leaves out or writes twice, values that depend on ranks, a surface that 
 point that is the mean of its surroundings where the field has a slope.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DENSITY, SOUND, THICK, SPEED = 2703.0, 6400.0, 2.0e-3, 20.0
 CELL = THICK / 40
@@ -54,7 +49,7 @@ def table(run, name):
     return np.genfromtxt(run.path(f"_{name}.csv"), delimiter=",", names=True, deletechars="", replace_space=" ")
 
 
-def plate(options, sheet):
+def test_plate(options, sheet):
     """The plate on one rank, on others, and stopped in between."""
     one = case.Case(options, "plate", DECK).run("-q")
     rear, laser = table(one, "gauge"), table(one, "laser_gauge")
@@ -105,7 +100,7 @@ def bits(options, sheet, one):
         sheet.require(np.array_equal(again, np.arange(len(again))), f"{name}: a restart writes each row once")
 
 
-def slope(options, sheet):
+def test_slope(options, sheet):
     """Linear fields are seen exactly, inside and at a surface."""
     run = case.Case(options, "slope", SLOPE).run("-q")
     inside, below = np.atleast_1d(table(run, "gauge"))[0], np.atleast_1d(table(run, "s_gauge"))[0]
@@ -114,14 +109,3 @@ def slope(options, sheet):
     sheet.near("place of the surface", below["z [m]"], 0.2, 1e-13)
     sheet.near("x velocity at the surface", below["velocity_x [m/s]"], 3 * 0.437 - 2 * 0.2 + 1, 1e-12)
     sheet.near("z velocity at the surface", below["velocity_z [m/s]"], 5 * 0.2 + 0.437, 1e-12)
-
-
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    slope(options, sheet)
-    plate(options, sheet)
-    sheet.end()
-
-
-main()

@@ -11,15 +11,10 @@ floor a few percent more.
 # timeout: 300
 # timeout long: 900
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 DENSITY, WIDTH, HEIGHT, FRICTION = 1500.0, 0.1, 0.4, 0.3
 SILO = f"""
@@ -47,9 +42,7 @@ def table(run, name):
     return {column: rows[column][late].mean() for column in rows.dtype.names}
 
 
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
+def test_janssen(options, sheet):
     run = case.Case(options, "janssen", SILO).run("-q")
     forces, stress = table(run, "forces"), table(run, "gauge")
     floor = -forces["zlo_force_z [N]"]
@@ -61,7 +54,3 @@ def main():
     sheet.note("K", float(ratio))
     sheet.near("floor by Janssen's law", floor, DENSITY * 9.81 * WIDTH * length * (1 - np.exp(-HEIGHT / length)), 0.05)
     sheet.below("friction of the walls over the normal force", walls / 2 / forces["right_force_x [N]"], FRICTION + 1e-6)
-    sheet.end()
-
-
-main()

@@ -7,14 +7,9 @@ retried step that is left out, a mean force that is not the change of the impuls
 velocity, and an output that changes the run.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='plane_strain' /
@@ -82,9 +77,7 @@ def sums(sheet, one, filtered=False):
     sheet.below("friction is at most the coefficient times the normal impulse", (rub - 0.4 * push).max(), 1e-9)
 
 
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
+def test_wall_forces(options, sheet):
     one = case.Case(options, "walls", DECK.format(more=FORCES)).run("-q")
     sums(sheet, one)
     # each term of the filter of velocities loses what walls hold
@@ -110,7 +103,3 @@ def main():
     sheet.near("mean force on the floor over nine periods", brick["zlo_impulse_z [N s]"][-1] / brick["time [s]"][-1],
                -4905.0, 0.02)
     sheet.require(brick["xlo_impulse_x [N s]"][-1] < -100.0, "the brick presses on the side")
-    sheet.end()
-
-
-main()

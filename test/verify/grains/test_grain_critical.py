@@ -7,14 +7,10 @@ found anew, and dilatancy that the servo hinders. Values are quoted from memory.
 # tiers: long
 # timeout: 1200
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """&grains  shape = 'spheres'  number = 216  diameter = 1e-3  spread = 0.1  density = 2500  stiffness = 3e3
   restitution = 0.5  friction = {friction} /
@@ -25,17 +21,11 @@ DECK = """&grains  shape = 'spheres'  number = 216  diameter = 1e-3  spread = 0.
 """
 
 
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    for friction, critical in ((0.0, 0.636), (0.1, 0.613), (0.3, 0.596), (0.5, 0.587)):
-        history = case.Case(options, f"friction_{friction}", DECK.format(friction=friction)).run(
-            "--grains", "--quiet", timeout=600).history
-        solid = history["volume_fraction"][history["stage"] == 3][5:]
-        sheet.require(len(solid) == 10, "ten rows of the steady part")
-        sheet.below(f"friction {friction}: volume fraction {np.mean(solid):.4f} from the critical one",
-                    np.mean(solid) - critical, 0.01)
-    sheet.end()
-
-
-main()
+@pytest.mark.parametrize("friction, critical", ((0.0, 0.636), (0.1, 0.613), (0.3, 0.596), (0.5, 0.587)))
+def test_grain_critical(options, sheet, friction, critical):
+    history = case.Case(options, f"friction_{friction}", DECK.format(friction=friction)).run(
+        "--grains", "--quiet", timeout=600).history
+    solid = history["volume_fraction"][history["stage"] == 3][5:]
+    sheet.require(len(solid) == 10, "ten rows of the steady part")
+    sheet.below(f"friction {friction}: volume fraction {np.mean(solid):.4f} from the critical one",
+                np.mean(solid) - critical, 0.01)

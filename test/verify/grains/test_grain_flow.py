@@ -8,15 +8,10 @@ another one between grains than the deck says; and a servo that lets the pressur
 # timeout: 200
 # timeout long: 1800
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 FLOW = """&grains  shape = '{shape}'  number = {number}  diameter = 1e-3  spread = 0.2  density = 2500
   stiffness = {stiffness}  restitution = 0.5  friction = {friction} /
@@ -37,7 +32,7 @@ def flow(options, name, **values):
              "springs", "shear", "energy_error", "step", "strain", "inertial_number")}
 
 
-def balance(options, sheet):
+def test_balance(options, sheet):
     """Work of the cell and dissipation over a strain of 10, I = 0.01 in the tier long."""
     part = flow(options, "balance", number=200, inertial=tier.choose(full=0.1, long=0.01), begin=1, strain=10)
     change = {key: values[-1] - values[0] for key, values in part.items()}
@@ -54,7 +49,7 @@ def balance(options, sheet):
                 np.abs(np.diff(part["energy_error"]) / steps).max() / energy, 1e-10)
 
 
-def rheology(options, sheet):
+def test_rheology(options, sheet):
     """Discs with friction 0.4: mu = 0.25 + 1.1 I and phi = 0.81 - 0.3 I within 10 % (F. da Cruz and others, Phys.
     Rev. E 72 (2005) 021309, quoted from memory)."""
     for inertial in tier.choose(full=(0.1,), long=(0.01, 0.03, 0.1, 0.19)):
@@ -64,14 +59,3 @@ def rheology(options, sheet):
         sheet.near(f"I = {inertial}: friction", friction, 0.25 + 1.1 * inertial, 0.1)
         sheet.near(f"I = {inertial}: volume fraction", np.mean(part["volume_fraction"]), 0.81 - 0.3 * inertial, 0.1)
         sheet.near(f"I = {inertial}: pressure that is held", -np.mean(part["stress_yy"]), 1e3, 0.02)
-
-
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    balance(options, sheet)
-    rheology(options, sheet)
-    sheet.end()
-
-
-main()

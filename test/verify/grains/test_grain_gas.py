@@ -8,15 +8,11 @@ another one in a crowd, energy that is made by collisions, and pairs that are fo
 # timeout: 200
 # timeout long: 2400
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 GAS = """&grains  shape = '{shape}'  number = {number}  diameter = 1e-3  spread = 0  density = 2500
   stiffness = {stiffness}  restitution = {restitution}  friction = 0 /
@@ -34,7 +30,11 @@ def hard(shape, solid):
     return (1 + solid + solid**2 - solid**3) / (1 - solid)**3, (1 - solid / 2) / (1 - solid)**3
 
 
-def elastic(options, sheet, shape, solid, number, stiffness):
+@pytest.mark.parametrize("shape, solid, number, stiffness", [
+    ("discs", 0.5, 400, 4e6),
+    ("spheres", 0.3, 343, 3e3),
+])
+def test_elastic(options, sheet, shape, solid, number, stiffness):
     """Pressure over kinetic pressure. Overlaps of s diameters make the grains smaller by about s: d/dt of the
     overlap is the speed, so s is known; stiffness is such that it changes the factor by less than a third of 1 %."""
     factors, worst = [], 0.0
@@ -59,7 +59,11 @@ def beyond_maxwell(e, d):
     return 16 * (1 - e) * (1 - 2 * e**2) / (9 + 24 * d + 8 * d * e - 41 * e + 30 * e**2 * (1 - e))
 
 
-def cooling(options, sheet, shape, solid, number, stiffness, duration):
+@pytest.mark.parametrize("shape, solid, number, stiffness, duration", [
+    pytest.param("discs", 0.2, 225, 1e6, 1.0, marks=pytest.mark.tiers("long")),
+    pytest.param("spheres", 0.15, 216, 7e2, 1.0, marks=pytest.mark.tiers("long")),
+])
+def test_cooling(options, sheet, shape, solid, number, stiffness, duration):
     """Temperature of a gas that cools by collisions, P. K. Haff, J. Fluid Mech. 134 (1983) 401, with the time of
     the kinetic theory of Enskog: 1/t_H = (1 - e^2)/(2 d) times the frequency of collisions of a grain, times
     1 + 3 a/16 for velocities that are not those of Maxwell (T. P. C. van Noije, M. H. Ernst, Granular Matter 1
@@ -83,17 +87,3 @@ def cooling(options, sheet, shape, solid, number, stiffness, duration):
     sheet.below(f"{shape}: greatest difference from Haff's law, beyond two standard errors",
                 np.maximum(np.abs(mean - 1.0) - 2 * error, 0.0).max(), 0.02)
     sheet.below(f"{shape}: standard error of the mean", error.max(), 0.02)
-
-
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    elastic(options, sheet, "discs", 0.5, 400, 4e6)
-    elastic(options, sheet, "spheres", 0.3, 343, 3e3)
-    if tier.NAME == "long":
-        cooling(options, sheet, "discs", 0.2, 225, 1e6, 1.0)
-        cooling(options, sheet, "spheres", 0.15, 216, 7e2, 1.0)
-    sheet.end()
-
-
-main()

@@ -7,12 +7,9 @@ rattlers that are counted otherwise, and a servo that ends beside its pressure.
 # tiers: full
 # timeout: 200
 
-import sys
-from pathlib import Path
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 PRESS = """&grains  shape = '{shape}'  number = {number}  diameter = 1e-3  sizes = 'two'  spread = {spread}
   density = 2500  stiffness = {stiffness}  restitution = 0.2  friction = 0 /
@@ -22,22 +19,18 @@ PRESS = """&grains  shape = '{shape}'  number = {number}  diameter = 1e-3  sizes
 """
 
 
-def main():
+@pytest.mark.parametrize("shape, number, spread, stiffness, density, contacts", [
+    ("discs", 400, "{1/6}", 1e6, 0.842, 4.0),
+    ("spheres", 400, "0", 1e3, 0.64, 6.0),
+])
+def test_grain_jamming(options, sheet, shape, number, spread, stiffness, density, contacts):
     """Overlaps are 2e-4 of a diameter, so the density is above that of jamming by about as much, and contacts by
     the root of it: a few percent. 0.01 is the spread of protocols and of cells of this size."""
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    for shape, number, spread, stiffness, density, contacts in (("discs", 400, "{1/6}", 1e6, 0.842, 4.0),
-                                                                ("spheres", 400, "0", 1e3, 0.64, 6.0)):
-        history = case.Case(options, shape, PRESS.format(shape=shape, number=number, spread=spread, time=0.02,
-                                                         stiffness=stiffness)).run("--grains", "--quiet").history
-        last = {name: history[name][-1] for name in ("volume_fraction", "coordination_held", "pressure", "rattlers")}
-        sheet.near(f"{shape}: pressure", last["pressure"], 200.0, 0.01)
-        sheet.below(f"{shape}: volume fraction {last['volume_fraction']:.4f} from that of jamming",
-                    last["volume_fraction"] - density, 0.01)
-        sheet.near(f"{shape}: contacts of grains that are held", last["coordination_held"], contacts, 0.05)
-        sheet.below(f"{shape}: rattlers", last["rattlers"], 0.1)
-    sheet.end()
-
-
-main()
+    history = case.Case(options, shape, PRESS.format(shape=shape, number=number, spread=spread, time=0.02,
+                                                     stiffness=stiffness)).run("--grains", "--quiet").history
+    last = {name: history[name][-1] for name in ("volume_fraction", "coordination_held", "pressure", "rattlers")}
+    sheet.near(f"{shape}: pressure", last["pressure"], 200.0, 0.01)
+    sheet.below(f"{shape}: volume fraction {last['volume_fraction']:.4f} from that of jamming",
+                last["volume_fraction"] - density, 0.01)
+    sheet.near(f"{shape}: contacts of grains that are held", last["coordination_held"], contacts, 0.05)
+    sheet.below(f"{shape}: rattlers", last["rattlers"], 0.1)

@@ -13,15 +13,11 @@ in the middle of the step, ours with that of its end; it projects the spring acr
 # tiers: long
 # timeout: 1800
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import lammps  # noqa: E402
-import report  # noqa: E402
+import case
+import lammps
 
 DENSITY, STIFFNESS = 2500.0, 1e3
 SPRINGS = f"stiffness = {STIFFNESS}"
@@ -43,6 +39,8 @@ FLOW = """&grains  shape = 'spheres'  number = 300  diameter = 1e-3  spread = 0 
 STEADY = """&stage  name = 'begin'   rate = 0 0 0 {rate} 0 0  strain = 2  rows = 2  snapshots = 0 /
 &stage  name = 'steady'  rate = 0 0 0 {rate} 0 0  strain = 8  rows = 200  snapshots = 0 /
 """
+
+pytestmark = pytest.mark.skipif(not lammps.PROGRAM, reason="LAMMPS (lmp) is not installed; apt-get install lammps")
 
 
 def state_of(options, name, deck):
@@ -79,7 +77,7 @@ def gamma(mass, restitution):
     return -2 * log * np.sqrt(STIFFNESS / (np.pi**2 + log**2)) / np.sqrt(0.5 * mass)
 
 
-def springs(options, sheet):
+def test_springs(options, sheet):
     """Springs alone: one state of spheres of different sizes, and the motion of both programs from it. Rounding of
     places is 1e-13 of the overlaps, and each collision makes it some ten times larger: those of Hertz are more here."""
     for law, text, longest, pair in (
@@ -93,7 +91,7 @@ def springs(options, sheet):
             off(sheet, f"{law} springs: forces after {steps} steps", found, state.force, 1e-12)
 
 
-def dashpots(options, sheet):
+def test_dashpots(options, sheet):
     """Springs and dashpots of equal spheres in one state: LAMMPS gets the velocities with which our dashpots act,
     those in the middle of the step and half a step of the forces before it. m gamma = g sqrt(m) for reduced m."""
     values = {"spread": 0, "restitution": 0.5}
@@ -106,7 +104,7 @@ def dashpots(options, sheet):
         lammps.forces(options.work / "lammps", last, DENSITY, pair)[0], last.force, 1e-12)
 
 
-def friction(options, sheet):
+def test_friction(options, sheet):
     """Friction from the birth of all contacts on: what differs is of the order of the overlap over the radius,
     0.01 here, until collisions have made it larger (some 1500 steps)."""
     values = {"friction": 0.5, "speed": 0.1}
@@ -120,7 +118,7 @@ def friction(options, sheet):
         off(sheet, f"friction: torques after {steps} steps", torque, last.torque, 0.01)
 
 
-def flow(options, sheet):
+def test_flow(options, sheet):
     """Steady shear of equal spheres at the same volume fraction from the same states. Stresses of one such cell vary by
     a third from start to start; friction does not."""
     pair = (f"pair_style gran/hooke/history {STIFFNESS:.17g} {0.5 * STIFFNESS:.17g} "
@@ -142,19 +140,3 @@ def flow(options, sheet):
         sheet.near(f"volume fraction {fraction}, I = {np.mean(inertial):.3f}: friction of LAMMPS and ours",
                    friction_of[1], friction_of[0], 0.05)
         sheet.note("stress yy of both [Pa]", f"{-np.mean(ours, axis=0)[1]:.0f}, {np.mean(theirs, axis=0)[1]:.0f}")
-
-
-def main():
-    options = case.arguments(__doc__)
-    if not lammps.PROGRAM:
-        report.skip_all("LAMMPS (lmp) is not installed; apt-get install lammps")
-    sheet = report.Report()
-    springs(options, sheet)
-    dashpots(options, sheet)
-    friction(options, sheet)
-    flow(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

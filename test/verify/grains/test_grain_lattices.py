@@ -8,15 +8,11 @@ volume that is wrong by a factor.
 # tiers: smoke, full
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
+import tier
 
 TRIANGULAR = """&grains  shape = 'discs'  diameter = 1e-3  density = 2500  stiffness = 1e6  tangential_ratio = 0.8
   restitution = 0.2  friction = {friction} /
@@ -52,7 +48,7 @@ def moduli(one):
     return {(int(row[3]), int(row[4])): row[5:11] for row in rows}
 
 
-def failure(options, sheet):
+def test_failure(options, sheet):
     """Stress ratio at failure: P. W. Rowe, Proc. R. Soc. A 269 (1962) 500; C. Thornton, Geotechnique 29 (1979) 441."""
     for friction in tier.choose(full=(0.0, 0.1, 0.2), smoke=(0.2,)):
         history = run(options, "rowe", TRIANGULAR.format(friction=friction)).history
@@ -71,7 +67,7 @@ def failure(options, sheet):
                 np.abs(history["stress_zz"] / lateral / (10.0 / 3.0) - 1.0)[plateau].max(), 0.01)
 
 
-def lattice(options, sheet):
+def test_lattice(options, sheet):
     """Moduli of the triangular lattice; the overlap of 1e-6 changes them by as much."""
     rows = moduli(run(options, "lattice", LATTICE))
     factor = np.sqrt(3.0) / 4.0
@@ -86,7 +82,8 @@ def lattice(options, sheet):
     sheet.below("unrelaxed xx by xy", rows[0, 4][0] / shear, 1e-5)
 
 
-def bound(options, sheet):
+@pytest.mark.tiers("full")
+def test_bound(options, sheet):
     """Packings at random without friction: affine moduli are those of the fabric, which bounds all others.
 
     For isotropic contacts G = n d^2 (2 k_n + 3 k_t)/30 and K = n d^2 k_n/9 of spheres, with n contacts a volume;
@@ -127,16 +124,3 @@ def bound(options, sheet):
         # grains that come to rest again can only give way
         sheet.below(f"{shape}: relaxed shear modulus over the affine one",
                     np.mean([rows[1, c][c - 1] for c in ((4,) if plane else (4, 5, 6))]) / np.mean(shears), 1.0)
-
-
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    failure(options, sheet)
-    lattice(options, sheet)
-    if tier.NAME == "full":
-        bound(options, sheet)
-    sheet.end()
-
-
-main()

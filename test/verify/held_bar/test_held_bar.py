@@ -17,16 +17,11 @@ by w dt. The plain method has the period within its cells, and loses more energy
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import bodies
+import tier
 
 
 def swing(options, name, right, **words):
@@ -43,30 +38,23 @@ def dispersion(cells):
     return 7.0 / 24.0 * (0.5 * np.pi / cells) ** 2
 
 
-def main():
+@pytest.mark.parametrize("name, speed", tier.choose((("within", 0.1), ("across", 0.75)), smoke=(("across", 0.75),)))
+def test_held_bar(options, sheet, name, speed):
     """Both speeds."""
-    options = case.arguments()
-    sheet = report.Report()
-    for name, speed in tier.choose((("within", 0.1), ("across", 0.75)), smoke=(("across", 0.75),)):
-        right = bodies.held_bar_reference(speed)["period"]
-        sheet.near(f"{name}: period of the chain, small strain", right, 10.0, 1.0e-3)
-        coarse, usual = (swing(options, f"{name}_{cells}", right, cells=cells, speed=speed) for cells in (13, 26))
-        sheet.require(usual["particles"] == 104, f"{name}: the bar keeps its particles")
-        for cells, result in ((13, coarse), (26, usual)):
-            sheet.below(f"{name}, {cells} cells: period", result["lag"], dispersion(cells))
-            sheet.below(f"{name}, {cells} cells: momentum", result["momentum"], 1.0e-12)
-        sheet.above(f"{name}: rate of the period", bodies.rates([abs(coarse["lag"]), abs(usual["lag"])])[0], 1.6)
-        sheet.below(f"{name}: energy in ten periods", usual["energy"], 0.01)
-        if tier.NAME == "smoke":
-            continue
-        plain = swing(options, f"{name}_mpm", right, method="mpm", cells=26, speed=speed)
-        if name == "within":
-            sheet.below("within, mpm: period", plain["lag"], dispersion(26))
-            sheet.known("within, mpm: energy in ten periods", plain["energy"], limit=0.05, target=0.01)
-        else:
-            sheet.above("across, mpm: energy lost in ten periods", -plain["energy"], 0.05)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    right = bodies.held_bar_reference(speed)["period"]
+    sheet.near(f"{name}: period of the chain, small strain", right, 10.0, 1.0e-3)
+    coarse, usual = (swing(options, f"{name}_{cells}", right, cells=cells, speed=speed) for cells in (13, 26))
+    sheet.require(usual["particles"] == 104, f"{name}: the bar keeps its particles")
+    for cells, result in ((13, coarse), (26, usual)):
+        sheet.below(f"{name}, {cells} cells: period", result["lag"], dispersion(cells))
+        sheet.below(f"{name}, {cells} cells: momentum", result["momentum"], 1.0e-12)
+    sheet.above(f"{name}: rate of the period", bodies.rates([abs(coarse["lag"]), abs(usual["lag"])])[0], 1.6)
+    sheet.below(f"{name}: energy in ten periods", usual["energy"], 0.01)
+    if tier.NAME == "smoke":
+        return
+    plain = swing(options, f"{name}_mpm", right, method="mpm", cells=26, speed=speed)
+    if name == "within":
+        sheet.below("within, mpm: period", plain["lag"], dispersion(26))
+        sheet.known("within, mpm: energy in ten periods", plain["energy"], limit=0.05, target=0.01)
+    else:
+        sheet.above("across, mpm: energy lost in ten periods", -plain["energy"], 0.05)

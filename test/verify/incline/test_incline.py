@@ -21,19 +21,14 @@ steps. Limit 1 %, with half the cells twice that.
 # tiers: smoke, full, long
 # timeout long: 900
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import flows   # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import flows
 
 
-def steady(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_steady(options, sheet):
     """Slopes with a steady flow."""
     for angle, start, end in ((22.0, 0.7, 2.0), (24.0, 0.0, 3.5), (26.0, 1.2, 3.0)):
         name = f"{angle:.0f} degrees"
@@ -47,7 +42,7 @@ def steady(options, sheet):
         sheet.above(f"{name}: it was off by that at the start", begun, 0.15)
 
 
-def faster(options, sheet):
+def test_faster(options, sheet):
     """A slope that is too steep."""
     result = flows.incline(options, "steep", angle=34.0, end=0.6, count=1)
     time, exact = flows.slope_reference(34.0, 0.01, 0.6)
@@ -62,7 +57,8 @@ def faster(options, sheet):
     sheet.below("34 degrees: greatest acceleration [m/s2]", gains.max(), most)
 
 
-def stopping(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_stopping(options, sheet):
     """A slope that is not steep enough."""
     result = flows.incline(options, "flat", angle=20.0, end=1.2, start=1.0, start_angle=24.0, count=24)
     slope = np.radians(20.0)
@@ -80,7 +76,8 @@ def stopping(options, sheet):
     sheet.above("20 degrees: way before it stopped [m]", went, 0.01)
 
 
-def thick(options, sheet):
+@pytest.mark.tiers("long")
+def test_thick(options, sheet):
     """A thick layer, and a thin one with coarse and fine cells."""
     sheet.near("formula: speed of the surface [m/s]", flows.bagnold(0.02, 24.0, 0.02), 0.77988, 1.0e-5)
     for height, cells, end, limit in ((0.02, 20, 4.0, 0.01), (0.01, 20, 2.5, 0.01), (0.01, 5, 2.5, 0.02)):
@@ -90,20 +87,3 @@ def thick(options, sheet):
         sheet.below(f"{name}: speed over that of the surface, worst particle", result["profile"], limit)
         sheet.below(f"{name}: mean speed", result["mean"], limit)
         sheet.above(f"{name}: change of the mean speed", result["means"][-1] / result["means"][0] - 1.0, 0.05)
-
-
-def main():
-    """All slopes."""
-    options = case.arguments()
-    sheet = report.Report()
-    if tier.NAME != "smoke":
-        steady(options, sheet)
-        stopping(options, sheet)
-    faster(options, sheet)
-    if tier.NAME == "long":
-        thick(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -19,17 +19,11 @@ fall short by more than the target from nu = 0.49 on, or the cure is not needed.
 # timeout: 120
 # timeout long: 5400
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import beams   # noqa: E402
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import beams
+import bodies
 
 RATIOS = (0.3, 0.49, 0.499, 0.4999)
 SIZES = (0.5, 0.25, 0.125)
@@ -57,8 +51,10 @@ def judge(sheet, options, name, poisson, spacing, far=None, words=CURE, method="
     return error
 
 
-def study(sheet, options):
+@pytest.mark.tiers("long")
+def test_study(options, sheet):
     """All ratios of the moduli, with and without the cure, three sizes of cells."""
+    options.timeout = 1500
     for poisson in RATIOS:
         for words in ("", CURE):
             errors = [judge(sheet, options, f"{'even' if words else 'plain'}_{poisson}_{spacing}", poisson, spacing,
@@ -67,23 +63,17 @@ def study(sheet, options):
                 sheet.above(f"nu = {poisson}: rate", bodies.rates(np.abs(errors))[-1], 1.5)
 
 
-def main():
-    """Coarse beams, one with eight cells across, one without the cure."""
-    options = case.arguments()
-    sheet = report.Report()
+def test_reference(sheet):
     sheet.near("reference: at rest over that of Timoshenko", beams.elements(0.3),
                beams.timoshenko(0.3), 0.02)
-    judge(sheet, options, "plain_3", 0.3, 0.25, TIP, words="")
-    judge(sheet, options, "plain_49", 0.49, 0.25, words="")
-    judge(sheet, options, "even_49_mpm", 0.49, 0.25, TIP, method="mpm")
-    for poisson in (0.3, 0.49):
-        for spacing in (0.25, 0.125):
-            judge(sheet, options, f"even_{poisson}_{spacing}", poisson, spacing)
-    if tier.NAME == "long":
-        options.timeout = 1500
-        study(sheet, options)
-    sheet.end()
 
 
-if __name__ == "__main__":
-    main()
+@pytest.mark.parametrize("name, poisson, spacing, more", [
+    ("plain_3", 0.3, 0.25, {"far": TIP, "words": ""}),
+    ("plain_49", 0.49, 0.25, {"words": ""}),
+    ("even_49_mpm", 0.49, 0.25, {"far": TIP, "method": "mpm"}),
+    *((f"even_{poisson}_{spacing}", poisson, spacing, {}) for poisson in (0.3, 0.49) for spacing in (0.25, 0.125)),
+])
+def test_beam(options, sheet, name, poisson, spacing, more):
+    """Coarse beams, one with eight cells across, one without the cure."""
+    judge(sheet, options, name, poisson, spacing, **more)

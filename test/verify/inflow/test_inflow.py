@@ -7,14 +7,10 @@ the deck, a flow that does not end, and a jet that loses its momentum. A plane j
 that spreads along a wall pushes on it with rho b v^2 a depth (momentum theorem).
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DENSITY, SPEED, WIDTH, DEPTH = 1000.0, 5.0, 0.02, 0.01
 JET = f"""
@@ -49,7 +45,7 @@ def balance(sheet, name, run, limit=1e-12):
         sheet.below(f"{name}: error of the {what}", abs(run.history[f"{what}_error"]).max(), limit)
 
 
-def free(options, sheet):
+def test_free(options, sheet):
     """Before the jet reaches the wall: all that moves has the speed of the flow."""
     deck = JET.format(dimension="plane_strain", lo="-0.05,0,0", end=0.014, transfer="flip", flow="velocity=0,0,-5",
                       floor="slip")
@@ -65,7 +61,7 @@ def free(options, sheet):
     sheet.below("free: elastic energy over the kinetic one", (rows["internal"] / rows["kinetic"]).max(), 1e-12)
 
 
-def stopped(options, sheet):
+def test_stopped(options, sheet):
     """A flow that begins from rest and ends: the integral of its table."""
     folder = case.Case(options, "stopped", JET.format(
         dimension="plane_strain", lo="-0.05,0,0", end=0.012, transfer="flip",
@@ -79,7 +75,7 @@ def stopped(options, sheet):
     sheet.require(np.ptp(run.history["lost_mass"][late]) == 0.0, "nothing enters after t_off")
 
 
-def rate(options, sheet):
+def test_rate(options, sheet):
     """A bar in space by a mass in a time."""
     run = case.Case(options, "rate", SPACE).run("-q")
     balance(sheet, "rate", run)
@@ -88,7 +84,8 @@ def rate(options, sheet):
                 abs(-run.history["lost_mass"][-1] - 2.0 * 0.005) / layer, 0.5 + 1e-6)
 
 
-def wall(options, sheet, transfer):
+@pytest.mark.parametrize("transfer", ["flip", "xpic"])
+def test_wall(options, sheet, transfer):
     """The steady force on the wall."""
     deck = JET.format(dimension="plane_strain", lo="-0.05,0,0", end=0.05, transfer=transfer, flow="velocity=0,0,-5",
                       floor="slip")
@@ -99,17 +96,3 @@ def wall(options, sheet, transfer):
     force = -(push[-1] - push[0]) / np.ptp(rows["time [s]"][steady])
     sheet.near(f"{transfer}: force on the wall", force, DENSITY * WIDTH * DEPTH * SPEED**2, 0.02)
     sheet.below(f"{transfer}: error of the momentum", abs(run.history["momentum_error"]).max(), 1e-12)
-
-
-def main():
-    options = case.arguments(__doc__)
-    sheet = report.Report()
-    free(options, sheet)
-    stopped(options, sheet)
-    rate(options, sheet)
-    for transfer in ("flip", "xpic"):
-        wall(options, sheet, transfer)
-    sheet.end()
-
-
-main()

@@ -36,18 +36,15 @@ cells (linear, gimp), or do not fall by half (quadratic), and are greater than t
 # timeout: 300
 
 import math
-import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case          # noqa: E402
-import manufactured  # noqa: E402
-import report        # noqa: E402
-import tier          # noqa: E402
+import pytest
+
+import manufactured
 
 STIFF = (1.0 - 0.3) / ((1.0 + 0.3) * (1.0 - 2.0 * 0.3))   # modulus of a pressure wave over that of Young, nu = 0.3
 WIDE = (16, 32, 64, 128, 256)
 SHORT = (16, 32, 64, 128)
+FULL = pytest.mark.tiers("full", "long")
 
 
 def judge_default(options, sheet):
@@ -60,7 +57,8 @@ def judge_default(options, sheet):
     return line
 
 
-def judge_control(options, sheet):
+@FULL
+def test_control(options, sheet):
     """Second order throughout with the control variate."""
     for ppc in (4, 2):
         line = manufactured.waves(options, "control", words=manufactured.CONTROL, ppc=ppc, cells=WIDE)
@@ -90,7 +88,8 @@ def judge_others(options, sheet, default):
                     / default.error(128), 1.0)
 
 
-def judge_small(options, sheet):
+@FULL
+def test_small(options, sheet):
     """Without crossings every method is of second order."""
     runs = [("small default", "ddmp", ""), ("small control", "ddmp", manufactured.CONTROL)]
     runs += [(f"small {basis}", "mpm", f"basis='{basis}'")
@@ -107,7 +106,8 @@ def judge_small(options, sheet):
             sheet.above(f"{name}: the same", line.error(128), manufactured.dispersion("linear", 128))
 
 
-def judge_middle(options, sheet):
+@FULL
+def test_middle(options, sheet):
     """Few crossings: the amplitude is 5 cells of 256."""
     for name, words in (("middle default", ""), ("middle control", manufactured.CONTROL)):
         for ppc in (4, 2):
@@ -115,7 +115,8 @@ def judge_middle(options, sheet):
             sheet.above(f"{name}, {ppc} a cell: order from 16 to 128", line.order(16, 128), 1.85)
 
 
-def judge_cube(options, sheet):
+@FULL
+def test_cube(options, sheet):
     """Three waves that are not in step, for a sixth of a period; 2 x 2 x 2 particles a cell."""
     limit, _ = manufactured.forced("ddmp", 24, math.pi / 3.0, STIFF, 0.05)
     for name, words in (("cube default", ""), ("cube control", manufactured.CONTROL)):
@@ -125,25 +126,17 @@ def judge_cube(options, sheet):
         sheet.below(f"{name}: error at 24 cells", cube.error(24), limit)
 
 
-def main():
-    """All series."""
-    options = case.arguments()
-    sheet = report.Report()
-    if tier.NAME == "smoke":
-        line = manufactured.waves(options, "default", cells=(16, 32))
-        for cells in (16, 32):
-            sheet.below(f"default: error at {cells} cells", line.error(cells),
-                        manufactured.dispersion("ddmp", cells, amplitude=0.1))
-        sheet.above("default: order from 16 to 32", line.order(16, 32), 1.9)
-        sheet.end()
-    default = judge_default(options, sheet)
-    judge_control(options, sheet)
-    judge_others(options, sheet, default)
-    judge_small(options, sheet)
-    judge_middle(options, sheet)
-    judge_cube(options, sheet)
-    sheet.end()
+@pytest.mark.tiers("smoke")
+def test_few(options, sheet):
+    """What the tier smoke has time for."""
+    line = manufactured.waves(options, "default", cells=(16, 32))
+    for cells in (16, 32):
+        sheet.below(f"default: error at {cells} cells", line.error(cells),
+                    manufactured.dispersion("ddmp", cells, amplitude=0.1))
+    sheet.above("default: order from 16 to 32", line.order(16, 32), 1.9)
 
 
-if __name__ == "__main__":
-    main()
+@FULL
+def test_waves(options, sheet):
+    """The default, and others beside it."""
+    judge_others(options, sheet, judge_default(options, sheet))

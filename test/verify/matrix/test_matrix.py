@@ -32,15 +32,12 @@ fails the test, too.
 # tiers: long
 # timeout long: 7200
 
-import sys
 from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
+import bodies
+import case
 
 TRANSFERS = {"flip": "", "pic": "", "apic": "", "aflip": "", "rflip": "", "xpic": " order_k=2", "fmpm": " order_k=2"}
 UPDATES = ("usl", "usf", "musl")
@@ -105,11 +102,10 @@ def cell(result):
     return f"{100.0 * result['energy']:+.2f}" if not failed(result) else "large"
 
 
-def measure(options, figures):
+def measure(options, figures, only):
     """The table; `figures` gets both results of all combinations."""
     lines = ["| method | transfer | " + " | ".join(f"bar {word}" for word in UPDATES) + " | "
              + " | ".join(f"discs {word}" for word in UPDATES) + " |", "|---" * 8 + "|"]
-    only = sys.argv[sys.argv.index("--only") + 1] if "--only" in sys.argv else ""
     for kind, (method, own) in kinds(options).items():
         if only not in kind:
             continue
@@ -156,24 +152,18 @@ def judge(sheet, key, result, worst):
         sheet.require(abs(energy) <= TARGETS[problem], f"{label}: energy {energy:+.2e} of {TARGETS[problem]}")
 
 
-def main():
+def test_matrix(options, sheet, pytestconfig):
     """All combinations."""
-    options = case.arguments()
     options.steps = STEPS
-    sheet = report.Report()
     figures, worst = {}, {}
-    table = measure(options, figures)
-    if "--write" in sys.argv:
-        Path(sys.argv[sys.argv.index("--write") + 1]).write_text(table, encoding="utf-8")
-    if "--only" not in sys.argv:
+    only, place = pytestconfig.getoption("--only"), pytestconfig.getoption("--write")
+    table = measure(options, figures, only or "")
+    if place:
+        Path(place).write_text(table, encoding="utf-8")
+    if not only:
         sheet.require({key[0] for key in figures} == set(ALL), "the methods of the program are those listed here")
         sheet.require(len(figures) == len(ALL) * 7 * 3 * 2, f"all combinations were tried: {len(figures)}")
     for key, result in figures.items():
         judge(sheet, key, result, worst)
     for group, (value, limit, target) in worst.items():
         sheet.known(f"{group}, the worst", value, limit=limit, target=target)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

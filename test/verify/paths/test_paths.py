@@ -17,15 +17,10 @@ flow begins anew within a step, at a rate that jumps (copper released), the orde
 """
 
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import shocks  # noqa: E402
+import shocks
 
 COPPER = {"a": 90.0e6, "b": 292.0e6, "n": 0.31, "c": 0.025, "m": 1.09, "melt": 1356.0, "room": 293.0, "heat": 383.0,
           "shear": 47.7e9, "d": (0.54, 4.89, -3.03, 0.014, 1.12)}
@@ -280,7 +275,7 @@ def compare(options, sheet, name, deck, path, right, counts, limit, least=0.9, f
             sheet.above(f"{name}: order of {key}", float(np.log(coarse / fine) / np.log(counts[-1] / counts[0])), least)
 
 
-def crack(options, sheet):
+def test_crack(options, sheet):
     """Concrete in uniaxial strain, pulled and released: an elastic column in series with a crack whose opening
     is found by halving an interval. A crack in a point is as wide as its cell of 1 mm."""
     bulk, shear, strength, energy, width = 20.0e9, 15.0e9, 3.0e6, 1.0, 1.0e-3
@@ -304,7 +299,7 @@ def crack(options, sheet):
                 {"damage": rows[:, 0], "xx": rows[:, 1], "yy": rows[:, 2]}, (400, 800, 1600), 1.0e-12)
 
 
-def delay(options, sheet):
+def test_delay(options, sheet):
     """Glass that fails by the time and size of its load, pulled and released: the load grows and falls evenly, and
     the damage is the integral of a power, exact in few steps of which two cross the strength."""
     axial, rate, keep = 36.0e9 + 4.0 / 3.0 * 26.0e9, 1.0e5, 33
@@ -320,7 +315,7 @@ def delay(options, sheet):
                 (33, 330), 1.0e-10)
 
 
-def break_copper(options, sheet):
+def test_break_copper(options, sheet):
     """Copper is pulled until it fails: the strain at which it does, and what it bears then."""
     rows = copper_strain(1.0e4, 1.2, 16000, 16000, False)
     right = float(np.interp(1.0, rows[:, 4], rows[:, 5]))
@@ -333,10 +328,8 @@ def break_copper(options, sheet):
     sheet.above("copper, pulled: least pressure after failure", float(table["pressure"][first:].min()), 0.0)
 
 
-def main():
+def test_paths(options, sheet):
     """All paths."""
-    options = case.arguments()
-    sheet = report.Report()
     counts = (1000, 2000, 4000)
 
     rows = copper_shear(1.0e4, 0.6, 12000, 20)
@@ -370,11 +363,3 @@ def main():
     compare(options, sheet, "glass, pressed and released", GLASS,
             "path='uniaxial_strain'  rate=1e5  strain=-0.2  returns=.true.",
             {"xx": rows[:, 0], "pressure": rows[:, 2], "damage": rows[:, 1]}, (1000, 2000, 4000), 4.0e-3, 0.7)
-    crack(options, sheet)
-    delay(options, sheet)
-    break_copper(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -16,15 +16,10 @@ shocks, miss some of these: known misses, held at 5 %.
 # tiers: smoke, full
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import case
 
 DENSITY, SOUND, SLOPE, GAMMA = 2785.0, 5328.0, 1.338, 2.0
 SHEAR, YIELD = 27.6e9, 0.3e9
@@ -47,6 +42,7 @@ DECK = """
 &output  name='h'  kind='history'  every=10 /
 &checkpoint  at_end=.false. /
 """
+FULL = pytest.mark.tiers("full", "long")
 
 
 def hugoniot(speed):
@@ -205,28 +201,30 @@ def solid(options, sheet, name, words=SMOOTH, method="ddmp"):
     sheet.below(f"{name}: momentum error", run.summary["ledger"]["momentum_error"], 1.0e-13)
 
 
-def main():
-    """Fluid at two speeds, then a solid; the plain method and the default viscosity beside it."""
-    options = case.arguments()
-    sheet = report.Report()
-    # the closed solutions against numbers computed elsewhere
+def test_closed(sheet):
+    """The closed solutions against numbers computed elsewhere."""
     sheet.near("closed solution: pressure at 400 m/s", hugoniot(400.0)[1], 6.53160e9, 1.0e-5)
     sheet.near("closed solution: precursor stress", precursor()["stress"], 0.635879e9, 1.0e-5)
     sheet.near("closed solution: plastic stress", plastic(400.0)["stress"], 6.635879e9, 1.0e-5)
     sheet.near("closed solution: plastic speed", plastic(400.0)["speed"], 5908.5, 1.0e-4)
-    for speed, end in ((400, 2.6), (3350, 1.5)):
-        fluid(options, sheet, f"fluid_{speed}", speed, end, "")
-        if tier.NAME == "smoke":
-            continue
-        fluid(options, sheet, f"fluid_{speed}_fine_step", speed, end, SMOOTH + " flip=1", cfl=0.15)
-        fluid(options, sheet, f"fluid_{speed}_smooth", speed, end)
-        fluid(options, sheet, f"fluid_{speed}_mpm", speed, end, method="mpm")
-    solid(options, sheet, "solid")
-    if tier.NAME != "smoke":
-        solid(options, sheet, "solid_default", "")
-        solid(options, sheet, "solid_mpm", method="mpm")
-    sheet.end()
 
 
-if __name__ == "__main__":
-    main()
+@pytest.mark.parametrize("speed, end", [(400, 2.6), (3350, 1.5)])
+@pytest.mark.parametrize("name, more", [
+    ("", {"words": ""}),
+    pytest.param("_fine_step", {"words": SMOOTH + " flip=1", "cfl": 0.15}, marks=FULL),
+    pytest.param("_smooth", {}, marks=FULL),
+    pytest.param("_mpm", {"method": "mpm"}, marks=FULL),
+], ids=["usual", "fine_step", "smooth", "mpm"])
+def test_fluid(options, sheet, speed, end, name, more):
+    """Two speeds; the plain method and other viscosities beside the default."""
+    fluid(options, sheet, f"fluid_{speed}{name}", speed, end, **more)
+
+
+@pytest.mark.parametrize("name, more", [
+    ("solid", {}),
+    pytest.param("solid_default", {"words": ""}, marks=FULL),
+    pytest.param("solid_mpm", {"method": "mpm"}, marks=FULL),
+])
+def test_solid(options, sheet, name, more):
+    solid(options, sheet, name, **more)

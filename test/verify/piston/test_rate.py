@@ -21,17 +21,12 @@ a known miss; its error must fall.
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import case         # noqa: E402
-import report       # noqa: E402
-import tier         # noqa: E402
-import test_piston  # noqa: E402
+import case
+import test_piston
+import tier
 
 SPEED = 400.0
 ORDER_HALF = 0.5 ** 0.5
@@ -66,33 +61,28 @@ def strike(options, name, spacing, solid, words):
     return errors
 
 
-def main():
+CASES = (("fluid", False, ""), ("solid", True, test_piston.SMOOTH), ("solid default", True, ""))
+
+
+@pytest.mark.parametrize("name, solid, words", tier.choose(CASES, smoke=CASES[:1]))
+def test_rate(options, sheet, name, solid, words):
     """Fluid and solid."""
-    options = case.arguments()
-    sheet = report.Report()
-    cases = (("fluid", False, ""), ("solid", True, test_piston.SMOOTH), ("solid default", True, ""))
-    for name, solid, words in tier.choose(cases, smoke=cases[:1]):
-        errors = []
-        for spacing in tier.choose((0.2, 0.1, 0.05), smoke=(0.2, 0.1)):
-            errors.append(strike(options, f"rate_{round(1000 * spacing)}", spacing, solid, words))
-            print(f"         {name}, cells of {spacing} mm: error of density {errors[-1][0]:.4f}, "
-                  f"of single particles {errors[-1][1]:.4f}", flush=True)
-        ratios = [fine[0] / coarse[0] for coarse, fine in zip(errors, errors[1:])]
-        sheet.below(f"{name}: first ratio of the errors of the density", ratios[0], ORDER_HALF)
-        worst = max(one / two for one, two in errors)
-        if name == "fluid":     # pressures in a cell are brought together: its mean has nothing to average
-            sheet.known(f"{name}: error of cells over that of particles", worst, limit=1.1, target=1.0)
-        else:
-            sheet.below(f"{name}: error of cells over that of particles", worst, 1.0)
-        if tier.NAME == "smoke":
-            continue
-        if name == "solid default":
-            sheet.known(f"{name}: second ratio", ratios[1], limit=1.0, target=ORDER_HALF)
-        else:
-            sheet.below(f"{name}: second ratio", ratios[1], ORDER_HALF)
-        sheet.below(f"{name}: error of the density", errors[-1][0], 0.03)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    errors = []
+    for spacing in tier.choose((0.2, 0.1, 0.05), smoke=(0.2, 0.1)):
+        errors.append(strike(options, f"rate_{round(1000 * spacing)}", spacing, solid, words))
+        print(f"         {name}, cells of {spacing} mm: error of density {errors[-1][0]:.4f}, "
+              f"of single particles {errors[-1][1]:.4f}", flush=True)
+    ratios = [fine[0] / coarse[0] for coarse, fine in zip(errors, errors[1:])]
+    sheet.below(f"{name}: first ratio of the errors of the density", ratios[0], ORDER_HALF)
+    worst = max(one / two for one, two in errors)
+    if name == "fluid":     # pressures in a cell are brought together: its mean has nothing to average
+        sheet.known(f"{name}: error of cells over that of particles", worst, limit=1.1, target=1.0)
+    else:
+        sheet.below(f"{name}: error of cells over that of particles", worst, 1.0)
+    if tier.NAME == "smoke":
+        return
+    if name == "solid default":
+        sheet.known(f"{name}: second ratio", ratios[1], limit=1.0, target=ORDER_HALF)
+    else:
+        sheet.below(f"{name}: second ratio", ratios[1], ORDER_HALF)
+    sheet.below(f"{name}: error of the density", errors[-1][0], 0.03)

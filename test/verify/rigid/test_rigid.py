@@ -13,16 +13,10 @@ time that a wave takes through it, L/c = 0.2 m/42 m/s, over the time of the run.
 """
 # timeout: 120
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "support"),
-                str(Path(__file__).resolve().parents[1] / "piston")]
-import case         # noqa: E402
-import report       # noqa: E402
-import test_piston  # noqa: E402
+import case
+import test_piston
 
 END = """
 &output  name='h'  kind='history'  every=4 /
@@ -81,7 +75,7 @@ def books(sheet, name, run, energy=1.0e-12):
     sheet.below(f"{name}: energy error", ledger["energy_error"], energy)
 
 
-def piston(options, sheet):
+def test_hammer(options, sheet):
     """A hammer of 400 m/s into a bar at rest: the shock of Rankine and Hugoniot, the state that test_piston finds on
     a face at rest (limits from there), and work that is the pressure times the way."""
     shock, stress, density = test_piston.hugoniot(400.0)
@@ -123,7 +117,7 @@ def piston(options, sheet):
         sheet.near(f"{name}: pressure against that of the face [Pa]", plates[name][0], plates["face"][0], 0.01)
 
 
-def slope(options, sheet):
+def test_slope(options, sheet):
     """An elastic block slides with g (sin - mu cos) on a halfspace, on two regions side by side that make the same
     halfspace, and rests where the friction is enough."""
     for name, angle, friction, ground, limit in (
@@ -150,7 +144,7 @@ def slope(options, sheet):
         sheet.below(f"slope, {name}: momentum error", run.summary["ledger"]["momentum_error"], 1.0e-13)
 
 
-def bounce(options, sheet):
+def test_bounce(options, sheet):
     """A disc that is turned aside by a smooth wall at 30 degrees: nothing along the wall, no spin, and back again.
 
     A disc of rubber rings after it bounced, so its speed normal to the wall is less; the energy stays. The nodes of the
@@ -181,7 +175,7 @@ def bounce(options, sheet):
     sheet.below("bounce: momentum error", run.summary["ledger"]["momentum_error"], 1.0e-13)
 
 
-def gate(options, sheet):
+def test_gate(options, sheet):
     """A block on a plate, or on a closed face, which goes at 0.1 s: at rest before, in free fall after."""
     block = """
 &region  name='block'  shape='box'  lo=0.5,0,0.4  hi=0.9,1,0.6 /
@@ -213,7 +207,7 @@ def gate(options, sheet):
             sheet.near(f"gate, {name}: gain of speed while it falls [m/s]", gain, -0.8, 1.0e-3)
 
 
-def table(options, sheet):
+def test_table(options, sheet):
     """A body in the midst of a rigid region goes where the table leads, and a face pushes as a table says."""
     walls = """
 &region  name='block'  shape='box'  lo=0.5,0,0.4  hi=0.7,1,0.6 /
@@ -235,7 +229,7 @@ def table(options, sheet):
     sheet.below("table: momentum error", run.summary["ledger"]["momentum_error"], 1.0e-13)
 
 
-def opening(options, sheet):
+def test_opening(options, sheet):
     """A closed face with an opening in its middle, and a part of it that sticks in an opening."""
     walls = """
 &region  name='block'  shape='box'  lo=0.3,0,0  hi=1.3,1,0.1 /
@@ -263,16 +257,3 @@ def opening(options, sheet):
     sheet.below("opening: lost through it [kg], its width times the depth", lost[0], 12.0)
     sheet.below("opening: share that passes a bar in it", lost[1] / lost[0], 0.95)
     sheet.below("opening: lost where a later part closes it [kg]", lost[2], 0.0)
-
-
-def main():
-    """All of them."""
-    options = case.arguments()
-    sheet = report.Report()
-    for problem in (piston, slope, bounce, gate, table, opening):
-        problem(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -18,14 +18,11 @@ domain method has no force there, as its alpha is zero on the faces of cells.
 # timeout: 200
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 YOUNG, DENSITY = 100.0e6, 1000.0
 SPEED = 200.0                 # of the order of sqrt(E/rho) = 316 m/s
@@ -49,7 +46,17 @@ DECK = """
 """
 
 
-def fly(options, sheet, dimension, method, update, crossings, words=""):
+WORDS = ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'", "transfer='xpic'",
+         "transfer='xpic' order_k=5", "transfer='fmpm'", "transfer='fmpm' order_k=5")
+
+
+@pytest.mark.parametrize("dimension, method, update, crossings, words", [
+    *((dimension, method, update, crossings, "") for method, update, crossings in (
+        ("ddmp", "usl", 10000), ("mpm", "musl", 3000)) for dimension in ("1d", "plane_strain", "3d")),
+    *(("plane_strain", "ddmp", "usl", 300, words) for words in WORDS),
+    *(("plane_strain", "mpm", "musl", 300, words + " basis='quadratic'") for words in WORDS),
+])
+def test_fly(options, sheet, dimension, method, update, crossings, words):
     """One flight; direction ratios are irrational, so that cells are crossed in any order."""
     direction = {"1d": (1.0, 0.0, 0.0), "plane_strain": (1.0, 0.0, -0.6180339887),
                  "3d": (1.0, 0.4142135624, -0.6180339887)}[dimension]
@@ -82,22 +89,3 @@ def fly(options, sheet, dimension, method, update, crossings, words=""):
     sheet.below(f"{name} stress/modulus", np.abs(last.fields["stress"]).max() / YOUNG, LIMIT)
     sheet.below(f"{name} momentum", run.summary["ledger"]["momentum_error"], LIMIT)
     sheet.below(f"{name} energy", run.summary["ledger"]["energy_error"], LIMIT)
-
-
-def main():
-    """All flights."""
-    options = case.arguments()
-    sheet = report.Report()
-    for method, update, crossings in (("ddmp", "usl", 10000), ("mpm", "musl", 3000)):
-        for dimension in ("1d", "plane_strain", "3d"):
-            fly(options, sheet, dimension, method, update, crossings)
-    for words in ("transfer='pic'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'",
-                  "transfer='xpic'", "transfer='xpic' order_k=5", "transfer='fmpm'",
-                  "transfer='fmpm' order_k=5"):
-        fly(options, sheet, "plane_strain", "ddmp", "usl", 300, words)
-        fly(options, sheet, "plane_strain", "mpm", "musl", 300, words + " basis='quadratic'")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -16,19 +16,20 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+import gallery
+import scree_scene
+import tier
+from scree_post import PostError, study
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / "test/support"), str(ROOT / "scripts"), str(ROOT / "python/src")]
-import case         # noqa: E402
-import gallery      # noqa: E402
-import report       # noqa: E402
-import scree_scene  # noqa: E402
-import tier         # noqa: E402
-from scree_post import PostError, study  # noqa: E402
-
 SHORT = ("cell_crossing", "driven_plate", "taylor_copper", "two_discs")    # the others take minutes
+SCENES = sorted(script.parent.name for script in (ROOT / "input").glob("*/measure.py"))
 
 
-def check(options, sheet, scene):
+@pytest.mark.parametrize("scene", tier.choose(SHORT, long=SCENES))
+def test_scene(options, sheet, scene):
     """Run a scene and hold its README against it."""
     shutil.rmtree(options.work / scene, ignore_errors=True)     # runs of another program of this version
     answer = subprocess.run(
@@ -38,7 +39,7 @@ def check(options, sheet, scene):
                   f"{scene}: figures of the README {(answer.stdout + answer.stderr)[-600:]}")
 
 
-def comparison(sheet):
+def test_comparison(sheet):
     """What counts as a difference."""
     told = "| plain | 0.025 | 1e-14 |\n| DDMP | 12.0 | stands |"
     for found, wrong, words in ((told, 0, "equal"), (told.replace("12.0", "12.1"), 0, "within the share"),
@@ -59,7 +60,7 @@ def refused(action, *words):
     return False
 
 
-def phrases(sheet):
+def test_phrases(sheet):
     """Which numbers of a text are renewed."""
     told = "In 2 runs the front\nis 0.9 of 1.1 at 5e-3 s; then it is 3 m off."
     now = scree_scene.with_phrase("README.md", told, "the front is 0.85 of 1.2 at 4e-3 s")
@@ -68,9 +69,9 @@ def phrases(sheet):
         sheet.require(refused(scree_scene.with_phrase, "README.md", told, phrase), f"phrase {words} is refused")
 
 
-def documents(sheet, folder):
+def test_documents(options, sheet):
     """Old numbers in a table or a phrase make --check fail, and new ones are what --write would leave."""
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = options.work
     told = "# A scene\n\nIt takes 30 steps.\n\n<!-- figures -->\n\n| a |\n| --- |\n| 1.5 |\n\n<!-- end of figures -->\n"
     (folder / "README.md").write_text(told, encoding="utf-8")
     for steps, value, wrong in ((30, 1.5, 0), (31, 1.5, 1), (30, 2.5, 1)):
@@ -82,7 +83,7 @@ def documents(sheet, folder):
                       f"{steps} steps and {value} in the table: {now!r}")
 
 
-def failures(sheet):
+def test_failures(sheet):
     """Which failed runs are results."""
     scene = scree_scene.Study(__file__, {}, None, {}, may_fail={"bad": 4})
     for name, code, wrong in (("bad", 4, False), ("bad", 0, False), ("bad", 3, True), ("good", 4, True)):
@@ -90,7 +91,7 @@ def failures(sheet):
                       f"{name} with exit code {code} is {'refused' if wrong else 'a result'}")
 
 
-def complete(sheet):
+def test_complete(sheet):
     """Each folder of a scene has figures, what makes them, and how long that takes."""
     folders = sorted(path.parent for path in (ROOT / "input").glob("*/README.md"))
     sheet.require(len(folders) > 8, f"{len(folders)} scenes are found")
@@ -100,23 +101,7 @@ def complete(sheet):
                       and len(gallery.WORKED.findall(text)) == 1, f"{folder.name}: measured, with figures and times")
 
 
-def main():
-    """The scenes, the comparison, the gallery."""
-    options = case.arguments()
-    sheet = report.Report()
-    comparison(sheet)
-    phrases(sheet)
-    documents(sheet, options.work / "told")
-    failures(sheet)
-    complete(sheet)
+def test_gallery(sheet):
     sheet.require(gallery.PAGE.read_text(encoding="utf-8") == gallery.page(),
                   "gallery: scripts/gallery.py --page changes nothing")
-    scenes = sorted(script.parent.name for script in (ROOT / "input").glob("*/measure.py"))
-    sheet.require(set(SHORT) < set(scenes), "the short scenes are there")
-    for scene in tier.choose(SHORT, long=scenes):
-        check(options, sheet, scene)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    sheet.require(set(SHORT) < set(SCENES), "the short scenes are there")

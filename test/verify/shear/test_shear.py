@@ -5,6 +5,7 @@ Would catch: a Jaumann rate with the wrong sign or without the normal stresses, 
 stress only, faces with a velocity that do not drag or that push, periodic faces that lose stress.
 
 D. Z. Zhang, R. M. Rauenzahn, J. Rheol. 41 (1997) 1275, with constant relaxation: rate g = 2 /s, G = 3 Pa,
+import pytest
 from rest. With W = g tau and A = G W/(1 + W2):
   s_xz = A [1 - exp(-t/tau) (cos gt - W sin gt)],  s_xx = A [W - exp(-t/tau) (W cos gt + sin gt)],
 so at 1.3 s and tau = 0.7 s 1.7686065 and 2.1380370 Pa. Errors are root mean squares over all particles, the
@@ -20,14 +21,9 @@ the greatest stress; with `usl` it does not.
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import bodies
 
 
 def flow(options, name, *words, **more):
@@ -47,25 +43,31 @@ def judge(sheet, name, result, limit):
     sheet.below(f"{name}: normal stress", result["along"], limit)
 
 
-def main():
-    """Both beginnings; other methods beside them."""
-    options = case.arguments()
-    sheet = report.Report()
+def test_formula(sheet):
     exact = bodies.shear_stress(1.3, 0.7)
     sheet.near("formula: shear stress [Pa]", exact[0], 1.7686065, 1.0e-7)
     sheet.near("formula: normal stress [Pa]", exact[1], 2.1380370, 1.0e-7)
+
+
+def test_started(options, sheet):
     judge(sheet, "started", flow(options, "started", started=True, density=0.1, relaxation=0.7), 1.0e-12)
-    if tier.NAME != "smoke":
-        for name, words in (("driven", ()), ("mpm", ("mpm",)),
-                            ("gimp_usl", ("mpm", "basis='gimp' stress_update='usl'"))):
-            result = flow(options, name, *words, density=5.0e-4)
-            judge(sheet, name, result, 0.01)
-            sheet.below(f"{name}: mean stress", result["mean"], 1.0e-3)
-        noisy = flow(options, "gimp_musl", "mpm", "basis='gimp' stress_update='musl'", density=5.0e-4)
-        for key in ("across", "along"):
-            sheet.known(f"gimp_musl: stress {key}", noisy[key], limit=0.25, target=0.01)
-    sheet.end()
 
 
-if __name__ == "__main__":
-    main()
+@pytest.mark.tiers("full", "long")
+@pytest.mark.parametrize("name, words", [
+    ("driven", ()),
+    ("mpm", ("mpm",)),
+    ("gimp_usl", ("mpm", "basis='gimp' stress_update='usl'")),
+])
+def test_driven(options, sheet, name, words):
+    """The other beginning, and other methods beside it."""
+    result = flow(options, name, *words, density=5.0e-4)
+    judge(sheet, name, result, 0.01)
+    sheet.below(f"{name}: mean stress", result["mean"], 1.0e-3)
+
+
+@pytest.mark.tiers("full", "long")
+def test_noisy(options, sheet):
+    noisy = flow(options, "gimp_musl", "mpm", "basis='gimp' stress_update='musl'", density=5.0e-4)
+    for key in ("across", "along"):
+        sheet.known(f"gimp_musl: stress {key}", noisy[key], limit=0.25, target=0.01)

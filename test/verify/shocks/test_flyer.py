@@ -18,14 +18,10 @@ the first break: two cells, as a node gives its tension to both of its cells; th
 least. R: 1 % (H-13 in test/hard/README.md).
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DENSITY, SOUND, THICK = 2703.0, 6400.0, 2.0e-3     # kg/m3, m/s, m
 DECK = """
@@ -163,10 +159,7 @@ def contrast(options, ratio, cells=100, method="ddmp", words=""):
             "T": through / (2.0 * ratio / (1.0 + ratio)) - 1.0, "books": summary["ledger"]}
 
 
-def main():
-    """Flyer, spall, contrast."""
-    options = case.arguments()
-    sheet = report.Report()
+def test_flyer(options, sheet):
     result = flyer(options, 40)
     show("flyer", result, ("stress", "plateau", "arrival", "pulse", "tension", "after"))
     for key, limit in (("stress", 0.01), ("plateau", 0.01), ("after", 0.01), ("arrival", 3.0 / 80),
@@ -174,20 +167,21 @@ def main():
         sheet.below(f"flyer: {key}", result[key], limit)
     sheet.above("flyer: greatest tension", result["tension"], 0.99)
     sheet.below("flyer: momentum", result["books"]["momentum_error"], 1.0e-13)
+
+
+def test_spall(options, sheet):
     result = spall(options, 80, 0.6)
     show("spall", result, ("peak", "pull-back", "rise", "depth", "broken"))
     sheet.below("spall: pull-back", result["pull-back"], 2.0 * 2.0 / 80 / 0.6)
     sheet.below("spall: depth of the first break", result["depth"], 2.0 / 80 / (0.5 * 0.6))
     sheet.above("spall: rise when the break is seen", result["rise"], 0.5 * 0.6)
     sheet.below("spall: momentum", result["books"]["momentum_error"], 1.0e-13)
-    for ratio in (1.0e6, 1.0e-6, 10.0):
-        result = contrast(options, ratio)
-        show(f"contrast {ratio:g}", result, ("incoming", "R", "R by velocity", "T"))
-        for key, limit in (("incoming", 0.01), ("R", 0.01), ("R by velocity", 0.01), ("T", 0.01)):
-            sheet.below(f"contrast {ratio:g}: {key}", result[key], limit)
-        sheet.below(f"contrast {ratio:g}: momentum", result["books"]["momentum_error"], 1.0e-12)
-    sheet.end()
 
 
-if __name__ == "__main__":
-    main()
+@pytest.mark.parametrize("ratio", [1.0e6, 1.0e-6, 10.0])
+def test_contrast(options, sheet, ratio):
+    result = contrast(options, ratio)
+    show(f"contrast {ratio:g}", result, ("incoming", "R", "R by velocity", "T"))
+    for key, limit in (("incoming", 0.01), ("R", 0.01), ("R by velocity", 0.01), ("T", 0.01)):
+        sheet.below(f"contrast {ratio:g}: {key}", result[key], limit)
+    sheet.below(f"contrast {ratio:g}: momentum", result["books"]["momentum_error"], 1.0e-12)

@@ -19,14 +19,10 @@ line at twice the target.
 # tiers: full
 # timeout: 600
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='{dimension}' /
@@ -113,32 +109,26 @@ def space(shape, radius, cells):
             "sphere": 2 / 3 * np.pi * radius ** 3}[shape]
 
 
-def main():
+@pytest.mark.parametrize("shape", SHAPES)
+def test_noh(options, sheet, shape):
     """The shapes with plain sums, without and with the limiter, and with all that helps. The limiter has no normalised
     sums, so it is held against plain ones."""
-    options = case.arguments()
-    sheet = report.Report()
-    for shape, (_, _, d) in SHAPES.items():
-        plain, smooth, best = (noh(options, shape, words=words, name=f"{shape}_{number}")
-                               for number, words in enumerate((PLAIN, SMOOTH, BEST)))
-        target = 0.01 if shape == "line" else 0.1
-        for name, result, held in (("plain", plain, LIMITS[d][0]), ("smooth", smooth, LIMITS[d][1]),
-                                   ("smooth, heat flux", best, LIMITS[d][2])):
-            sheet.require(result["count"] > 20 * d, f"{shape}, {name}: particles behind the shock")
-            if held is None:
-                sheet.below(f"{shape}, {name}: density behind the shock", result["behind"], target)
-            else:
-                sheet.known(f"{shape}, {name}: density behind the shock", result["behind"], limit=held, target=target)
-            sheet.below(f"{shape}, {name}: energy", result["energy"], 1.0e-12)
-        for name, result in (("smooth", smooth), ("smooth, heat flux", best)):
-            sheet.below(f"{shape}, {name}: density ahead of the shock", result["ahead"], 0.02)
-            if d > 1:
-                heated = (d - 1) ** 3 * 4.0 * 1.0e-4 / (2.0 * 0.3 ** 2)
-                sheet.below(f"{shape}, {name}: energy ahead of the shock [1/2]", result["heat"], 0.1 * heated / 0.5)
-        sheet.below(f"{shape}: scatter of density with the limiter over that without",
-                    smooth["spread"] / plain["spread"], 1.0)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    _, _, d = SHAPES[shape]
+    plain, smooth, best = (noh(options, shape, words=words, name=f"{shape}_{number}")
+                           for number, words in enumerate((PLAIN, SMOOTH, BEST)))
+    target = 0.01 if shape == "line" else 0.1
+    for name, result, held in (("plain", plain, LIMITS[d][0]), ("smooth", smooth, LIMITS[d][1]),
+                               ("smooth, heat flux", best, LIMITS[d][2])):
+        sheet.require(result["count"] > 20 * d, f"{shape}, {name}: particles behind the shock")
+        if held is None:
+            sheet.below(f"{shape}, {name}: density behind the shock", result["behind"], target)
+        else:
+            sheet.known(f"{shape}, {name}: density behind the shock", result["behind"], limit=held, target=target)
+        sheet.below(f"{shape}, {name}: energy", result["energy"], 1.0e-12)
+    for name, result in (("smooth", smooth), ("smooth, heat flux", best)):
+        sheet.below(f"{shape}, {name}: density ahead of the shock", result["ahead"], 0.02)
+        if d > 1:
+            heated = (d - 1) ** 3 * 4.0 * 1.0e-4 / (2.0 * 0.3 ** 2)
+            sheet.below(f"{shape}, {name}: energy ahead of the shock [1/2]", result["heat"], 0.1 * heated / 0.5)
+    sheet.below(f"{shape}: scatter of density with the limiter over that without",
+                smooth["spread"] / plain["spread"], 1.0)

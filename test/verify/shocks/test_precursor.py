@@ -10,17 +10,12 @@ speed 1 %. Plateaus are those of particles between the fronts that must be seen 
 weak shocks ring with the default 0.06 (doc/theory/verification_bodies.md); printed beside it.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import case            # noqa: E402
-import report          # noqa: E402
-import shocks          # noqa: E402
-import test_hugoniot   # noqa: E402
+import case
+import shocks
+import test_hugoniot
 
 SMOOTH = "bulk_q1=0.5"
 AL_2024 = shocks.Metal("al_2024", 2785.0, 5328.0, 1.338, 2.00, 27.6e9, 0.3e9)
@@ -65,30 +60,23 @@ def strike(options, metal, speed, words, cells=CELLS):
             "steps": run.summary["steps"]}
 
 
-def main():
+@pytest.mark.parametrize("metal, speed, known", ROWS, ids=[f"{metal.name}_{speed}" for metal, speed, _ in ROWS])
+def test_precursor(options, sheet, metal, speed, known):
     """All five, with two viscosities."""
-    options = case.arguments()
-    sheet = report.Report()
-    for metal, speed, known in ROWS:
-        name = f"{metal.name} at {speed} m/s"
-        ahead, after = metal.precursor(), metal.plastic(speed)
-        for value, right in zip((ahead["stress"] / 1e9, after["stress"] / 1e9, ahead["speed"], after["speed"]), known):
-            sheet.near(f"{name}: closed solution", value, right, 2.0e-5)
-        for label, words in (("smooth", SMOOTH), ("default", "")):
-            found = strike(options, metal, speed, words)
-            print(f"         {name}, {label}: elastic limit {found['elastic']:+.4f}, speed "
-                  f"{found['elastic speed']:+.4f}, "
-                  f"plastic stress {found['plastic']:+.4f}, speed {found['plastic speed']:+.4f}, density "
-                  f"{found['density']:+.5f}, scatter {found['scatter'][0]:.3f} {found['scatter'][1]:.3f}, "
-                  f"{found['steps']} steps", flush=True)
-            if label == "default":
-                continue
-            sheet.require(min(found["counts"]) > 40, f"{name}: both plateaus have particles")
-            for key, limit in (("elastic", 0.02), ("elastic speed", 0.01), ("plastic", 0.005), ("plastic speed", 0.01),
-                               ("density", 0.001), ("energy", 1.0e-12)):
-                sheet.below(f"{name}: {key}", found[key], limit)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    name = f"{metal.name} at {speed} m/s"
+    ahead, after = metal.precursor(), metal.plastic(speed)
+    for value, right in zip((ahead["stress"] / 1e9, after["stress"] / 1e9, ahead["speed"], after["speed"]), known):
+        sheet.near(f"{name}: closed solution", value, right, 2.0e-5)
+    for label, words in (("smooth", SMOOTH), ("default", "")):
+        found = strike(options, metal, speed, words)
+        print(f"         {name}, {label}: elastic limit {found['elastic']:+.4f}, speed "
+              f"{found['elastic speed']:+.4f}, "
+              f"plastic stress {found['plastic']:+.4f}, speed {found['plastic speed']:+.4f}, density "
+              f"{found['density']:+.5f}, scatter {found['scatter'][0]:.3f} {found['scatter'][1]:.3f}, "
+              f"{found['steps']} steps", flush=True)
+        if label == "default":
+            continue
+        sheet.require(min(found["counts"]) > 40, f"{name}: both plateaus have particles")
+        for key, limit in (("elastic", 0.02), ("elastic speed", 0.01), ("plastic", 0.005), ("plastic speed", 0.01),
+                           ("density", 0.001), ("energy", 1.0e-12)):
+            sheet.below(f"{name}: {key}", found[key], limit)

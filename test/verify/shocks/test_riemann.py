@@ -23,16 +23,12 @@ ratio of the errors is a known miss of 0.6, as the wall is a contact; the error 
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import shocks  # noqa: E402
-import tier    # noqa: E402
+import case
+import shocks
+import tier
 
 DECK = """
 &run  dimension='1d' /
@@ -149,7 +145,8 @@ def fans(options, cells):
     return density, error, int(seen.sum())
 
 
-def walls(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_walls(options, sheet):
     """Cold gas on a wall, with a heat flux and without."""
     coarse, fine, smeared = noh(options, 100), noh(options, 200), noh(options, 200, "heat_flux=2")
     target = 3.0 * 6.0 / 200 / 4.0 + 0.15 * 4.0 * 3.0 / 200
@@ -168,37 +165,33 @@ def walls(options, sheet):
         sheet.below(f"noh, heat_flux=2: {key}", smeared[key], limit)
 
 
-def main():
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_riemann(options, sheet, name):
     """All problems with two sizes of cells."""
-    options = case.arguments()
-    sheet = report.Report()
-    for name, (left, right, _, _, _, known) in PROBLEMS.items():
-        exact = shocks.Riemann(left, right, GAMMA)
-        sheet.near(f"{name}: closed solution, pressure", exact.pressure, known[0], 1.0e-8)
-        sheet.below(f"{name}: closed solution, velocity", exact.velocity - known[1], 1.0e-6)
-        if name == "apart":
-            continue
-        if tier.NAME == "smoke" and name != "air":
-            continue
-        coarse, fine = burst(options, name, 100), burst(options, name, 200)
-        sheet.require(fine["count"] > 100, f"{name}: there are particles between the waves")
-        sheet.below(f"{name}: ratio of the errors of density", fine["density"] / coarse["density"], 0.6)
-        levels = [left.density, *exact.densities, right.density]
-        smeared = sum(abs(one - two) for one, two in zip(levels, levels[1:])) * 6.0 / 200 / 4.0
-        sheet.below(f"{name}: density", fine["density"], smeared / max(left.density, right.density))
-        for key, limit in (("pressure", 0.01), ("velocity", 0.01), ("energy", 1.0e-12), ("momentum", 1.0e-12)):
-            sheet.below(f"{name}: {key}", fine[key], limit)
-        sheet.above(f"{name}: least energy", fine["least"], 0.0)
-    if tier.NAME != "smoke":
-        coarse, fine = fans(options, 100), fans(options, 200)
-        sheet.require(fine[2] > 150, "apart: the fans have particles")
-        sheet.below("apart: density of the fans", fine[0], 0.01)
-        sheet.below("apart: ratio of its errors", fine[0] / coarse[0], 0.6)
-        slope = 2.0 / (GAMMA + 1.0) / PROBLEMS["apart"][2]
-        sheet.below("apart: velocity of the fans", fine[1], 3.0 / 200 * slope / 2.0)
-        walls(options, sheet)
-    sheet.end()
+    left, right, _, _, _, known = PROBLEMS[name]
+    exact = shocks.Riemann(left, right, GAMMA)
+    sheet.near(f"{name}: closed solution, pressure", exact.pressure, known[0], 1.0e-8)
+    sheet.below(f"{name}: closed solution, velocity", exact.velocity - known[1], 1.0e-6)
+    if name == "apart":
+        return
+    if tier.NAME == "smoke" and name != "air":
+        return
+    coarse, fine = burst(options, name, 100), burst(options, name, 200)
+    sheet.require(fine["count"] > 100, f"{name}: there are particles between the waves")
+    sheet.below(f"{name}: ratio of the errors of density", fine["density"] / coarse["density"], 0.6)
+    levels = [left.density, *exact.densities, right.density]
+    smeared = sum(abs(one - two) for one, two in zip(levels, levels[1:])) * 6.0 / 200 / 4.0
+    sheet.below(f"{name}: density", fine["density"], smeared / max(left.density, right.density))
+    for key, limit in (("pressure", 0.01), ("velocity", 0.01), ("energy", 1.0e-12), ("momentum", 1.0e-12)):
+        sheet.below(f"{name}: {key}", fine[key], limit)
+    sheet.above(f"{name}: least energy", fine["least"], 0.0)
 
 
-if __name__ == "__main__":
-    main()
+@pytest.mark.tiers("full", "long")
+def test_fans(options, sheet):
+    coarse, fine = fans(options, 100), fans(options, 200)
+    sheet.require(fine[2] > 150, "apart: the fans have particles")
+    sheet.below("apart: density of the fans", fine[0], 0.01)
+    sheet.below("apart: ratio of its errors", fine[0] / coarse[0], 0.6)
+    slope = 2.0 / (GAMMA + 1.0) / PROBLEMS["apart"][2]
+    sheet.below("apart: velocity of the fans", fine[1], 3.0 / 200 * slope / 2.0)

@@ -28,16 +28,11 @@ method is the control: it must grow by more than the disc may, or no cell is cro
 # tiers: smoke, full, long
 # timeout long: 2400
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import bodies
+import tier
 
 TARGET = 1.0e-3                        # angular momentum and energy a turn, ten cells on the radius
 COARSE = 2.5 * TARGET                  # five cells
@@ -62,7 +57,8 @@ def turn(options, name, **words):
     return result
 
 
-def resolutions(options, sheet, ppc):
+@pytest.mark.parametrize("ppc", tier.choose((2, 3), smoke=(2,)))
+def test_resolutions(options, sheet, ppc):
     """The default with five and ten cells on the radius."""
     coarse = turn(options, f"coarse_{ppc}", spacing=0.2, ppc=ppc)
     name = f"{ppc} x {ppc} particles"
@@ -83,7 +79,8 @@ def resolutions(options, sheet, ppc):
     sheet.above(f"{name}: rate of displacement", bodies.rates([coarse["displacement"], usual["displacement"]])[0], 1.0)
 
 
-def transfers(options, sheet):
+@pytest.mark.tiers("full", "long")
+def test_transfers(options, sheet):
     """A disc without strain, and other transfers."""
     loose = turn(options, "not_strained", strained=False)
     sheet.below("not strained: angular momentum in a turn", loose["drift"], TARGET)
@@ -101,7 +98,8 @@ def radius(snap):
     return float(np.sqrt((snap.points[:, [0, 2]] ** 2).sum(axis=1).mean()))
 
 
-def many_turns(options, sheet):
+@pytest.mark.tiers("long")
+def test_many_turns(options, sheet):
     """Twenty turns, five cells on the radius."""
     options.timeout = 1000
     for name, words in {**LONG, **TAKE, "mpm": "transfer='rflip'"}.items():
@@ -120,20 +118,3 @@ def many_turns(options, sheet):
             continue
         sheet.below(f"{TURNS} turns, {name}: angular momentum a turn", result["drift"], COARSE)
         sheet.known(f"{TURNS} turns, {name}: stress", result["stress"], limit=0.5, target=rim(0.2))
-
-
-def main():
-    """The default in several resolutions, then the other transfers, then many turns."""
-    options = case.arguments()
-    sheet = report.Report()
-    for ppc in tier.choose((2, 3), smoke=(2,)):
-        resolutions(options, sheet, ppc)
-    if tier.NAME != "smoke":
-        transfers(options, sheet)
-    if tier.NAME == "long":
-        many_turns(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -18,17 +18,11 @@ table that is accepted, one fault that hides the next.
 # timeout: 240
 
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-
-case.post()
-from scree_post import state_table  # noqa: E402
+import case
+from scree_post import state_table
 
 GAMMA = 1.4
 METAL = state_table.Solid(2785.0, 5328.0, 1.338, 2.0, 900.0)
@@ -130,7 +124,7 @@ def write_metal(folder, quarter, greatest=5000.0):
     state_table.write(folder / "al.txt", densities, temperatures, pressure, energy + 5.0e5, "aluminium")
 
 
-def tube(options, sheet):
+def test_tube(options, sheet):
     """Both runs end in the same states."""
     states = {}
     for name, gas in (("closed", f"eos_model='ideal_gas'  ig_gamma={GAMMA}"),
@@ -147,7 +141,7 @@ def tube(options, sheet):
                     1.0e-9)
 
 
-def hugoniot(options, sheet):
+def test_hugoniot(options, sheet):
     """Order of the pressure behind shocks."""
     errors = []
     for quarter in (4, 8, 16):
@@ -165,7 +159,7 @@ def hugoniot(options, sheet):
     sheet.below("Hugoniot: error with 65 nodes", errors[-1], 1.0e-3)
 
 
-def bar(options, sheet):
+def test_bar(options, sheet):
     """Plateau behind the shock at a wall."""
     speed = 1000.0
     front = METAL.sound + METAL.slope * speed
@@ -196,7 +190,7 @@ def bar(options, sheet):
                   f"a run that leaves its table says so: {outside.output[-600:]}")
 
 
-def layouts(options, sheet):
+def test_layouts(options, sheet):
     """The same bits everywhere."""
     digests = {}
     for ranks, threads in ((1, 1), (2, 1), (1, 2)):
@@ -213,7 +207,7 @@ def layouts(options, sheet):
     sheet.require(len(set(digests.values())) == 1, f"same bits: {digests}")
 
 
-def faults(options, sheet):
+def test_faults(options, sheet):
     """All in one pass, each with its line."""
     run = case.Case(options, "faults", FAULTS.lstrip())
     write_metal(run.folder, 8)
@@ -235,19 +229,3 @@ def faults(options, sheet):
     place = f"{run.folder}/"
     for line in SAID:
         sheet.require(f"{run.deck}:{line.format(place)}" in run.output, f"faults: {line}\n{run.output}")
-
-
-def main():
-    """All parts."""
-    options = case.arguments()
-    sheet = report.Report()
-    tube(options, sheet)
-    hugoniot(options, sheet)
-    bar(options, sheet)
-    layouts(options, sheet)
-    faults(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

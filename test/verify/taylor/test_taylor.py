@@ -24,14 +24,10 @@ catch results that change with the cells without end, and a method that locks or
 # tiers: smoke, full, long
 # timeout long: 2400
 
-import sys
-from pathlib import Path
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
-import taylor  # noqa: E402
-import tier    # noqa: E402
+import taylor
+import tier
 
 BBAR = "antilock='bbar'"
 METHODS = {"ddmp": ("ddmp", ""), "ddmp bbar": ("ddmp", BBAR), "mpm": ("mpm", ""), "gimp": ("mpm", "basis='gimp'")}
@@ -59,7 +55,8 @@ def classic(sheet, name, result):
     sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
 
 
-def fine(options, sheet):
+@pytest.mark.tiers("long")
+def test_fine(options, sheet):
     """Every method on both bars, with finer and finer cells."""
     found = table(options)
     for name in METHODS:
@@ -75,27 +72,24 @@ def fine(options, sheet):
             sheet.below(f"{name}, {spacing} mm: energy", result["energy"], 1.0e-13)
 
 
-def main():
-    """The bar that was measured, then the one that codes are compared by, then finer ones."""
-    options = case.arguments()
-    sheet = report.Report()
-    cases = (("three cells, bbar", 1.27, BBAR), ("six cells", 0.635, ""), ("six cells, bbar", 0.635, BBAR))
-    for name, spacing, words in tier.choose(cases, smoke=cases[:1]):
-        result = taylor.strike(options, name.translate({32: "_", 44: None}), taylor.MEASURED, spacing, words)
-        sheet.below(f"{name}: mean error against the experiment", taylor.difference(result), EXPERIMENT)
-        sheet.below(f"{name}: energy", result["energy"], 1.0e-13)
-        sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
-        sheet.below(f"{name}: kinetic energy left", result["kinetic"], 4.0e-3)
-    if tier.NAME != "smoke":
-        result = taylor.strike(options, "classic", taylor.CLASSIC)
-        classic(sheet, "classic", result)
-        sheet.near("classic: greatest plastic strain", result["strain"], 3.265, 0.06)
-        sheet.below("classic: energy", result["energy"], 0.01)
-        sheet.below("classic: kinetic energy left", result["kinetic"], 1.0e-3)
-    if tier.NAME == "long":
-        fine(options, sheet)
-    sheet.end()
+CASES = (("three cells, bbar", 1.27, BBAR), ("six cells", 0.635, ""), ("six cells, bbar", 0.635, BBAR))
 
 
-if __name__ == "__main__":
-    main()
+@pytest.mark.parametrize("name, spacing, words", tier.choose(CASES, smoke=CASES[:1]))
+def test_measured(options, sheet, name, spacing, words):
+    """The bar that was measured."""
+    result = taylor.strike(options, name.translate({32: "_", 44: None}), taylor.MEASURED, spacing, words)
+    sheet.below(f"{name}: mean error against the experiment", taylor.difference(result), EXPERIMENT)
+    sheet.below(f"{name}: energy", result["energy"], 1.0e-13)
+    sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
+    sheet.below(f"{name}: kinetic energy left", result["kinetic"], 4.0e-3)
+
+
+@pytest.mark.tiers("full", "long")
+def test_classic(options, sheet):
+    """The bar that codes are compared by."""
+    result = taylor.strike(options, "classic", taylor.CLASSIC)
+    classic(sheet, "classic", result)
+    sheet.near("classic: greatest plastic strain", result["strain"], 3.265, 0.06)
+    sheet.below("classic: energy", result["energy"], 0.01)
+    sheet.below("classic: kinetic energy left", result["kinetic"], 1.0e-3)

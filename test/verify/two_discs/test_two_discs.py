@@ -18,16 +18,11 @@ than the target from a vibration of few cells: known misses, held at a tenth of 
 """
 # tiers: smoke, full
 
-import sys
-from pathlib import Path
-
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import bodies  # noqa: E402
-import case    # noqa: E402
-import report  # noqa: E402
-import tier    # noqa: E402
+import bodies
+import tier
 
 TARGET = 0.02                          # of the energy at the start
 REBOUND = 0.872                        # kinetic energy at the end of fine runs, over that at the start
@@ -59,10 +54,8 @@ def collide(options, sheet, name, method="ddmp", words="", target=TARGET, **more
     return result
 
 
-def main():
-    """The default with two sizes of cells, with artificial viscosity, and other ways to compute."""
-    options = case.arguments()
-    sheet = report.Report()
+def test_usual(options, sheet):
+    """The default with two sizes of cells."""
     coarse = collide(options, sheet, "coarse")
     sheet.below("coarse: kinetic energy after the rebound, less that of fine runs", coarse["kinetic"] - REBOUND, TARGET)
     if tier.NAME != "smoke":
@@ -70,12 +63,17 @@ def main():
         sheet.below("usual: kinetic energy after the rebound, less that of fine runs", usual["kinetic"] - REBOUND,
                     0.5 * TARGET)
         sheet.above("loss of energy, coarse over usual", coarse["energy"] / usual["energy"], 2.0)
-        wet = collide(options, sheet, "viscous", effects="")
-        sheet.above("viscous: work of the viscosity over the energy", wet["books"] - wet["energy"], 0.005)
-        for name, words in OTHERS.items():
-            collide(options, sheet, name, *words)
-    sheet.end()
 
 
-if __name__ == "__main__":
-    main()
+@pytest.mark.tiers("full", "long")
+def test_viscous(options, sheet):
+    """With artificial viscosity."""
+    wet = collide(options, sheet, "viscous", effects="")
+    sheet.above("viscous: work of the viscosity over the energy", wet["books"] - wet["energy"], 0.005)
+
+
+@pytest.mark.tiers("full", "long")
+@pytest.mark.parametrize("name", OTHERS)
+def test_others(options, sheet, name):
+    """Other ways to compute."""
+    collide(options, sheet, name, *OTHERS[name])

@@ -14,14 +14,10 @@ so it is late by one step: crushing may be off by the change of one step, shear 
 # timeout: 120
 
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DENSITY, BULK, SHEAR = 1000.0, 1.0e9, 6.0e8
 # One cell between a wall and a face that moves: the strain of a step is -1e-4 or 1e-4 for all points.
@@ -80,7 +76,7 @@ def cycle(options, name, method, words, damage=".true."):
     return [snapshot for _, snapshot in run.snapshots()]
 
 
-def open_and_close(options, sheet):
+def test_open_and_close(options, sheet):
     """The rules of voids, with rubble and with a law of failed matter."""
     for method in ("ddmp", "mpm"):
         intact = cycle(options, f"intact_{method}", method, "", ".false.")
@@ -129,7 +125,7 @@ def check_cycle(sheet, name, states, intact, rule):
     sheet.below(f"{name}: theta rho V over m", np.abs(mass / states[-1].fields["mass"] - 1.0).max(), 1.0e-13)
 
 
-def crushing(options, sheet):
+def test_crushing(options, sheet):
     """Loose grains that are pressed: voids that close for good, against the integral."""
     share, rest = 0.8, 0.2
     words = f"{FAILS}  alpha_m='crush'  solid_fraction=0.8"
@@ -146,7 +142,7 @@ def crushing(options, sheet):
     sheet.below("pressure of crushed grains", np.abs(pressure(states[-1]) / expected - 1.0).max(), 1.0e-9)
 
 
-def fractured(options, sheet):
+def test_fractured(options, sheet):
     """Glass after JH-2: opens without work, and closes to the pressure of its density and fracture."""
     glass = ("density=2530  shear=30.4e9  eos_model='jh2'  strength_model='jh2'  damage_model='jh2'  jh2_k1=45.4e9  "
              "jh2_k2=-138e9  jh2_k3=290e9\n jh2_a=0.93  jh2_n=0.77  jh2_b=0.088  jh2_m=0.35  jh2_c=0.003\n "
@@ -171,7 +167,7 @@ def fractured(options, sheet):
     sheet.below("pressure of closed glass", np.abs(found / expected - 1.0).max(), 1.0e-12)
 
 
-def heated(options, sheet):
+def test_heated(options, sheet):
     """Grains that conduct heat to each other expand into their voids; nothing moves."""
     run = case.Case(options, "oven", OVEN).run("-q")
     last = run.snapshots()[-1][1]
@@ -194,7 +190,7 @@ def point(options, name, deck):
     return np.genfromtxt(folder / "out" / "path" / "path_point.csv", delimiter=",", names=True)
 
 
-def sheared(options, sheet):
+def test_sheared(options, sheet):
     """Pressed grains climb over each other: theta falls with shear, the density of the matter rises."""
     factor, press, errors = 0.5, -0.05, []
     for steps in (200, 400):
@@ -209,19 +205,3 @@ def sheared(options, sheet):
         # grains have no pressure in the first step, so they do not climb in it
         sheet.near(f"share of sheared grains, {steps} steps: its error", error, np.expm1(factor * 0.2 / steps), 1.0e-3)
     sheet.above("order of the share", np.log2(errors[0] / errors[1]), 0.95)
-
-
-def main():
-    """All cases."""
-    options = case.arguments()
-    sheet = report.Report()
-    open_and_close(options, sheet)
-    crushing(options, sheet)
-    fractured(options, sheet)
-    heated(options, sheet)
-    sheared(options, sheet)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

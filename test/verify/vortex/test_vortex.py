@@ -21,12 +21,7 @@ the case shows nothing; all errors must fall with the cells. Momentum is kept to
 """
 # timeout: 150
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case    # noqa: E402
-import report  # noqa: E402
+import case
 
 DECK = """
 &run  dimension='plane_strain'  method='mpm' /
@@ -57,10 +52,8 @@ def error_of(options, sheet, basis, cells):
     return error
 
 
-def main():
+def test_vortex(options, sheet):
     """All bases that should converge, and the linear one."""
-    options = case.arguments()
-    sheet = report.Report()
     plain = error_of(options, sheet, "linear", 20)
     for basis in ("cpgimp", "cpdi", "quadratic", "cubic"):
         coarse, fine = (error_of(options, sheet, basis, cells) for cells in (10, 20))
@@ -69,8 +62,3 @@ def main():
         else:
             sheet.known(f"{basis}: error", fine, limit=plain / 1.5, target=TARGET)
         sheet.above(f"{basis}: ratio of errors", coarse / fine, 1.0)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -23,16 +23,16 @@ splines; see doc/theory/verification.md.
 """
 # timeout: 200
 
-import sys
-from pathlib import Path
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import case          # noqa: E402
-import manufactured  # noqa: E402
-import report        # noqa: E402
+import manufactured
 
 
-def judge(options, sheet, transfer, twist, end):
+@pytest.mark.parametrize("transfer, twist, end", [
+    ("aflip", 0.3, 1.0),
+    ("apic", 1.0, 0.5),
+])
+def test_judge(options, sheet, transfer, twist, end):
     """DDMP beside quadratic splines."""
     setting = {"twist": twist, "end": end, "ppc": 4, "body": "packing='cut'"}
     dual = manufactured.vortex(options, f"ddmp {transfer}", words=f"{manufactured.CONTROL}  "
@@ -44,16 +44,3 @@ def judge(options, sheet, transfer, twist, end):
     sheet.below(f"twist {twist}: error over that of quadratic splines", dual.error(20)
                 / spline.error(20), 1.0 / 3.0)
     sheet.above(f"twist {twist}: error of quadratic splines", spline.error(20), 0.01)
-
-
-def main():
-    """A middle and a large twist."""
-    options = case.arguments()
-    sheet = report.Report()
-    judge(options, sheet, "aflip", 0.3, 1.0)
-    judge(options, sheet, "apic", 1.0, 0.5)
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()

@@ -1,24 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draw doc/theory/figures/crack_load.png: load of a bar against its displacement for four sizes of cells.
 
-    python test/verify/crack/draw_crack.py --scree build/bin/scree --work FOLDER
+    python test/verify/draw_crack.py --scree build/bin/scree --work FOLDER
 """
 
-import sys
-from pathlib import Path
 
 import matplotlib
 import numpy as np
+from matplotlib import pyplot
+
+import _support
+import bars
+import case
 
 matplotlib.use("Agg")
-from matplotlib import pyplot  # noqa: E402
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import bars  # noqa: E402
-import case  # noqa: E402
-
-FOLDER = Path(__file__).resolve().parents[3] / "doc" / "theory" / "figures"
+FOLDER = _support.HERE.parents[1] / "doc" / "theory" / "figures"
 
 
 def main():

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""Rules for the tests in Python: one harness, one place for the paths of modules.
+
+Would catch a file that pytest runs without a test in it, a test that runs by another harness and whose checks are not
+judged, a path that a test bends for itself and that another test then depends on, and imports or variables that
+nothing uses.
+"""
+
+import importlib.util
+import re
+import subprocess
+import sys
+
+import pytest
+
+from sources import ROOT, place, project_files
+
+TEST = ROOT / "test"
+FILES = project_files(".py", under="test")
+# how scripts that are no tests find modules, how the fixtures are made, and the words of this gate
+OWN = {TEST / "verify" / "_support.py", TEST / "conftest.py", TEST / "gate" / "test_tests.py"}
+FORBIDDEN = (
+    (re.compile(r"\bsys\.path(\.|\[.*\] *=| *\+?=)"), "bends sys.path: test/pytest.ini says where modules are"),
+    (re.compile(r"^\s*(import|from) unittest\b(?! import mock)"), "uses unittest: write functions for pytest"),
+    (re.compile(r"noqa: E402"), "imports late"),
+    (re.compile(r"\bsheet\.end\(\)"), "ends its report: the fixture `sheet` does"),
+)
+
+
+def offences():
+    """Lines of tests that break a rule."""
+    return [f"{place(path, number)} {why}" for path in FILES if path not in OWN
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+            for pattern, why in FORBIDDEN if pattern.search(line)]
+
+
+def test_one_harness():
+    assert len(FILES) > 150
+    found = offences()
+    assert not found, "\n" + "\n".join(found)
+
+
+def test_each_file_has_tests():
+    """And none of them is run by itself."""
+    found = []
+    for path in FILES:
+        text = path.read_text(encoding="utf-8")
+        if path.name.startswith("test_"):
+            if not re.search(r"^(    )?def test_\w+\(", text, re.M):
+                found.append(f"{place(path, 1)} has no test")
+            if "__main__" in text and path not in OWN:
+                found.append(f"{place(path, 1)} runs by itself: pytest runs it")
+    assert not found, "\n" + "\n".join(found)
+
+
+def test_names_of_files_differ():
+    """Modules of tests are imported by their names alone."""
+    names = [path.name for path in FILES if path.name != "conftest.py"]
+    assert sorted({name for name in names if names.count(name) > 1}) == []
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("ruff"), reason="ruff is not installed; scripts/setup.sh installs it")
+def test_ruff():
+    answer = subprocess.run([sys.executable, "-m", "ruff", "check", "--no-cache", "--quiet", "."], cwd=TEST, text=True,
+                            capture_output=True, check=False)
+    assert answer.returncode == 0, "\n" + answer.stdout + answer.stderr
