@@ -85,10 +85,3 @@ def test_search_finds(site):
     for word, page in SOUGHT.items():
         titles = [entry["title"] for entry in entries if entry["location"].startswith(page)]
         assert any(word.lower() in title.lower() for title in titles), f"{word} in {page}: {titles}"
-
-
-if __name__ == "__main__":
-    if MISSING:
-        print(f"SKIPPED  all: {WHY}")
-        sys.exit(77)
-    sys.exit(pytest.main([__file__, "-q", "-p", "no:cacheprovider"]))

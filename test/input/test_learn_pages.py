@@ -50,20 +50,20 @@ def test_shown_lines(page):
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_commands(page, tmp_path, pytestconfig):
+def test_commands(page, options):
     """The deck runs, and what the page shows of scree-post and of Python works on its results."""
     name, values = PAGES[page]
-    program = pytestconfig.getoption("scree", None) or os.environ.get("SCREE", ROOT / "build/bin/scree")
+    program, folder = options.scree, options.work
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "python/src"), "SCREE": str(program), "OMP_NUM_THREADS": "1"}
-    (tmp_path / "input").symlink_to(ROOT / "input")
+    (folder / "input").symlink_to(ROOT / "input")
 
     def call(*words):
-        answer = subprocess.run([str(word) for word in words], cwd=tmp_path, env=environment, capture_output=True,
+        answer = subprocess.run([str(word) for word in words], cwd=folder, env=environment, capture_output=True,
                                 text=True, check=False)
         assert answer.returncode == 0, f"{words}: {answer.stdout[-2000:]}{answer.stderr[-2000:]}"
 
     added = [line for block in blocks(page, "fortran") for line in block.split("\n") if line.startswith(ADDED)]
-    deck = tmp_path / f"{name}.nml"
+    deck = folder / f"{name}.nml"
     deck.write_text((ROOT / f"input/{name}/scene.nml").read_text(encoding="utf-8") + "\n".join(added) + "\n",
                     encoding="utf-8")
     call(program, deck, "-q", *(word for value in values for word in ("--set", value)))
@@ -74,9 +74,5 @@ def test_commands(page, tmp_path, pytestconfig):
         # a film in .mp4 needs ffmpeg
         call(sys.executable, "-m", "scree_post", *shlex.split(line.replace(".mp4", ".gif")))
     for number, script in enumerate(blocks(page, "python")):
-        (tmp_path / f"script_{number}.py").write_text(script, encoding="utf-8")
+        (folder / f"script_{number}.py").write_text(script, encoding="utf-8")
         call(sys.executable, f"script_{number}.py")
-
-
-if __name__ == "__main__":
-    sys.exit(pytest.main([__file__, "-q", "-p", "no:cacheprovider"]))

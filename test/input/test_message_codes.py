@@ -8,19 +8,15 @@ pattern that no message fits any more; a code that was removed or renumbered.
 
 import re
 import subprocess
-import sys
-import unittest
+
+import pytest
 
 import broken_instruments as instruments
-import broken_scenes as scenes
 import broken_values as values
 import case
+import document_messages as messages
 import message_sites
 
-sys.path.insert(0, str(case.ROOT / "scripts"))
-import document_messages as messages  # noqa: E402
-
-OPTIONS = case.arguments(__doc__)
 TABLES = [*messages.FAULTS, instruments.INSTRUMENTS]
 # Readers of files say only what is wrong; who calls them puts this in front.
 BEFORE = {"io_stl": "cannot read the facets of '...': ", "io_points": "cannot read the points of '...': ",
@@ -60,39 +56,39 @@ def from_sources():
             yield f"{site.path}:{site.line}", BEFORE.get(module, "") + site.text + behind
 
 
-def ask(*arguments, expect=0):
+def ask(options, *arguments, expect=0):
     """What the program prints."""
-    answer = subprocess.run([OPTIONS.scree, *arguments], text=True, timeout=60, stdout=subprocess.PIPE,
+    answer = subprocess.run([options.scree, *arguments], text=True, timeout=60, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, check=False)
-    if answer.returncode != expect:
-        raise AssertionError(f"{arguments}: exit code {answer.returncode}: {answer.stdout}")
+    assert answer.returncode == expect, f"{arguments}: exit code {answer.returncode}: {answer.stdout}"
     return answer.stdout
 
 
-class Codes(unittest.TestCase):
+class TestCodes:
     """Patterns against the sources and the tables of wrong decks."""
 
+    @pytest.fixture(autouse=True, scope="class")
     @classmethod
-    def setUpClass(cls):
+    def made(cls):
         cls.known, cls.patterns = all_messages(), messages.patterns(all_messages())
 
-    def test_each_message_of_the_sources_has_one_code(self):
+    def test_each_message_of_the_sources_has_one_code(self, sheet):
         """Would catch a message that is new or reworded and has no code, or two."""
         found = list(from_sources())
-        self.assertGreater(len(found), 400)
+        assert len(found) > 400
         for place, text in found:
-            with self.subTest(f"{place}: {text}"):
+            with sheet.part(f"{place}: {text}"):
                 fits = messages.scores(text, self.patterns)[:3]
-                self.assertEqual(len(best(text, self.patterns)), 1, f"{fits}; add a record to src/program/messages")
+                assert len(best(text, self.patterns)) == 1, f"{fits}; add a record to src/program/messages"
 
-    def test_each_message_of_the_tables_has_one_code(self):
+    def test_each_message_of_the_tables_has_one_code(self, sheet):
         """Would catch the same for messages whose words are variables."""
         for table in TABLES:
             for row in table:
-                with self.subTest(row[4]):
-                    self.assertEqual(len(best(row[4], self.patterns)), 1, messages.scores(row[4], self.patterns)[:3])
+                with sheet.part(row[4]):
+                    assert len(best(row[4], self.patterns)) == 1, messages.scores(row[4], self.patterns)[:3]
 
-    def test_each_pattern_is_said(self):
+    def test_each_pattern_is_said(self, sheet):
         """Would catch a pattern that no message fits any more."""
         said = [row[4] for table in TABLES for row in table] + [text for _, text in from_sources()]
         said += re.findall(r"^prints: (.*(?:\n         .*)*)", messages.EXAMPLES.read_text(encoding="utf-8"), re.M)
@@ -101,67 +97,63 @@ class Codes(unittest.TestCase):
         source = re.sub(r'" *// *(&\s*)?"', "", source)
         for message in self.known:
             for pattern in message.says:
-                with self.subTest(f"{message.code}: {pattern}"):
+                with sheet.part(f"{message.code}: {pattern}"):
                     parts = re.compile(".*?".join(map(re.escape, pattern.split("..."))))
                     if any(parts.search(text) for text in said):
                         continue
                     for part in pattern.split("..."):
-                        self.assertIn(part.strip(" '=()"), source)
+                        assert part.strip(" '=()") in source
 
     def test_codes_are_not_removed(self):
         """Would catch a code that is missing among those of its hundred, and so might be used again."""
         for start, count in FEWEST.items():
             numbers = [int(message.code[2:]) for message in self.known if message.code.startswith(start)]
-            self.assertEqual(numbers, list(range(1, len(numbers) + 1)), start)
-            self.assertGreaterEqual(len(numbers), count, start)
-        self.assertEqual({message.code[:2] for message in self.known}, set(FEWEST))
+            assert numbers == list(range(1, len(numbers) + 1)), start
+            assert len(numbers) >= count, start
+        assert {message.code[:2] for message in self.known} == set(FEWEST)
 
 
-class Explanations(unittest.TestCase):
+class TestExplanations:
     """The program against the records."""
 
-    def test_list(self):
+    def test_list(self, options):
         """Would catch a program that was built with other records, or loses some."""
-        listed = [line.split("  ")[0] for line in ask("--list", "messages").splitlines()]
-        self.assertEqual(listed, [message.code for message in all_messages()])
+        listed = [line.split("  ")[0] for line in ask(options, "--list", "messages").splitlines()]
+        assert listed == [message.code for message in all_messages()]
 
-    def test_code_and_line_give_the_same(self):
+    def test_code_and_line_give_the_same(self, options):
         """Would catch a line from a log, with place and code or without, that is not recognised."""
         line = "scene.nml:4: error: &material: density = -2700  <- must be > 0 kg/m3"
-        wanted = ask("--explain", "D214")
-        self.assertEqual(ask("--explain", line), wanted)
-        self.assertEqual(ask("--explain", f"{line} [D214]"), wanted)
-        self.assertEqual(ask("--explain", "d214"), wanted)
-        self.assertEqual(ask("--explain", "words of an older program [D214]"), wanted)
+        wanted = ask(options, "--explain", "D214")
+        assert ask(options, "--explain", line) == wanted
+        assert ask(options, "--explain", f"{line} [D214]") == wanted
+        assert ask(options, "--explain", "d214") == wanted
+        assert ask(options, "--explain", "words of an older program [D214]") == wanted
         for part in ("D214  must be >", "cause:  The number is out of range.", "remedy: ", "wrong:  &material",
                      "prints: scene.nml:4: error:", "right:  &material", "keys:   scree --explain material.density"):
-            self.assertIn(part, wanted)
+            assert part in wanted
 
-    def test_explanations_are_text(self):
+    def test_explanations_are_text(self, options):
         """Would catch marks of Markdown, lines wider than a screen, and fields of a record that are lost."""
         for code in ("D201", "D214", "R101", "F113"):
-            text = ask("--explain", code)
-            self.assertNotIn("](", text)
-            self.assertTrue(all(len(line) <= 80 for line in text.split("wrong:")[0].splitlines()), text)
+            text = ask(options, "--explain", code)
+            assert "](" not in text
+            assert all(len(line) <= 80 for line in text.split("wrong:")[0].splitlines()), text
 
-    def test_unknown(self):
+    def test_unknown(self, options):
         """Would catch an unknown text or code without a way on, and keys that are taken for messages."""
-        said = ask("--explain", "the density must be larger", expect=2)
-        self.assertIn("similar messages:\n", said)
-        self.assertIn("scree --list messages", said)
-        self.assertIn("no message has the code 'D999'", ask("--explain", "D999", expect=2))
-        self.assertIn("&grid", ask("--explain", "grid"))
+        said = ask(options, "--explain", "the density must be larger", expect=2)
+        assert "similar messages:\n" in said
+        assert "scree --list messages" in said
+        assert "no message has the code 'D999'" in ask(options, "--explain", "D999", expect=2)
+        assert "&grid" in ask(options, "--explain", "grid")
 
-    def test_hint_comes_once(self):
+    def test_hint_comes_once(self, options):
         """Would catch a hint after each message, or a message without its code."""
-        folder = OPTIONS.work / "hint"
+        folder = options.work / "hint"
         folder.mkdir(parents=True, exist_ok=True)
         deck = folder / "deck.nml"
         deck.write_text(values.DECKS["plain"].replace("2700", "-2700").replace("0.3", "x"), encoding="ascii")
-        said = ask("--check", str(deck), expect=2)
-        self.assertEqual(len(re.findall(r": error: .* \[D\d{3}\]$", said, re.M)), 2, said)
-        self.assertEqual(said.count("scree --explain"), 1, said)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        said = ask(options, "--check", str(deck), expect=2)
+        assert len(re.findall(r": error: .* \[D\d{3}\]$", said, re.M)) == 2, said
+        assert said.count("scree --explain") == 1, said

@@ -11,7 +11,6 @@ import re
 
 import pytest
 
-
 import document_messages as messages
 
 MOST_LINES = 3500            # of the page

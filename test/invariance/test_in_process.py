@@ -11,12 +11,11 @@ not share the run. Guards: runs make many steps, and a field that is written cha
 import importlib.util
 import subprocess
 import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import case     # noqa: E402
-import layouts  # noqa: E402
-import report   # noqa: E402
+import pytest
+
+import case
+import layouts
 
 BLOCK = """
 &run  dimension='3d' /
@@ -69,27 +68,21 @@ def in_process(options, ranks, deck, folder, mpi4py):
     return {way: (digest, int(steps), int(seen)) for way, digest, steps, seen in rows}
 
 
-def main():
-    """A cloud and a block on one and two ranks."""
-    options = case.arguments()
-    sheet = report.Report()
+@pytest.mark.parametrize("name", ["block", "cloud"])
+def test_same_bits(options, sheet, name):
+    """On one and two ranks."""
     if not (options.scree.parents[1] / "lib/libscree.so").is_file():
-        report.skip_all("libscree.so is not built beside the program")
+        pytest.skip("libscree.so is not built beside the program")
     with_mpi4py = importlib.util.find_spec("mpi4py") is not None
     if not with_mpi4py:
         sheet.skipped("communicators of mpi4py", "mpi4py is not installed; scripts/setup.sh installs it")
-    for name, deck in (("block", BLOCK), ("cloud", layouts.coarse_cloud(60))):
-        program = case.Case(options, name, deck).run("-q")
-        for ranks, mpi4py in [(1, False), (2, with_mpi4py)]:
-            found = in_process(options, ranks, program.deck, f"{name}_{ranks}_{mpi4py}", mpi4py)
-            where = f"{name}, {ranks} ranks{', mpi4py' * mpi4py}"
-            for way in ("run", "fields"):
-                sheet.require(found[way] == (program.summary["digest"], program.summary["steps"], ranks),
-                              f"{where}, {way}: {found[way]}, not that of the program, {program.summary['digest']}")
-            sheet.require(found["changed"][0] != found["run"][0], f"{where}: a changed velocity changes the digest")
-        sheet.require(program.summary["steps"] >= 40, f"{name}: makes many steps")
-    sheet.end()
-
-
-if __name__ == "__main__":
-    main()
+    deck = BLOCK if name == "block" else layouts.coarse_cloud(60)
+    program = case.Case(options, name, deck).run("-q")
+    for ranks, mpi4py in [(1, False), (2, with_mpi4py)]:
+        found = in_process(options, ranks, program.deck, f"{name}_{ranks}_{mpi4py}", mpi4py)
+        where = f"{name}, {ranks} ranks{', mpi4py' * mpi4py}"
+        for way in ("run", "fields"):
+            sheet.require(found[way] == (program.summary["digest"], program.summary["steps"], ranks),
+                          f"{where}, {way}: {found[way]}, not that of the program, {program.summary['digest']}")
+        sheet.require(found["changed"][0] != found["run"][0], f"{where}: a changed velocity changes the digest")
+    sheet.require(program.summary["steps"] >= 40, f"{name}: makes many steps")
