@@ -54,7 +54,7 @@ LABEL = 8                        # columns of the labels of an example
 ABOUT = {
     "run": "../guide/deck.md#dimension", "units": "../guide/deck.md#units", "include": "../guide/deck.md#rules",
     "grid": "../guide/deck.md#dimension", "region": "../guide/shapes.md", "body": "../guide/deck.md#shapes-and-bodies",
-    "material": "materials.md", "boundary": "../guide/deck.md#faces", "effects": "effects.md",
+    "material": "materials.md", "boundary": "../guide/deck.md#boundary-conditions", "effects": "effects.md",
     "contact": "../guide/deck.md#contact", "output": "../guide/deck.md#output",
     "time": "../guide/running.md#how-a-run-ends", "checkpoint": "../guide/running.md#checkpoints-and-restart",
     "section format": "../guide/deck.md#rules", "section units": "../guide/deck.md#units",

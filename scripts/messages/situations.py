@@ -212,7 +212,7 @@ SITUATIONS = {
                            "then": [CHECK], "see": ["../guide/running.md"]},
     "C108": {"files": {"scene.nml": BAR}, "commands": ["scree --no-estimate scene.nml"],
                           "then": ["scree --check --no-estimate scene.nml"],
-                          "see": ["../guide/running.md#what-it-costs"]},
+                          "see": ["../guide/running.md#check-a-deck-and-estimate-its-cost"]},
     "C109": {"commands": ["scree --list material"], "then": ["scree --list materials"],
                    "see": ["materials.md"]},
     "C110": {
@@ -397,7 +397,7 @@ SITUATIONS = {
         "files": {"scene.nml": BAR}, "before": [RUN], "text": "The same command is given a second time:",
         "commands": [RUN], "then": ["scree -q --restart scene.nml --set time.t_end=2e-4",
                                     "scree -q --overwrite scene.nml"],
-                                    "see": ["../guide/running.md#results-that-are-there"]},
+                                    "see": ["../guide/running.md#existing-results"]},
     "F112": {
         "files": {"scene.nml": BAR.replace("'1d' /", "'1d'  method = 'mpm' /")}, "before": [RUN],
         "text": "The first run had the default `transfer`, whose particles carry no gradient of velocity:",
