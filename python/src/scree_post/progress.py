@@ -4,7 +4,7 @@ import sys
 
 
 class Progress:
-    """A bar of tqdm that disappears at the end; nothing where standard error is no terminal or tqdm is not installed."""
+    """A bar of tqdm that disappears at the end; nothing without a terminal or without tqdm."""
 
     def __init__(self, total, what):
         self.bar = None
