@@ -86,12 +86,12 @@ class TestOnePass:
         errors = [line for line in lines if ": error: " in line]
         assert len(errors) == 1, lines
         assert "&body 'b': temperature needs" in errors[0]
-        assert errors[0].endswith("(all 6 copies)"), errors
+        assert errors[0].endswith("(all 6 copies) [D306]"), errors
         lines = problems(said_of(options, "outside", body=body.format(1.5).replace(" temperature=300", "")))
         errors = [line for line in lines if ": error: " in line]
         assert len(errors) == 1, lines
         assert re.search(r"&body 'b_2_1|&body 'b_3_1", errors[0])
-        assert re.search(r"lies outside of the grid.*\(and \d more among the 6 copies\)$", errors[0])
+        assert re.search(r"lies outside of the grid.*\(and \d more among the 6 copies\) \[D409\]$", errors[0])
 
     def test_gas(self, options):
         """Would catch a gas that is called too light, and a solid or a liquid in other units that is not."""
