@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -177,7 +178,8 @@ def interrupt(call: str, folders: list[Path]) -> None:
     # a shell lets programs in the background ignore this signal
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); import scree; long = " \
         f"{{'grid.dx': 0.1, 'time.t_end': 5000.0, 'time.wall_limit': '00:02:00', 'output[all].count': 1}}; {call}"
-    child = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True)
+    # without what MPI, once started in this process, has added to the environment behind the back of Python
+    child = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, env={**os.environ})
     end = time.monotonic() + 60.0
     while not all((folder / "tiny_p_000000.hdf").exists() for folder in folders):
         assert child.poll() is None and time.monotonic() < end, "the runs do not begin"

@@ -55,10 +55,12 @@ def picture(source: Source, colour: str | None = None, *, time: float | None = N
     dimensions, `up` the axis that points up. Further options are those of scree-post picture: bodies, hide_failed,
     keep, map, no_mirror, no_walls, title, zoom and dpi (of the image of balls).
     """
+    import matplotlib
     drawing = part("drawing")
     words = camera if isinstance(camera, str) else f"{camera[0]},{camera[1]}"
     chosen = drawing.options(colour=colour, range=limits, view=view, camera=words, up=up, **options)
-    figure, _ = drawing.picture(file_of(source, time), chosen)
+    with matplotlib.rc_context():                        # settings of the caller stay
+        figure, _ = drawing.picture(file_of(source, time), chosen)
     return cast("Figure", figure)
 
 
@@ -78,10 +80,12 @@ class Radiograph:
 
     def figure(self, *, absorption: float | None = None, unit: str = "kg/m2") -> Figure:
         """The page of scree-post radiograph: film, areal density and particles; absorption in m2/kg."""
+        import matplotlib
         page_of = part("radiograph_page").Picture
         towards = -1.0 if self.speed < 0.0 else 1.0
-        page = page_of([self._frame], self._title, {"mu": absorption, "unit": unit, "towards": towards, "view": None})
-        return cast("Figure", page.draw())
+        options = {"mu": absorption, "unit": unit, "towards": towards, "view": None}
+        with matplotlib.rc_context():                    # settings of the caller stay
+            return cast("Figure", page_of([self._frame], self._title, options).draw())
 
 
 def radiograph(source: Source, *, time: float | None = None, pixel: float | None = None, sight: str = "y",

@@ -13,6 +13,7 @@ __all__ = ["EXIT_DEFECT", "EXIT_DIFFERENT", "EXIT_FILE", "EXIT_USAGE", "PostErro
 
 def run(main, name):
     """Run a command's main; errors are one line on standard error and an exit code."""
+    os.environ["MPLBACKEND"] = "Agg"                     # pictures go into files, with a display or without
     try:
         code = main()
         sys.stdout.flush()

@@ -14,9 +14,7 @@ ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
 
 
 def pyplot():
-    """Matplotlib without a display, in the look shared by all pictures."""
-    (matplotlib,) = modules("matplotlib")
-    matplotlib.use("Agg")
+    """Matplotlib in the look shared by all pictures."""
     (plot,) = modules("matplotlib.pyplot")
     plot.rcParams.update({
         "font.family": "DejaVu Sans", "font.size": 11, "axes.titlesize": 11, "axes.labelsize": 11,
