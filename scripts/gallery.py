@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "doc" / "gallery.md"
 PICTURE = re.compile(r"!\[([^\]]*)\]\(([^)]+)\)")
-WORKED = re.compile(r"One core works.*?([\d.]+) s on (?:the steps|those) of all runs", re.S)
+WORKED = re.compile(r"<!--=seconds_all-->([\d.]+)<!--=-->")
 FIGURES = re.compile(r"<!-- figures -->\n\n((?:\|.*\n)+)")
 HEAD = """# Gallery
 

@@ -7,9 +7,9 @@ prints the tables, and draws the pictures. With --write the tables go into the R
     <!-- figures -->
     <!-- end of figures -->
 
-and the pictures beside it. Numbers of runs that stand anywhere else, in the README or another document, stand in
-phrases: texts that a document holds once, whatever the numbers in them are and wherever its lines end. With --write
-each gets the numbers of the runs. With --check tables and phrases are held against the runs.
+and the pictures beside it. A number of the runs anywhere else, in the README or another document, has marks around it
+that readers do not see: <!--=hole-->17.5<!--=--> mm. With --write it gets the value of that name; with --check tables
+and numbers are compared with the runs. The words around a number are free.
 """
 import argparse
 import re
@@ -21,7 +21,9 @@ from scree_post import PostError, study
 from scree_post.written import Written
 
 WIDE = 1800                            # pixels of a picture
+TIMES = ("seconds", "seconds_all")     # names of the times of the deck as it is and of all runs [s]
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
+MARKED = re.compile(r"<!--=(\w+)-->(.*?)<!--=-->", re.S)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
@@ -60,16 +62,17 @@ class Study:
 
     `cases` gives for each name the deck, relative to the folder of the scene, and values for --set; `tables` makes
     tables of the runs by name; `pictures` gives for each file name what draws it: a function of the runs and of
-    pyplot that returns the figure, or None if the runs for it were left out. `phrases` gives for each document,
-    relative to the folder, what makes its phrases of the runs. `may_fail` gives the exit code of cases whose failure
-    is a result. `as_it_stands` is the case that is the deck as it stands, if its values are not empty.
+    pyplot that returns the figure, or None if the runs for it were left out. `numbers` gives for each document,
+    relative to the folder, a function of the runs that returns the texts of its marked numbers by name. `may_fail`
+    gives the exit code of cases whose failure is a result. `as_it_stands` is the case that is the deck as it stands,
+    if its values are not empty.
     """
 
-    def __init__(self, script, cases, tables, pictures, *, phrases=None, may_fail=None, as_it_stands=None,
+    def __init__(self, script, cases, tables, pictures, *, numbers=None, may_fail=None, as_it_stands=None,
                  tolerance=0.02):
         self.folder = Path(script).resolve().parent
         self.cases, self.tables, self.pictures = cases, tables, pictures
-        self.phrases, self.may_fail, self.tolerance = phrases or {}, may_fail or {}, tolerance
+        self.numbers, self.may_fail, self.tolerance = numbers or {}, may_fail or {}, tolerance
         self.as_it_stands = as_it_stands or next((name for name, (_, values) in cases.items() if not values), None)
 
     def main(self):
@@ -145,28 +148,25 @@ class Study:
         if run.code not in (0, self.may_fail.get(run.case, 0)):
             raise PostError(f"{run.case} ended with exit code {run.code}: {run.reason}", run.code)
 
-    def documents(self, runs, text, times=()):
-        """What the documents hold and what they should, by path: the tables as `text`, and phrases."""
+    def documents(self, runs, text, times=None):
+        """What the documents hold and what they should, by path: the tables as `text`, and numbers."""
         found = {}
-        for name in {"README.md": None, **self.phrases}:
+        for name in {"README.md": None, **self.numbers}:
             path = (self.folder / name).resolve()
             told = path.read_text(encoding="utf-8")
-            now = with_tables(path, told, text) if name == "README.md" else told
-            said = self.phrases[name](runs) if name in self.phrases else []
-            for phrase in [*said, *(times if name == "README.md" else ())]:
-                now = with_phrase(path, now, phrase)
-            found[path] = told, now
+            values = self.numbers[name](runs) if name in self.numbers else {}
+            now = told
+            if name == "README.md":
+                now = with_tables(path, told, text)
+                values = {**values, **(times or dict.fromkeys(TIMES))}
+            found[path] = told, with_numbers(path, now, values)
         return found
 
     def times(self, runs):
-        """A phrase that tells how long the runs take. They never take as long twice, so nothing is held against it."""
+        """How long the runs take. They never take as long twice, so nothing is compared with it."""
         worked = {name: run.summary["processor_s"] for name, run in runs.items()}
-        total = two_digits(sum(worked.values()))
-        if self.as_it_stands is None:
-            return [f"One core works {total} s on the steps of all runs."]
-        deck = Path(self.cases[self.as_it_stands][0]).name
-        return [f"One core works {two_digits(worked[self.as_it_stands])} s on the steps of `{deck}`, "
-                f"{total} s on those of all runs."]
+        first = worked.get(self.as_it_stands, 0.0)
+        return dict(zip(TIMES, (two_digits(first), two_digits(sum(worked.values())))))
 
     def check(self, documents):
         """Numbers of the documents against those of the runs."""
@@ -187,15 +187,21 @@ def with_tables(path, text, tables):
     return f"{before}{BEGIN}\n\n{tables}\n{END}{rest.split(END)[1]}"
 
 
-def with_phrase(path, text, phrase):
-    """A document that says a phrase with these numbers, where it says it with others now."""
-    words = [r"\s+".join(map(re.escape, part.split(" "))) for part in NUMBER.split(phrase)]
-    found = list(re.finditer(NUMBER.pattern.join(words), text))
-    if len(found) != 1:
-        raise PostError(f"{path}: holds {len(found)} times what should stand there once: {phrase}")
-    numbers = iter(NUMBER.findall(phrase))
-    begin, end = found[0].span()
-    return text[:begin] + NUMBER.sub(lambda _: next(numbers), found[0][0]) + text[end:]
+def with_numbers(path, text, values):
+    """A document with other texts in its marks, by name; None keeps what is there.
+
+    Each name has a mark and each mark a name; a document may leave out marks of times.
+    """
+    marked = {name for name, _ in MARKED.findall(text)}
+    for kind, names in (("no mark", set(values) - marked - set(TIMES)), ("a mark without a value", marked - set(values))):
+        if names:
+            raise PostError(f"{path}: {kind} for the number '{min(names)}'; marks are <!--=NAME-->...<!--=-->")
+
+    def renewed(found):
+        value = values[found[1]]
+        return found[0] if value is None else f"<!--={found[1]}-->{value}<!--=-->"
+
+    return MARKED.sub(renewed, text)
 
 
 def two_digits(value):

@@ -76,7 +76,7 @@ def tables(runs):
     return [result]
 
 
-def phrases(runs):
+def numbers(runs):
     """How much farther off other methods are than DDMP, and what half the cells take of the error."""
     found = {bar: np.array([[off(runs, bar, name, size) for name in METHODS] for size in sizes])
              for bar, (_, _, sizes) in BARS.items()}         # by cells, method and what serves as the finest
@@ -84,12 +84,13 @@ def phrases(runs):
     apart = {bar: 100.0 * np.ptp(values, axis=1) for bar, values in found.items()}
     taken = {bar: 100.0 * (1.0 - values[1] / values[0]) for bar, values in found.items()}
     plain = farther["copper"][:, 0]
-    return [f"the plain method is farther off by a factor of {plain.min():.1f} to {plain.max():.1f}",
-            f"no two methods are more than {apart['copper'].max():.1f} % apart",
-            f"by a factor of {farther['glass'].min():.1f} to {farther['glass'].max():.1f}, whichever method is taken "
-            f"for the finest; the methods are up to {apart['glass'].max():.1f} % apart",
-            f"Cells of half the size take {taken['glass'].min():.0f} to {taken['glass'].max():.0f} % of the error in "
-            f"glass, and {taken['copper'].min():.0f} to {taken['copper'].max():.0f} % in copper"]
+    glass = farther["glass"]
+    found = {"plain_least": f"{plain.min():.1f}", "plain_most": f"{plain.max():.1f}",
+             "glass_least": f"{glass.min():.1f}", "glass_most": f"{glass.max():.1f}"}
+    for bar, values in taken.items():
+        found |= {f"apart_{bar}": f"{apart[bar].max():.1f}", f"halved_{bar}_least": f"{values.min():.0f}",
+                  f"halved_{bar}_most": f"{values.max():.0f}"}
+    return found
 
 
 def draw(runs, plot):
@@ -134,4 +135,4 @@ def cases():
 
 
 if __name__ == "__main__":
-    Study(__file__, cases(), tables, {"picture.png": draw}, phrases={"README.md": phrases}).main()
+    Study(__file__, cases(), tables, {"picture.png": draw}, numbers={"README.md": numbers}).main()

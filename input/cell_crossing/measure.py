@@ -58,9 +58,9 @@ def tables(runs):
     return [table]
 
 
-def phrases(_):
+def numbers(_):
     """By how much matter is compressed behind the shock, which no run tells."""
-    return [f"its material is compressed by {100.0 * (1.0 - exact()[1]):.0f} %"]
+    return {"compressed": f"{100.0 * (1.0 - exact()[1]):.0f}"}
 
 
 def draw(runs, plot):
@@ -92,5 +92,5 @@ CASES = {f"{name}_{size}": ("scene.nml", {"run.method": method, "method.basis": 
          for size, width in CELLS.items() for name, (_, method, basis) in METHODS.items()}
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, {"picture.png": draw}, phrases={"README.md": phrases},
+    Study(__file__, CASES, tables, {"picture.png": draw}, numbers={"README.md": numbers},
           as_it_stands="ddmp_coarse").main()

@@ -51,13 +51,12 @@ def tables(runs):
     return [table]
 
 
-def phrases(runs):
+def numbers(runs):
     """How far the inner cone is off the fit, and what the outer one does."""
     speeds = {speed: -path(runs[f"plane_strain_{speed}"])[1].min() for speed in SPEEDS}
     worst = max(abs(depth / fit(speed) - 1.0) for speed, depth in speeds.items())
     outer = -path(runs["compression_2.0"])[1].min() / speeds[2.0]
-    return [f"are those that were measured, within {100 * worst:.0f} %",
-            f"The outer cone stops the ball at {outer:.2f} of the depth of the inner one"]
+    return {"worst": f"{100 * worst:.0f}", "outer": f"{outer:.2f}"}
 
 
 def draw(runs, plot):
@@ -90,5 +89,5 @@ CASES = {f"{cone}_{speed}": ("scene.nml", {"body[ball].velocity": f"0,0,{-speed}
          for cone in CONES for speed in (SPEEDS if cone == "plane_strain" else SPEEDS[1:2])}
 
 if __name__ == "__main__":
-    Study(__file__, CASES, tables, {"picture.png": draw}, phrases={"README.md": phrases},
+    Study(__file__, CASES, tables, {"picture.png": draw}, numbers={"README.md": numbers},
           as_it_stands="plane_strain_2.0").main()

@@ -87,10 +87,8 @@ def first_steps(runs):
     _, moment, greatest, _ = rebound(usual)
     lost, lost_coarse = (-100.0 * run.error("energy_error") for run in (usual, coarse))
     pressed = 100.0 - 100.0 * energies(usual)[2].min()
-    return [f"begins to fall at {felt(usual):.1f} s, is nearly gone at {moment:.2f} s when",
-            f"comes back to {100.0 * greatest:.0f} % of its first value",
-            f"The total energy is {lost:.1f} % lower at the end, and {pressed:.1f} % while the discs are pressed",
-            f"On the coarse grid the energy falls by {lost_coarse:.1f} % instead of {lost:.1f} %"]
+    return {"felt": f"{felt(usual):.1f}", "rest": f"{moment:.2f}", "rebound": f"{100.0 * greatest:.0f}",
+            "lost": f"{lost:.1f}", "pressed": f"{pressed:.1f}", "lost_coarse": f"{lost_coarse:.1f}"}
 
 
 def draw(runs, plot):
@@ -126,5 +124,5 @@ CASES.update({name: ("scene.nml", {"grid.dx": size, **OFTEN}) for name, size in 
 
 if __name__ == "__main__":
     Study(__file__, CASES, tables, {"picture.png": draw},
-          phrases={"../../doc/learn/first_deck.md": first_steps},
+          numbers={"../../doc/learn/first_deck.md": first_steps},
           may_fail={"mpm_usl": 4}, as_it_stands="ddmp_usl").main()

@@ -2,7 +2,7 @@
 """Figures in the READMEs of scenes are those that the program finds, and the gallery shows them.
 
 Would catch a change of the method that leaves old figures in a README, a scene without figures or that no longer
-runs, a comparison that takes anything for equal, a phrase that is renewed in the wrong place or not at all, a failed
+runs, a comparison that takes anything for equal, a number that is renewed in the wrong place or not at all, a failed
 run that goes unnoticed, and a gallery that was not renewed. Tier full: the scenes of seconds; tier long: all that
 measure themselves, which takes about half an hour.
 """
@@ -60,23 +60,23 @@ def refused(action, *words):
     return False
 
 
-def test_phrases(sheet):
-    """Which numbers of a text are renewed."""
-    told = "In 2 runs the front\nis 0.9 of 1.1 at 5e-3 s; then it is 3 m off."
-    now = scree_scene.with_phrase("README.md", told, "the front is 0.85 of 1.2 at 4e-3 s")
-    sheet.require(now == "In 2 runs the front\nis 0.85 of 1.2 at 4e-3 s; then it is 3 m off.", f"phrase: {now!r}")
-    for words, phrase in (("that is not there", "the front was 0.85"), ("that stands there twice", "is 0.9")):
-        sheet.require(refused(scree_scene.with_phrase, "README.md", told, phrase), f"phrase {words} is refused")
+def test_numbers(sheet):
+    """Which numbers of a text are renewed, and marks without a value or values without a mark."""
+    told = "In 2 runs the front\nis <!--=front-->0.9<!--=--> of 1.1 m; <!--=seconds-->3<!--=--> s."
+    now = scree_scene.with_numbers("README.md", told, {"front": "0.85", "seconds": None})
+    sheet.require(now == told.replace("0.9", "0.85"), f"numbers: {now!r}")
+    for values in ({"front": "0.85"}, {"front": "0.85", "back": "1", "seconds": None}):
+        sheet.require(refused(scree_scene.with_numbers, "README.md", told, values), f"{values} are refused")
 
 
 def test_documents(options, sheet):
-    """Old numbers in a table or a phrase make --check fail, and new ones are what --write would leave."""
+    """Old numbers in a table or a sentence make --check fail, and new ones are what --write would leave."""
     folder = options.work
-    told = "# A scene\n\nIt takes 30 steps.\n\n<!-- figures -->\n\n| a |\n| --- |\n| 1.5 |\n\n<!-- end of figures -->\n"
+    told = "# A scene\n\nIt takes <!--=steps-->30<!--=--> steps.\n\n<!-- figures -->\n\n| a |\n| --- |\n| 1.5 |\n\n<!-- end of figures -->\n"
     (folder / "README.md").write_text(told, encoding="utf-8")
     for steps, value, wrong in ((30, 1.5, 0), (31, 1.5, 1), (30, 2.5, 1)):
         scene = scree_scene.Study(folder / "measure.py", {}, None, {},
-                                  phrases={"README.md": lambda _, steps=steps: [f"It takes {steps} steps."]})
+                                  numbers={"README.md": lambda _, steps=steps: {"steps": str(steps)}})
         texts = scene.documents({}, scree_scene.Table(["a"], [[value]]).text())
         _, now = texts[(folder / "README.md").resolve()]
         sheet.require(scene.check(texts) == wrong and now == told.replace("30", str(steps)).replace("1.5", str(value)),
