@@ -193,7 +193,8 @@ def with_numbers(path, text, values):
     Each name has a mark and each mark a name; a document may leave out marks of times.
     """
     marked = {name for name, _ in MARKED.findall(text)}
-    for kind, names in (("no mark", set(values) - marked - set(TIMES)), ("a mark without a value", marked - set(values))):
+    unmarked, unknown = set(values) - marked - set(TIMES), marked - set(values)
+    for kind, names in (("no mark", unmarked), ("a mark without a value", unknown)):
         if names:
             raise PostError(f"{path}: {kind} for the number '{min(names)}'; marks are <!--=NAME-->...<!--=-->")
 
