@@ -46,9 +46,9 @@ NAMED = re.compile(r"step (\d+), time +(\S+) s, .*particle (\d+) of body '(left|
 
 
 def message(run):
-    """Lines of the error, without what mpiexec adds."""
+    """Lines of the error, without what mpiexec adds and the hint at scree --explain."""
     lines = run.output.split("-----")[0].splitlines()
-    return [line for line in lines if line.strip()]
+    return [line for line in lines if line.strip() and "scree --explain" not in line]
 
 
 def shown(kind, particle):
