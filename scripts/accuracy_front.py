@@ -180,7 +180,7 @@ def draw(rows, problem, path):
     axes.grid(True, which="major", color="#e6e6e6", lw=0.6)
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=9)
     figure.tight_layout()
-    scree_post.save(figure, str(path), 90)
+    scree_post.save(figure, str(path), 225)
     plot.close(figure)
 
 

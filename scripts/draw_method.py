@@ -116,7 +116,7 @@ def main():
     folder = parser.parse_args().out
     folder.mkdir(parents=True, exist_ok=True)
     for name, draw in (("step", draw_step), ("gradient", draw_gradient)):
-        draw().savefig(folder / f"{name}.png", dpi=110, metadata={"Software": None})
+        draw().savefig(folder / f"{name}.png", dpi=1800.0 / 11.0, metadata={"Software": None})
 
 
 if __name__ == "__main__":

@@ -7,9 +7,8 @@
     line.order(16, 64)                 # end to end; line.fit(16, 64) by least squares
 
 The error is the root mean square of the displacement error of all particles at a time, its greatest
-value in the run, over the greatest displacement of the solution. Tests judge these numbers, the
-script draw_manufactured.py of test/verify draws them. A run that fails is a failed test; with `may_fail` its error is
-infinite.
+value in the run, over the greatest displacement of the solution. A run that fails is a failed test; with `may_fail` its
+error is infinite.
 
 `dispersion` is the closed error of schemes of second order. A wave exp(i k x) of particles is seen by nodes through
 the functions, whose transform is sinc(k h/2)**(p + 1) for splines of degree p; once when nodes take velocities, once

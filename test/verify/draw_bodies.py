@@ -32,7 +32,7 @@ def save(figure, name):
         if axes.get_xscale() == "log":
             axes.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     figure.tight_layout()
-    figure.savefig(FOLDER / f"bodies_{name}.png")
+    figure.savefig(FOLDER / f"bodies_{name}.png", dpi=1800.0 / figure.get_figwidth())
     pyplot.close(figure)
     print(f"bodies_{name}.png {(FOLDER / f'bodies_{name}.png').stat().st_size // 1000} kB", flush=True)
 

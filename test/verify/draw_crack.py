@@ -36,7 +36,7 @@ def main():
         axes.legend()
     both[0].set_ylabel("load per area [MPa]")
     figure.tight_layout()
-    figure.savefig(FOLDER / "crack_load.png", dpi=110)
+    figure.savefig(FOLDER / "crack_load.png", dpi=1800.0 / figure.get_figwidth())
 
 
 if __name__ == "__main__":

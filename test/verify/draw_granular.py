@@ -28,7 +28,7 @@ def save(figure, name):
     """Write one figure."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     figure.tight_layout()
-    figure.savefig(FOLDER / f"{name}.png")
+    figure.savefig(FOLDER / f"{name}.png", dpi=1800.0 / figure.get_figwidth())
     pyplot.close(figure)
     print(f"{name}.png {(FOLDER / f'{name}.png').stat().st_size // 1000} kB", flush=True)
 

@@ -32,7 +32,7 @@ def save(figure, name):
     FOLDER.mkdir(parents=True, exist_ok=True)
     figure.tight_layout()
     path = FOLDER / f"metals_{name}.png"
-    figure.savefig(path)
+    figure.savefig(path, dpi=1800.0 / figure.get_figwidth())
     pyplot.close(figure)
     print(f"{path.name} {path.stat().st_size // 1000} kB", flush=True)
 
