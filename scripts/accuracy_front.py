@@ -172,7 +172,7 @@ def draw(rows, problem, path):
     axes.set(xscale="log", yscale="log", xlabel="core-seconds in the steps", ylabel="error",
              title=problem.title)
     axes.set_ylim(0.6 * min(row["error"] for row in fine), 1.6 * max(row["error"] for row in fine))
-    axes.set_xlim(0.3 * min(row["core_seconds"] for row in fine),      # room for names on the left
+    axes.set_xlim(0.2 * min(row["core_seconds"] for row in fine),      # room for names on the left
                   1.5 * max(row["core_seconds"] for row in fine))
     guide(axes, problem.dimensions)
     label(axes, best)

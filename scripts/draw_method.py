@@ -99,7 +99,8 @@ def draw_gradient():
     panels[1].plot(x, jumps, color=MPM, lw=2.0, label="MPM: jumps at cell faces")
     panels[1].plot(x, dual_gradient(x), color=DDMP, lw=2.0, label="DDMP: continuous")
     panels[1].set_title("its gradient, by which stress acts on the node", fontsize=9)
-    panels[1].legend(fontsize=8, loc="upper right")
+    panels[1].set_ylim(-1.1, 1.6)
+    panels[1].legend(fontsize=8, loc="upper right", frameon=False)
     panels[2].plot(x, alpha(x), color=DDMP)
     panels[2].set_title("weight alpha of the gradient at the particle", fontsize=9)
     for panel in panels:
