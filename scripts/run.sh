@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Usage: scripts/run.sh [DECK.nml] [options of scree]
 #
-# Installs missing packages, builds the program, runs a deck and makes its pictures. Without a deck it
-# runs the debris cloud, input/debris_cloud/scene.nml. Results are written to out/CASE/, where CASE is
-# the `case` of the deck or, if that is not set, the name of the deck file (of its folder if the file
-# is named scene.nml).
+# Installs missing packages, builds the program, runs a deck and makes its pictures. The default
+# deck is the debris cloud, input/debris_cloud/scene.nml. Results are written to out/CASE/, where
+# CASE is the `case` of the deck or, if that is not set, the name of the deck file (of its folder if
+# the file is named scene.nml).
 #
 #   --no-setup    do not check for or install missing packages
 #   --help        print this text (scree --help: options of the program)

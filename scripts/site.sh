@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Usage: scripts/site.sh [--release FOLDER]
 #
-# Builds the manual as a website in build/site; open build/site/index.html. The site needs no network
-# connection: pages, pictures, formulas and the search index are read from disk. A broken link stops
-# the build.
+# Builds the manual as a website in build/site; open build/site/index.html. The site needs no
+# network connection: pages, pictures, formulas and the search index are read from disk. A broken
+# link stops the build.
 #
 #   --release FOLDER   build into FOLDER/VERSION instead, add the version to FOLDER/versions.json
 #                      (a web server that serves FOLDER then shows a menu of all versions), and pack
