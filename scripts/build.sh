@@ -3,9 +3,9 @@
 # Usage: scripts/build.sh [--no-tests] [Release|Debug|Sanitize] [CMake options]
 #
 # Builds the program and the tests; installs nothing. Release (the default) is built in build/,
-# Debug in build/debug and Sanitize in build/sanitize; the program is bin/scree in that folder. Further
-# arguments are passed to CMake, for example -DSCREE_ARCH=x86-64-v3 for a program that runs on
-# another machine.
+# Debug in build/debug and Sanitize in build/sanitize; the program is bin/scree in that folder.
+# Further arguments are passed to CMake, for example -DSCREE_ARCH=x86-64-v3 for a program that runs
+# on another machine.
 #
 #   --no-tests    build only the program, in a third of the time; a later call adds the tests
 #   --help        print this text
