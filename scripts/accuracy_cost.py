@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What accuracy costs in time: problems with known solutions by all methods, error against cost.
+"""Measure error and cost of all methods on problems with known solutions.
 
-    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy          # all, then draw
+    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy          # all runs and pictures
     build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy --only waves
-    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy --draw   # draw alone
-    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy --quick  # check itself
+    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy --draw   # pictures only
+    build/venv/bin/python scripts/accuracy_cost.py --work /tmp/accuracy --quick  # small study with checks
 
-The plan stands in accuracy_problems.py. Runs are made one after the other. A row is written into
-doc/accuracy/accuracy.csv (--csv) as soon as its run has ended and is not made again, so the study
-goes on after an interruption. Cost is the least core-seconds of the steps of some runs: outputs,
-ledger and start are not counted. Pictures and the tables of the page are written beside the file.
+The list of runs is in accuracy_problems.py. Runs are made one after the other. A row is written to
+doc/accuracy/accuracy.csv (--csv) when its run has ended, and existing rows are not computed again, so
+an interrupted study can be continued. Cost is the smallest processor time of the steps of several runs
+[core-seconds], without outputs, ledger and start. Pictures and tables are written beside the CSV file.
 """
 import argparse
 import csv
@@ -258,8 +258,8 @@ def main():
     parser.add_argument("--work", type=Path, required=True, help="folder for the runs")
     parser.add_argument("--csv", type=Path, default=ROOT / "doc/accuracy/accuracy.csv")
     parser.add_argument("--only", nargs="+", choices=list(PROBLEMS), help="problems")
-    parser.add_argument("--draw", action="store_true", help="make no runs")
-    parser.add_argument("--quick", action="store_true", help="a small study that checks itself")
+    parser.add_argument("--draw", action="store_true", help="draw existing results without runs")
+    parser.add_argument("--quick", action="store_true", help="run a small study with checks")
     parser.add_argument("--reference", action="store_true", help="run the finest Taylor bars")
     options = parser.parse_args()
     options.scree, options.work = options.scree.resolve(), options.work.resolve()

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Judges runs by their errors and costs: the best ones, what an error costs, and the picture.
+"""Evaluate runs by error and cost: Pareto front, cost of a given error, and the picture.
 
 A row is a dict of numbers and words as accuracy_cost.py writes them; a row with a cause has failed.
-Cost is core-seconds of the steps as they were measured, or a model of it that does not depend on
-what else the machine did.
+Cost is the measured processor time of the steps [core-seconds], or a model of it that does not depend
+on the load of the machine.
 """
 import math
 

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Problems with known solutions, the ways to compute them, and which of both are run.
+"""Problems with known solutions, the methods to compute them, and the list of runs.
 
     problem = accuracy_problems.PROBLEMS["waves"]
     deck = problem.deck(way, setting)             # the text of a deck
-    error = problem.error(run, setting)           # of a case.Case that has run, over the solution
+    error = problem.error(run, setting)           # relative error of a finished case.Case
 
-All decks but that of the Taylor bar are those of the tests in test/support. An error is a share of
-the solution, and what it is the error of was fixed before anything was timed. The script
-accuracy_cost.py runs the plan, accuracy_front.py judges and draws it.
+All decks but that of the Taylor bar are those of the tests in test/support. Errors are relative to
+the solution; the quantity of each problem was chosen before any time was measured. The script
+accuracy_cost.py makes the runs, accuracy_front.py evaluates and draws them.
 """
 import sys
 from dataclasses import dataclass

@@ -2,14 +2,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Usage: scripts/build.sh [--no-tests] [Release|Debug|Sanitize] [CMake options]
 #
-# Builds only; installs nothing. Release (the default) is built in build/, Debug in build/debug and
-# Sanitize in build/sanitize; the program is bin/scree in there. Further arguments go to CMake, for
-# example -DSCREE_ARCH=x86-64-v3 for a program that is to run on another machine.
+# Builds the program and the tests; installs nothing. Release (the default) is built in build/,
+# Debug in build/debug and Sanitize in build/sanitize; the program is bin/scree in that folder.
+# Further arguments are passed to CMake, for example -DSCREE_ARCH=x86-64-v3 for a program that runs
+# on another machine.
 #
-#   --no-tests    build the program alone, in a third of the time; a later call adds the tests
-#   --help        this text
+#   --no-tests    build only the program, in a third of the time; a later call adds the tests
+#   --help        print this text
 #
-# Environment: FC (compiler), JOBS (compilations at a time; default: all cores).
+# Environment: FC (compiler), JOBS (number of parallel compilations; default: all cores).
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"

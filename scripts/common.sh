@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # shellcheck shell=bash disable=SC2034
-# Shared by the scripts in this folder; not to be run.
+# Functions shared by the scripts in this folder; do not run this file.
 
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)"
 scripts="${root}/scripts"

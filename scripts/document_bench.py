@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The man page of scree-bench and its completion for bash and zsh, from the options of scripts/scree_bench.
+"""Generate the man page of scree-bench and its completion for bash and zsh from the options of scripts/scree_bench.
 
-scripts/document_commands.py writes the files together with those of scree.
+scripts/document_commands.py writes these files together with those of scree.
 """
 import argparse
 import re

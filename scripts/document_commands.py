@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write the man pages of scree and scree-bench and their completion for bash and zsh from what the help says.
+"""Write the man pages of scree and scree-bench and their completion for bash and zsh from the output of --help.
 
     python3 scripts/document_commands.py build/bin/scree             write the files
     python3 scripts/document_commands.py build/bin/scree --check     exit code 1 if they are out of date
 
 The files are doc/man/scree.1, scripts/completion/scree.bash and scripts/completion/_scree, and those of scree-bench
-(scripts/document_bench.py); `cmake --install` puts them where man, bash and zsh look. doc/reference/command_line.md
-is a page of the manual. Only the standard library is needed.
+(scripts/document_bench.py), which `cmake --install` copies to the folders of man, bash and zsh, and
+doc/reference/command_line.md, a page of the manual. Only the standard library is needed.
 """
 import argparse
 import re
@@ -214,8 +214,8 @@ def page(program):
 def main():
     """Write or compare."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scree", type=Path, help="the program")
-    parser.add_argument("--check", action="store_true", help="compare only")
+    parser.add_argument("scree", type=Path, help="path of the program")
+    parser.add_argument("--check", action="store_true", help="compare the files without writing")
     chosen = parser.parse_args()
     program = str(chosen.scree.resolve())
     stale = []

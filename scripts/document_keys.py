@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write doc/reference/keys.md, the table of all groups and keys of a deck, from what scree says.
+"""Write doc/reference/keys.md, the table of all groups and keys of a deck, from the output of scree.
 
     python3 scripts/document_keys.py build/bin/scree             write the file
     python3 scripts/document_keys.py build/bin/scree --check     exit code 1 if it is out of date
@@ -95,8 +95,8 @@ def document(program):
 def main():
     """Write the file, or compare it."""
     parser = argparse.ArgumentParser(prog="document_keys.py", description=__doc__.split("\n\n")[0])
-    parser.add_argument("program", metavar="SCREE", help="the program")
-    parser.add_argument("--check", action="store_true", help="only compare")
+    parser.add_argument("program", metavar="SCREE", help="path of the program")
+    parser.add_argument("--check", action="store_true", help="compare the file without writing")
     arguments = parser.parse_args()
     text = document(arguments.program)
     if not arguments.check:

@@ -4,14 +4,14 @@
     python3 scripts/document_messages.py --scree build/bin/scree             write both
     python3 scripts/document_messages.py --scree build/bin/scree --check     exit code 1 if out of date
 
-src/program/messages/*.txt hold the code, the words, cause and remedy of each message. The build puts them into the
-program, which prints the code behind a message that has these words. An example of each message is made here: the
-program is run on a wrong deck, and the message must come with its code. The deck is that of a row of the tables of
-test/input (broken_*.py) with this message, unless scripts/messages holds another one (examples.py: decks;
-situations.py: commands, files and runs). Examples are written to src/program/messages/examples.txt, which the build
-puts into the program too, and to the page.
+The files src/program/messages/*.txt contain the code, text, cause and remedy of each message. The build includes them
+in the program, which prints the code after a message with this text. This script generates an example of each
+message: it runs the program on a wrong deck and checks that the message is printed with its code. The deck is that of
+a row of the tables of test/input (broken_*.py) with this message, unless scripts/messages contains another one
+(examples.py: decks; situations.py: commands, files and runs). Examples are written to the page and to
+src/program/messages/examples.txt, which the build also includes in the program.
 
-A new message: add a record with the next free code of its section, build, run this script, look at the page, build
+For a new message add a record with the next free code of its section, build, run this script, check the page, and build
 again. A code is never used for another message. Only the standard library is needed.
 """
 import argparse
@@ -453,8 +453,9 @@ def out_of_date(texts):
 def main():
     """Write the files, or compare them."""
     parser = argparse.ArgumentParser(prog="document_messages.py", description=__doc__.split("\n\n")[0])
-    parser.add_argument("--scree", metavar="PROGRAM", default=ROOT / "build/bin/scree", help="the program")
-    parser.add_argument("--check", action="store_true", help="only compare")
+    parser.add_argument("--scree", metavar="PROGRAM", default=ROOT / "build/bin/scree",
+                        help="path of the program")
+    parser.add_argument("--check", action="store_true", help="compare the files without writing")
     arguments = parser.parse_args()
     if not Path(arguments.scree).is_file():
         parser.error(f"there is no program {arguments.scree}")

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draw the folders of src/ and which uses which, from the `use` lines of the sources.
+"""Draw the folders of src/ and their dependencies, from the `use` lines of the sources.
 
     python3 scripts/document_rooms.py             write doc/developer/rooms.svg
     python3 scripts/document_rooms.py --check     exit code 1 if the drawing is out of date
 
-An arrow A -> B means that A uses modules of B. Arrows that follow from others (A -> B -> C implies A -> C) are left
-out.
+An arrow A -> B means that A uses modules of B. Arrows that follow from others (A -> B -> C implies A -> C) are omitted.
 Only the standard library is needed.
 """
 import argparse
@@ -101,7 +100,8 @@ def drawing(used):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--check", action="store_true", help="compare only; exit code 1 if the drawing differs")
+    parser.add_argument("--check", action="store_true",
+                        help="compare without writing; exit code 1 if the drawing differs")
     options = parser.parse_args()
     text = drawing(uses())
     if not options.check:

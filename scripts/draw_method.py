@@ -113,7 +113,7 @@ def draw_gradient():
 def main():
     """Write the pictures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=ROOT / "doc/learn/figures", help="folder of the pictures")
+    parser.add_argument("--out", type=Path, default=ROOT / "doc/learn/figures", help="folder for the pictures")
     folder = parser.parse_args().out
     folder.mkdir(parents=True, exist_ok=True)
     for name, draw in (("step", draw_step), ("gradient", draw_gradient)):

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gallery: every scene with its pictures and first table of figures on one page.
+"""Generate the gallery: one page with the pictures and the first table of every scene.
 
-    build/venv/bin/python scripts/gallery.py --scree build/bin/scree    # runs the scenes, renews all
-    build/venv/bin/python scripts/gallery.py --page                     # the page alone
+    build/venv/bin/python scripts/gallery.py --scree build/bin/scree    # run the scenes, update all
+    build/venv/bin/python scripts/gallery.py --page                     # update only the page
 
-Scenes that measure themselves (input/SCENE/measure.py) are run first, unless their results are there already; their
-tables and pictures go into their folders. Then doc/gallery.md is put together from the READMEs.
+Scenes with a script input/SCENE/measure.py are run first, unless their results already exist; their
+tables and pictures are written to their folders. Then doc/gallery.md is assembled from the READMEs.
 """
 import argparse
 import os
@@ -36,11 +36,11 @@ which runs what has not been run yet. One core works {minutes} minutes on the st
 def arguments():
     """The options."""
     parser = argparse.ArgumentParser(description="Run the scenes and make doc/gallery.md.")
-    parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree", help="the program")
-    parser.add_argument("--out", type=Path, default=Path("out/scenes"), help="folder of the results")
-    parser.add_argument("--only", nargs="+", metavar="SCENE", help="run these scenes and no others")
-    parser.add_argument("--pictures", action="store_true", help="renew the pictures alone, no numbers")
-    parser.add_argument("--page", action="store_true", help="run nothing, make the page alone")
+    parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree", help="path of the program")
+    parser.add_argument("--out", type=Path, default=Path("out/scenes"), help="folder for the results")
+    parser.add_argument("--only", nargs="+", metavar="SCENE", help="run only these scenes")
+    parser.add_argument("--pictures", action="store_true", help="update only the pictures, not the numbers")
+    parser.add_argument("--page", action="store_true", help="update only the page, without runs")
     return parser.parse_args()
 
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Number the equations of doc/theory anew, in the order of their pages, and take all citations along.
+"""Renumber the equations of doc/theory in the order of their pages, and update all citations.
 
     python3 scripts/number_equations.py            in the folder of the project, or with --root FOLDER
 
-A new equation between (Y.5) and (Y.6) gets the number \\tag{Y.5a} and is cited as (Y.5a); this makes them
-(Y.6) and (Y.7), in documents and in the comments of the sources. Exit code 1, and nothing is written, if a
-citation leads nowhere, as after an equation was taken out.
+Give a new equation between (Y.5) and (Y.6) the number \\tag{Y.5a} and cite it as (Y.5a). The script renumbers
+it to (Y.6) and the following one to (Y.7), in documents and in the comments of the sources. If a citation has no
+equation, for example after an equation was deleted, the exit code is 1 and no file is changed.
 
 Only the standard library is needed.
 """

@@ -2,17 +2,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Usage: scripts/run.sh [DECK.nml] [options of scree]
 #
-# Installs what is missing, builds, runs a deck and makes its pictures. Without a deck it runs the
-# debris cloud, input/debris_cloud/scene.nml. Results go to out/CASE/, where CASE is the `case` of
-# the deck or, without one, the name of the deck (of its folder if it is named scene.nml).
+# Installs missing packages, builds the program, runs a deck and makes its pictures. The default
+# deck is the debris cloud, input/debris_cloud/scene.nml. Results are written to out/CASE/, where
+# CASE is the `case` of the deck or, if that is not set, the name of the deck file (of its folder if
+# the file is named scene.nml).
 #
-#   --no-setup    neither look for nor install missing packages
-#   --help        this text (scree --help: that of the program)
+#   --no-setup    do not check for or install missing packages
+#   --help        print this text (scree --help: options of the program)
 #
-# Environment: RANKS (MPI ranks, default 1), OMP_NUM_THREADS (threads a rank, default: the cores
-# divided by the ranks, or fewer where the scene keeps fewer busy). Options after the deck go to the
-# program: scripts/run.sh deck.nml --check. Results of an earlier run stay unless the options say
-# --restart or --overwrite.
+# Environment: RANKS (MPI ranks, default 1), OMP_NUM_THREADS (threads per rank, default: the cores
+# divided by the ranks, or fewer if the scene cannot use them). Options after the deck are passed to
+# the program: scripts/run.sh deck.nml --check. Results of an earlier run are kept unless --restart
+# or --overwrite is given.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"

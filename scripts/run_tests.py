@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Choose the tests of a tier, run them with CTest and say at the end what passed, failed and was skipped.
+"""Select the tests of a tier, run them with CTest and list passed, failed and skipped tests at the end.
 
-Called by scripts/test.sh, which builds first and documents the options. Needs Python's standard library only.
+Called by scripts/test.sh, which builds first and documents the options. Only the standard library is needed.
 
-Every test is in one or more tiers, by its labels: smoke (a few minutes, every part of the program), full (all that is
-verified by default) and long (studies of many minutes). Lines of a test's output that begin with KNOWN (a known miss:
-a target that is not met yet) or SKIPPED (a part that cannot run here) are gathered into tables.
+Every test is in one or more tiers, according to its labels: smoke (a few minutes, every part of the program), full (all
+default tests) and long (studies of many minutes). Lines of a test's output that begin with KNOWN (a known miss: a
+target that is not met yet) or SKIPPED (a part that cannot run on this machine) are collected into tables.
 """
 
 import argparse

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures how a run gets faster with ranks and threads, and compares what ranks send with a model.
+"""Measure the speedup with ranks and threads, and compare the communication volume with a model.
 
     build/venv/bin/python scripts/scaling.py --work /tmp/scaling --cells 48 --steps 30
 
-A block of elastic material is run on layouts "ranks x threads". Strong: the same block on all of
-them. Weak: as many times longer as there are ranks times threads. All layouts are run in turn, the
-whole several times, and the medians of ratios are told, as the load of a machine comes and goes.
-Written: scaling.csv, scaling.md (a table) and scaling.png in the work folder.
+A block of elastic material is run on layouts "ranks x threads". Strong scaling: the same block for all
+layouts. Weak scaling: the length of the block is proportional to ranks times threads. All layouts are
+run alternately, several times, and the medians of ratios are reported, because the load of a machine
+varies. Output: scaling.csv, scaling.md (a table) and scaling.png in the work folder.
 """
 import argparse
 import csv
@@ -160,11 +160,11 @@ def main():
     parser.add_argument("--cells", type=int, default=48, help="cells along an edge of the block")
     parser.add_argument("--steps", type=int, default=30)
     parser.add_argument("--repeat", type=int, default=3)
-    parser.add_argument("--layouts", default=LAYOUTS, help="ranks x threads, the base first")
+    parser.add_argument("--layouts", default=LAYOUTS, help="ranks x threads, the reference layout first")
     parser.add_argument("--methods", default="ddmp,mpm")
     parser.add_argument("--kinds", default="strong,weak")
     parser.add_argument("--method-words", default="", help="keys of &method, such as \"flip=1.0\"")
-    parser.add_argument("-v", "--verbose", action="store_true", help="tell each run")
+    parser.add_argument("-v", "--verbose", action="store_true", help="report each run")
     options = parser.parse_args()
     options.scree, options.work = options.scree.resolve(), options.work.resolve()
     layouts = [tuple(map(int, word.split("x"))) for word in options.layouts.split(",")]

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes that measure themselves: runs, tables and numbers in the README of the scene, and pictures.
+"""Runs and measurements of a scene: tables and numbers in the README of the scene, and pictures.
 
-A scene has a file `measure.py` that makes a `Study` of its runs. Called by a user it runs what has not been run yet,
-prints the tables, and draws the pictures. With --write the tables go into the README, between the lines
+The file `measure.py` of a scene defines a `Study` of its runs. When called, it makes the runs that have no results yet,
+prints the tables, and draws the pictures. With --write the tables are written to the README, between the lines
 
     <!-- figures -->
     <!-- end of figures -->
 
-and the pictures beside it. A number of the runs anywhere else, in the README or another document, has marks around it
-that readers do not see: <!--=hole-->17.5<!--=--> mm. With --write it gets the value of that name; with --check tables
-and numbers are compared with the runs. The words around a number are free.
+and the pictures to the same folder. Any other number from the runs, in the README or another document, is between
+invisible marks: <!--=hole-->17.5<!--=--> mm. --write replaces it by the value of that name; --check compares tables
+and numbers with the runs. The text around a number can be changed freely.
 """
 import argparse
 import re
@@ -109,17 +109,17 @@ class Study:
     def arguments(self):
         """The options."""
         parser = argparse.ArgumentParser(
-            description=f"Run what input/{self.folder.name} holds and measure it.")
-        parser.add_argument("--scree", metavar="PROGRAM", help="the program (build/bin/scree)")
+            description=f"Run the decks of input/{self.folder.name} and measure the results.")
+        parser.add_argument("--scree", metavar="PROGRAM", help="path of the program (build/bin/scree)")
         parser.add_argument("--out", type=Path, default=Path("out") / self.folder.name,
-                            help="folder of the results")
-        parser.add_argument("--only", nargs="+", metavar="CASE", help="these cases and no others")
+                            help="folder for the results")
+        parser.add_argument("--only", nargs="+", metavar="CASE", help="run only these cases")
         parser.add_argument("--write", action="store_true",
-                            help="renew the figures of the scene and its pictures")
+                            help="update the tables, numbers and pictures of the scene")
         parser.add_argument("--pictures", action="store_true",
-                            help="renew the pictures of the scene alone; with --only those that the cases allow")
+                            help="update only the pictures of the scene; with --only those that need no other cases")
         parser.add_argument("--check", action="store_true",
-                            help="hold the figures of the scene against the runs; exit code 1 if they differ")
+                            help="compare tables and numbers with the runs; exit code 1 if they differ")
         options = parser.parse_args()
         if options.only and (options.write or options.check):
             raise PostError("--only leaves out runs that --write and --check need", scree_post.EXIT_USAGE)

@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Usage: scripts/setup.sh [--no-python]
 #
-# Installs what is missing to build and run Scree on Debian 12, Ubuntu and their like: compiler,
-# CMake, Open MPI and parallel HDF5 from the system's packages (as root or with sudo), and a Python
-# environment for tests and pictures in build/venv, with the package scree and the command
-# scree-post in build/venv/bin. If nothing is missing, nothing is downloaded.
+# Installs the packages that are missing to build and run Scree on Debian 12, Ubuntu and similar
+# systems: compiler, CMake, Open MPI and parallel HDF5 from the system's packages (as root or with
+# sudo), and a Python environment for tests and pictures in build/venv, with the package scree and
+# the command scree-post in build/venv/bin. If no package is missing, nothing is downloaded.
 #
-#   --no-python   leave out the Python environment
-#   --help        this text
+#   --no-python   do not create the Python environment
+#   --help        print this text
 #
-# Exit codes: 0 all is there, 2 wrong option, 3 something is missing and could not be installed.
+# Exit codes: 0 all packages are installed, 2 wrong option, 3 a package could not be installed.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"

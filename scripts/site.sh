@@ -2,16 +2,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Usage: scripts/site.sh [--release FOLDER]
 #
-# Builds the manual as a site in build/site; open build/site/index.html. Pages, pictures, formulas
-# and the search are read from disk: nothing is fetched when the site is viewed. A link that leads
-# nowhere stops the build.
+# Builds the manual as a website in build/site; open build/site/index.html. The site needs no
+# network connection: pages, pictures, formulas and the search index are read from disk. A broken
+# link stops the build.
 #
-#   --release FOLDER   build into FOLDER/VERSION instead, list the version in FOLDER/versions.json,
-#                      from which pages offer all versions when a web server serves FOLDER, and pack
-#                      the site into FOLDER/scree-manual-VERSION.tar.gz, to attach to the release
-#   --help             this text
+#   --release FOLDER   build into FOLDER/VERSION instead, add the version to FOLDER/versions.json
+#                      (a web server that serves FOLDER then shows a menu of all versions), and pack
+#                      the site into FOLDER/scree-manual-VERSION.tar.gz for the release
+#   --help             print this text
 #
-# Environment: SCREE_REPOSITORY, the address of a public repository to which links to sources lead;
+# Environment: SCREE_REPOSITORY, the address of a public repository, the target of links to sources;
 # without it linked sources are part of the site.
 #
 # Exit codes: 0 built, 1 a page or a link is wrong, 2 wrong option, 3 MkDocs is missing.

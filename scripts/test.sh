@@ -2,24 +2,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Usage: scripts/test.sh [--full | --long] [options] [options of ctest]
 #
-# Installs what is missing, builds, and runs the tests of one tier:
+# Installs missing packages, builds the program, and runs the tests of one tier:
 #
 #   scripts/test.sh                smoke: every part of the program, at most 4 minutes on 2 cores
-#   scripts/test.sh --full         all that is verified by default
+#   scripts/test.sh --full         all default tests
 #   scripts/test.sh --long         studies that take many minutes each
 #   scripts/test.sh -R deck        tests of --full with deck in their names
 #   scripts/test.sh -L unit       unit, verify, invariance, input, hard, random, gate or bench
 #
-#   --long-share [K]  besides, a third of the long tests: K = 0, 1, 2, or by the day; those whose
-#                     length is not recorded are begun last, and what does not end in time is named
-#   --minutes N       time for all tests with --long-share (default 70)
+#   --long-share [K]  also run a third of the long tests: K = 0, 1, 2 (default: changes every day);
+#                     tests without a recorded duration start last, and tests that do not finish in
+#                     time are listed
+#   --minutes N       time limit for all tests with --long-share (default 70)
 #   --debug           build and test the Debug build, with bounds and floating point checks
-#   --no-setup        neither look for nor install missing packages
-#   --record          write how long the tests took into test/costs.csv
-#   --jobs N          cores to use (default: all, or TEST_JOBS of the environment)
-#   --help            this text (ctest --help: all options)
+#   --no-setup        do not check for or install missing packages
+#   --record          write the duration of the tests to test/costs.csv
+#   --jobs N          number of cores (default: all, or TEST_JOBS of the environment)
+#   --help            print this text (ctest --help: all options)
 #
-# The last lines list known misses, skipped parts and failures, and how long the next tier takes.
+# The last lines list known misses, skipped parts and failures, and the duration of the next tier.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
