@@ -314,7 +314,7 @@ contains
                trust%least_energy), trim(text)//"; check its equation of state, or take such "// &
                "particles out with &time on_bad = 'retire'")
          else
-            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%cold, &
+            write (text, "(a,es10.3,a,es9.2,a)") "its internal energy ", look%cold, &
                " J/kg is below the least at the start by", -trust%worst(trust_heat), &
                " times what was put in"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &

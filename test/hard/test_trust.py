@@ -44,7 +44,7 @@ JET = """
 &output  name='p'  kind='particles'  count=1  precision='double'  fields='identity','velocity','energy','mass' /
 """
 NAMED = re.compile(r"step (\d+), .*particle (\d+) of body")
-SIGNS = {"speed": "times what start, walls", "heat": "times what was put in",
+SIGNS = {"speed": "times the speed that initial state", "heat": "times what was put in",
          "total": "more than the energy of the whole run"}
 
 
@@ -80,7 +80,7 @@ def test_gas(options, sheet):
         trust = run.summary["trust"]
         sheet.below(f"{packing}: error of energy", abs(run.summary["ledger"]["energy_error"]), 1.0e-12)
         sheet.require(trust["volume"]["verdict"] == "bad" and trust["verdict"] == "bad", f"{packing}: bad: {trust}")
-        said = warnings(run, "more volume than there is")
+        said = warnings(run, "more volume than the cells that they fill")
         sheet.require(len(said) == 1, f"{packing}: one warning: {said}")
         # the column has every 25th step, the run looks at some of these and at the last one
         column = run.history["overlap"]
@@ -89,14 +89,14 @@ def test_gas(options, sheet):
         for ranks, threads in tier.choose(((1, 2), (3, 1)), smoke=((2, 1),)):
             other = case.Case(options, f"{packing}_{ranks}_{threads}", deck, ranks, threads).run("-q")
             sheet.require(other.summary["trust"] == trust, f"{packing}, {ranks} x {threads}: the same values")
-            sheet.require(warnings(other, "more volume than there is") == said,
+            sheet.require(warnings(other, "more volume than the cells that they fill") == said,
                           f"{packing}, {ranks} x {threads}: the same words")
     again = case.Case(options, "again", deck)
     again.run("-q", "-s", "time.max_steps=310")
-    sheet.require(len(warnings(again, "more volume than there is")) == 1, "again: one warning before the restart")
+    sheet.require(len(warnings(again, "more volume than the cells that they fill")) == 1, "again: one warning before the restart")
     again.run("-q", "--restart")
     sheet.require(again.summary["trust"] == trust, f"again: the same values: {again.summary['trust']}, {trust}")
-    sheet.require(not warnings(again, "more volume than there is"), "again: none after it")
+    sheet.require(not warnings(again, "more volume than the cells that they fill"), "again: none after it")
 
 
 def test_impossible(options, sheet):
