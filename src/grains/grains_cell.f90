@@ -56,7 +56,7 @@ module grains_cell
       real(wp) :: contact(9) = 0.0_wp                !! Sum of forces times branches [J]
       real(wp) :: kinetic(9) = 0.0_wp                !! Sum of m u u [J]
       real(wp) :: work = 0.0_wp                      !! Of the stress on the cell so far [J]
-      real(wp) :: lost_before(losses) = 0.0_wp       !! Counted before the energy book began [J]
+      real(wp) :: lost_before(losses) = 0.0_wp       !! Losses before the energy balance [J]
       type(exact_sum_t) :: lost(losses)              !! By pairs that parted, on this rank [J]
       type(mean_t) :: mean                           !! Since the last row of the history
    contains
@@ -91,7 +91,7 @@ contains
       pressure = pressure/real(self%box%dimension, wp)
    end function cell_pressure
 
-   !> Share of the volume that is solid, overlaps counted twice [1].
+   !> Solid fraction of the volume, overlaps counted twice [1].
    pure real(wp) function cell_volume_fraction(self) result(fraction)
       class(cell_t), intent(in) :: self
 

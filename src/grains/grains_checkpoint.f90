@@ -114,7 +114,7 @@ contains
       end do
    end subroutine sort_records
 
-   !> True if a pair of identities comes after another one.
+   !> True if a pair of identities sorts after another pair.
    pure logical function comes_after(a, b) result(after)
       real(wp), intent(in) :: a(2), b(2)             !! Identities
 

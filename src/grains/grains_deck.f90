@@ -242,7 +242,7 @@ contains
    end subroutine tilt_cell
 
    !> The time step: a fraction of the shortest collision of two of the smallest grains. The Hertz
-   !! collision time depends on the speed; it is taken for an overlap of 2 % of the radius.
+   !! collision time depends on the speed; this one assumes an overlap of 2 % of the radius.
    subroutine choose_step(grains, cell)
       type(group_t), intent(in) :: grains            !! &grains
       type(cell_t), intent(inout) :: cell

@@ -72,7 +72,8 @@ contains
       associate (g => box%gradient, v => grains%velocity)
          wx = v(1, j) - v(1, i) + g(1, 1)*dx + g(1, 2)*dy
          wy = v(2, j) - v(2, i) + g(2, 2)*dy
-         ! twice what the cell moves the branch less at the middle of the step than at its end
+         ! twice the difference between the branch moved by the cell to the end and to the middle of
+         ! the step
          drift_x = dt**2*(g(1, 1)*wx + g(1, 2)*wy)
          drift_y = dt**2*g(2, 2)*wy
       end associate

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a cell of grains shows: energies, contacts, fabric, and the row of its history.
+!> Measures of a cell of grains: energies, contacts, fabric, and the row of its history.
 !!
 !! Equations of doc/theory/grains.md.
 module grains_measures

@@ -2,7 +2,7 @@
 !> Pairs of grains that are near each other, the histories of their contacts, and the forces of
 !! both.
 !!
-!! A pair belongs to the rank of its first grain, which has the lower identity. A rank holds all
+!! The rank of the first grain, which has the lower identity, owns the pair. A rank holds all
 !! pairs
 !! of its own rows; both ranks of a pair compute the same bits.
 module grains_pairs
@@ -17,8 +17,8 @@ module grains_pairs
    integer, parameter, public :: overlap = 4         !! [m]; 0 without contact
    integer, parameter, public :: dashpot = 5         !! Force of the dashpot [N]
    integer, parameter, public :: factor = 6          !! Stiffness factor q
-   integer, parameter, public :: dashpot_loss = 7    !! Energy taken by the dashpot [J]
-   integer, parameter, public :: slip_loss = 8       !! Energy taken by friction [J]
+   integer, parameter, public :: dashpot_loss = 7    !! Energy dissipated by the dashpot [J]
+   integer, parameter, public :: slip_loss = 8       !! Energy dissipated by friction [J]
    integer, parameter, public :: step_loss = 9       !! Energy lost by the length of the step [J]
    integer, parameter, public :: birth_time = 10     !! When the contact closed [s]
    integer, parameter, public :: birth_strain = 11   !! Shear strain of the cell then [1]

@@ -76,7 +76,7 @@ contains
          "grains: measure the elastic moduli at the end by small strains", default=".false.")
    end subroutine declare_stages
 
-   !> Each stage has an end, and what it holds is known.
+   !> Check that each stage has an end and that its fixed quantities are defined.
    subroutine check_stages(deck)
       type(deck_t), intent(inout) :: deck
       type(group_t) :: stage, cell

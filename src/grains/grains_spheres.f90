@@ -77,7 +77,8 @@ contains
          w(1) = w(1) + g(1, 1)*branch(1) + g(1, 2)*branch(2) + g(1, 3)*branch(3)
          w(2) = w(2) + g(2, 2)*branch(2) + g(2, 3)*branch(3)
          w(3) = w(3) + g(3, 3)*branch(3)
-         ! twice what the cell moves the branch less at the middle of the step than at its end
+         ! twice the difference between the branch moved by the cell to the end and to the middle of
+         ! the step
          drift(1) = dt**2*(g(1, 1)*w(1) + g(1, 2)*w(2) + g(1, 3)*w(3))
          drift(2) = dt**2*(g(2, 2)*w(2) + g(2, 3)*w(3))
          drift(3) = dt**2*g(3, 3)*w(3)
