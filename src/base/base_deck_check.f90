@@ -46,7 +46,7 @@ contains
       end do
    end subroutine check_schema
 
-   !> Check all groups. Keys with an error of their own are taken as they were meant.
+   !> Check all groups. Keys with an error do not cause follow-up errors.
    subroutine check_groups(schema, groups, index, deck_file, problems)
       type(schema_t), intent(in) :: schema               !! Allowed values
       type(group_t), intent(inout) :: groups(:)          !! All groups; unused keys are dropped
@@ -73,7 +73,7 @@ contains
 
    !> A group that is not in the deck must not have required keys.
    subroutine check_absent(rule, deck_file, problems)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed in it
+      type(group_rule_t), intent(in) :: rule             !! Allowed values
       character(len=*), intent(in) :: deck_file          !! Name of the deck
       type(problems_t), intent(inout) :: problems        !! Collects errors
       type(text_t), allocatable :: names(:)

@@ -298,7 +298,8 @@ contains
          fault = fault//"; names are given by &define name = number /"
    end subroutine evaluate_expression
 
-   !> A number with all its digits; integers without a point, so that keys of integers take them.
+   !> A number with all its digits; integers without a decimal point, so that they are valid values
+   !! of integer keys.
    pure function decimal_text(value) result(text)
       real(wp), intent(in) :: value                      !! Number
       character(len=:), allocatable :: text

@@ -23,7 +23,7 @@ module base_deck_problems
       character(len=:), allocatable :: file              !! File and line
       integer :: line = 0                                !! Line of the file, 0 = none
       logical :: is_error = .true.                       !! Or else a warning
-      character(len=:), allocatable :: text              !! What is wrong and what to do
+      character(len=:), allocatable :: text              !! Error and its remedy
       character(len=:), allocatable :: common            !! Part of the text common to all copies
       integer :: copies = 1                              !! Number of copies with this message
    end type problem_t
@@ -51,7 +51,7 @@ contains
       class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
-      character(len=*), intent(in) :: text               !! What is wrong and what to do
+      character(len=*), intent(in) :: text               !! Error and its remedy
       logical :: joined
 
       call join_copies(self, file, line, .true., text, joined)
@@ -65,7 +65,7 @@ contains
       class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
-      character(len=*), intent(in) :: text               !! What is wrong and what to do
+      character(len=*), intent(in) :: text               !! Error and its remedy
       logical :: joined
 
       call join_copies(self, file, line, .false., text, joined)
@@ -237,7 +237,7 @@ contains
       character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       logical, intent(in) :: is_error                    !! Or else a warning
-      character(len=*), intent(in) :: text               !! What is wrong and what to do
+      character(len=*), intent(in) :: text               !! Error and its remedy
       type(problem_t), allocatable :: longer(:)
       character(len=:), allocatable :: label, rest
       integer :: filled, i, which

@@ -110,7 +110,7 @@ contains
       if (complaint(1:1) /= " ") complaint = points_at//complaint
    end subroutine convert
 
-   !> The error if there are more values than the key takes.
+   !> The error if there are more values than the key allows.
    function too_many(key, subscript, tokens, items) result(complaint)
       type(key_t), intent(in) :: key
       integer, intent(in) :: subscript                   !! First value to set, 0 = all

@@ -108,7 +108,7 @@ contains
    pure subroutine apply_function(which, first, second, fault)
       integer, intent(in) :: which                   !! Index
       real(wp), intent(inout) :: first               !! First argument, then the value
-      real(wp), intent(in) :: second                 !! Second argument, if it takes two
+      real(wp), intent(in) :: second                 !! Second argument, if there are two
       character(len=:), allocatable, intent(inout) :: fault !! Allocated if there is no result
 
       select case (function_names(which))

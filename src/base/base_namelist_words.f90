@@ -52,7 +52,7 @@ contains
    !> A mark with the file and number of the next line.
    pure function file_mark(file, line) result(text)
       character(len=*), intent(in) :: file               !! Name of the file
-      integer, intent(in) :: line                        !! Line of the file that comes next
+      integer, intent(in) :: line                        !! Next line of the file
       character(len=:), allocatable :: text
 
       text = mark//number(line)//" "//file//newline

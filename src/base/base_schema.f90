@@ -37,7 +37,7 @@ module base_schema
 
    !> One key.
    type :: key_t
-      character(len=:), allocatable :: group             !! Group it belongs to
+      character(len=:), allocatable :: group             !! Group of the key
       character(len=:), allocatable :: name              !! As in the deck
       integer :: kind = kind_real                        !! One of the constants above
       integer :: number_of_values = 1                    !! Greatest number of values
@@ -114,7 +114,7 @@ contains
    !> Declare a key of numbers: name x for one, x(3) for three, x(:50) for up to fifty.
    subroutine schema_real(self, group, name, doc, unit, default, range, owner)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: unit     !! Of SI, or deg; without: 1
@@ -137,7 +137,7 @@ contains
    !> Declare a key of integers: name n for one, n(3) for three, n(:50) for up to fifty.
    subroutine schema_integer(self, group, name, doc, default, range, owner)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! As in the deck
@@ -152,7 +152,7 @@ contains
    !> Declare a switch.
    subroutine schema_logical(self, group, name, doc, default, owner)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! .true. or .false.
@@ -167,7 +167,7 @@ contains
    !! are formulas of the place.
    subroutine schema_text(self, group, name, doc, default, words, owner, unit)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! Without quotes
@@ -190,7 +190,7 @@ contains
    subroutine schema_add(self, key, group, name, doc, default, range, owner)
       class(schema_t), intent(inout) :: self
       type(key_t), intent(inout) :: key                  !! Kind, unit and words are set
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! In SI
