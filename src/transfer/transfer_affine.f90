@@ -94,7 +94,7 @@ contains
       end do
    end subroutine keep_affine
 
-   !> Take all but the rotation out of linear velocity fields.
+   !> Remove all but the rotation from linear velocity fields.
    pure subroutine turn_only(count, affine)
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the shape functions of a method are: maps between the particles of a tile and its nodes.
+!> Shape functions of a method: maps between the particles of a tile and its nodes.
 !!
 !! A basis gives six maps; everything else is made of them here and may be overridden where one pass
 !! is faster than two. A particle q of the store has index q - first + 1 in its tile; `start` counts
@@ -138,9 +138,9 @@ contains
       integral = 0.5_wp
    end function basis_at_wall
 
-   !> Width in cells of the band that a crack opens across an edge of the grid: one where the
-   !! gradient of a cell is that of its own nodes. Smoother gradients involve particles of adjacent
-   !! cells; their widths are measured with a bar (test/verify/crack).
+   !> Width in cells of the band that a crack opens across an edge of the grid: one if the gradient
+   !! of a cell uses its own nodes only. Smoother gradients involve particles of adjacent cells;
+   !! their widths are measured with a bar (test/verify/crack).
    pure real(wp) function basis_band_width(self) result(width)
       class(basis_t), intent(in) :: self
 
@@ -360,7 +360,7 @@ contains
       type(shape_data_t), intent(inout) :: shape
       !> (7, node) a dt + g u [m/s]; u + a dt/2 [m/s]; 1/2 |a dt|^2 + g (|u|^2 + u . a dt) [J/kg]
       real(wp), contiguous, intent(in) :: nodes(:, :)
-      real(wp), intent(in) :: share                          !! Share g of pic
+      real(wp), intent(in) :: share                          !! PIC fraction g
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
       real(wp) :: slow, gain, rest, heat

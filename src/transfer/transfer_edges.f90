@@ -22,7 +22,7 @@ module transfer_edges
 
 contains
 
-   !> Add the volume that particles have round each edge of their cells, sum v alpha_l N_e.
+   !> Add the volume that particles have around each edge of their cells, sum v alpha_l N_e.
    pure subroutine add_edge_sums(grid, start, first, local, alpha, volume, sums)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell

@@ -171,7 +171,7 @@ contains
       real(wp), intent(in) :: other(lanes)                   !! (lane) Along the other one [1]
       real(wp), intent(in) :: w(tensor*(lanes - 1) + 1)      !! Each twelfth a coefficient
       real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Local coordinates [1]
-      real(wp), intent(in) :: alpha(lanes)                   !! (lane) Share of the slope [1]
+      real(wp), intent(in) :: alpha(lanes)                   !! (lane) Fraction of the slope [1]
       real(wp), intent(inout) :: slopes(lanes)               !! (lane)
       integer :: lane
 

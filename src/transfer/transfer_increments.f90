@@ -28,7 +28,7 @@ module transfer_increments
       integer :: columns = 0                         !! Columns of the fields
       integer :: moments = no_moments                !! Kind of the moments
       logical :: heats = .false.                     !! Is lost kinetic energy found?
-      real(wp) :: pic = 0.0_wp                       !! Share g of pic [1]
+      real(wp) :: pic = 0.0_wp                       !! PIC fraction g [1]
       real(wp) :: ahead = 1.0_wp !! Fraction c of the gain in the displacement [1]
       real(wp), allocatable, public :: nodes(:, :)   !! (column, node)
       real(wp), allocatable :: place(:, :) !! (3, node) In the tile, along active directions [m]
@@ -257,7 +257,7 @@ contains
    pure subroutine lose_energy(count, first, pic, ahead, gain, way, velocity, moved, heat)
       integer, intent(in) :: count                           !! Particles of the tile
       integer, intent(in) :: first                           !! First of them
-      real(wp), intent(in) :: pic                            !! Share g of pic [1]
+      real(wp), intent(in) :: pic                            !! PIC fraction g [1]
       real(wp), intent(in) :: ahead !! Fraction c of the gain in the displacement [1]
       real(wp), contiguous, intent(in) :: gain(:)            !! d + g u [m/s]
       real(wp), contiguous, intent(in) :: way(:)             !! u + c d [m/s]

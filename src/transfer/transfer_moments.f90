@@ -2,9 +2,9 @@
 !> Means of a particle field around nodes with the positions that they belong to, and the slope of
 !! the field in a cell that follows from them.
 !!
-!! The mean around a node belongs to the centre of the particles that it is taken of, not to the
-!! node. The difference of the means over that of the centres is the slope of a linear field, for
-!! any positions of particles. Equation (Q.10) of doc/theory/quadratures.md.
+!! The mean around a node is the value of a linear field at the centre of the averaged particles,
+!! not at the node. The difference of two means over the distance of their centres is the slope of
+!! the field for any positions of particles. Equation (Q.10) of doc/theory/quadratures.md.
 module transfer_moments
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -108,7 +108,7 @@ contains
             rise(:, l) = rise(:, l) + sense*means(:, node + grid%lane_offset(lane))
          end do
       end do
-      ! (k, l): how much farther along k the centres of the upper ends of l lie
+      ! (k, l): distance along k from the centres of the lower ends of l to those of the upper ends
       do l = 1, 3
          do k = 1, 3
             matrix(k, l) = rise(1 + k, l)

@@ -20,7 +20,7 @@ module transfer_shock_compression
    !> Compression of the least neighbour over that of the cell from which it counts as smooth; as
    !! it reaches 1 nothing is left.
    real(wp), parameter :: onset = 0.5_wp
-   !> Share of a compression that viscosity resists in any case, where sums are normalised [1]
+   !> Least fraction of a compression that viscosity resists, where sums are normalised [1]
    real(wp), parameter :: kept = 0.25_wp
 
 contains
@@ -51,9 +51,9 @@ contains
    end subroutine find_jump
 
    !> Trace of the strain of the step that viscosity resists where sums are normalised, for the
-   !! particles of a tile: at most what the edges of the cell are compressed by, but a fourth of it
-   !! in any case. Particles that represent more than their own volume are strained more than their
-   !! surroundings, and viscosity depends on the square of that. Hoop strains are not limited.
+   !! particles of a tile: at most the compression of the edges of the cell, but at least a fourth
+   !! of the strain. Particles that represent more than their own volume are strained more than
+   !! their surroundings, and viscosity depends on the square of that. Hoop strains are not limited.
    pure subroutine bound_jump(grid, start, velocity, dt, strain, jump)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell

@@ -93,7 +93,7 @@ contains
 
       call shape%spline%touched(grid, shape%count, low, high)
       do skip = 0, count - 1, columns
-         ! in place of columns that are not there stands the last one; it is not added
+         ! missing columns repeat the last one, which is not added
          at = min(skip + [1, 2, 3, 4], count)
          sums(columns*(low - 1) + 1:columns*high) = 0.0_wp
          do skipped = 0, shape%count - 1, batch

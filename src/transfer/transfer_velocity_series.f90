@@ -32,8 +32,8 @@ module transfer_velocity_series
    end type velocity_series_t
 
    abstract interface
-      !> Factors of squares and products of a dt and y_(k-1) at a particle that are taken off the
-      !! heat: a.a, y.y, a.y, and a.x with the first field.
+      !> Factors of squares and products of a dt and y_(k-1) at a particle that are subtracted from
+      !! the heat: a.a, y.y, a.y, and a.x with the first field.
       pure function mixing_i(self) result(factors)
          import :: velocity_series_t, wp
          implicit none
