@@ -9,13 +9,13 @@ module step_bounds
    public :: bounds_t, count_bad, find_fault, find_steepest, guard_t, are_nodes_slow, &
       limiting_gradient
 
-   integer, parameter, public :: rule_signal = 1      !! A step is as long as signal and motion let
-   integer, parameter, public :: rule_growth = 2      !! ... as growth from the one before lets
-   integer, parameter, public :: rule_strain = 3      !! ... as the velocity gradient lets
-   integer, parameter, public :: rule_conduction = 4  !! ... as conduction of heat lets
+   integer, parameter, public :: rule_signal = 1      !! Limited by wave speed and motion
+   integer, parameter, public :: rule_growth = 2      !! ... by growth from the previous step
+   integer, parameter, public :: rule_strain = 3      !! ... by the velocity gradient
+   integer, parameter, public :: rule_conduction = 4  !! ... by heat conduction
    integer, parameter, public :: rule_deck = 5        !! ... by dt_max or dt_fixed
-   integer, parameter, public :: rule_end = 6         !! ... as t_end lets
-   integer, parameter, public :: rule_retry = 7       !! ... as nodes let that would go too far
+   integer, parameter, public :: rule_end = 6         !! ... by t_end
+   integer, parameter, public :: rule_retry = 7       !! ... by nodes that would move too far
    integer, parameter, public :: rules = 7            !! Number of these
    !> Their names in the summary.
    character(len=10), parameter, public :: rule_names(rules) = [character(len=10) :: "signal", &

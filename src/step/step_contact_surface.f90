@@ -202,7 +202,7 @@ contains
       if (.not. allocated(fields(field)%sides)) first = fields(field)%other
    end function first_side
 
-   !> Number of the side that a field with two stands for: 0 or 1.
+   !> Side of a velocity field with two sides: 0 or 1.
    pure integer function side_of(fields, field) result(side)
       type(velocity_field_t), intent(in) :: fields(:)
       integer, intent(in) :: field                   !! Index of the velocity field

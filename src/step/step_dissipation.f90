@@ -62,7 +62,7 @@ contains
       type(store_t), intent(in) :: store             !! The particles after the step
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: moved(:, :) !! (particle of the tile, 3) c [m/s]
-      real(wp), intent(in) :: keep                   !! Share f of FLIP [1]
+      real(wp), intent(in) :: keep                   !! FLIP fraction f [1]
       real(wp) :: taken, lost
       integer :: p, q, k
 

@@ -18,7 +18,7 @@ module step_dual_gradient
 
    public :: calm_tile, apply_dual_gradient, find_volumes, node_gradient, store_gradient
 
-   real(wp), parameter :: small = 3.0e-3_wp          !! Share of a cell that is let pass
+   real(wp), parameter :: small = 3.0e-3_wp          !! Ignored cell fraction
 
 contains
 
@@ -193,7 +193,7 @@ contains
    !! Equation (Q.8) of doc/theory/quadratures.md.
    pure subroutine normalise(volume, normal, values)
       real(wp), contiguous, intent(in) :: volume(:, :)     !! (1, node) Of the dual gradient [m3]
-      real(wp), contiguous, intent(in) :: normal(:, :)     !! (7, node) Over sums; plain share
+      real(wp), contiguous, intent(in) :: normal(:, :)     !! (7, node) Over sums; plain weight
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
       real(wp) :: inverse
       integer :: node, l
@@ -265,7 +265,7 @@ contains
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      type(packed_patch_t), intent(in) :: shares           !! Shares of the cells [m3/s]
+      type(packed_patch_t), intent(in) :: shares           !! Contributions of cells [m3/s]
       !> (9, node) [1/s]; only where the particles of the tile see it
       real(wp), allocatable, intent(inout) :: gradient(:, :)
       integer :: low, high

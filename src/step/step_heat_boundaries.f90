@@ -23,8 +23,8 @@ contains
       where (held >= 0.0_wp) effects%conduction%temperature(1, :, tile) = held
    end subroutine hold_temperature
 
-   !> Heat that nodes on such boundaries exchange with the boundary; the tile records the part of
-   !! its own particles.
+   !> Heat that nodes on such boundaries exchange with the boundary; the tile records the part due
+   !! to its own particles.
    pure subroutine take_heat(space, effects, ledger, tile, heat, change)
       type(space_t), intent(in) :: space
       type(simulation_effects_t), intent(in) :: effects

@@ -68,7 +68,7 @@ module step_node_fields
       !! volume
       type(packed_patch_t) :: packed(2)
       !> Are the sums and velocities of a tile kept only while a thread works on it? Then packed
-      !! patches keep what the particles see: velocity and acceleration
+      !! patches keep the velocity and acceleration that the particles need
       logical :: lean = .false.
       type(packed_patch_t) :: seen(2)
       real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]

@@ -85,7 +85,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: slope(3)               !! Slope of the nodal pressure, per cell [Pa]
-      real(wp), intent(in) :: rate                   !! Share of a step over that speed [s/m]
+      real(wp), intent(in) :: rate                   !! Fraction of a step over that speed [s/m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
       real(wp), contiguous, intent(inout) :: volume(:) !! (particle) [m3]
       real(wp), contiguous, intent(inout) :: energy(:) !! (particle) [J/kg]

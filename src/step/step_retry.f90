@@ -16,7 +16,7 @@ module step_retry
 
    public :: check_node_displacement
 
-   real(wp), parameter :: slack = 0.9_wp             !! Share of the bounds to be aimed at
+   real(wp), parameter :: slack = 0.9_wp             !! Target fraction of the bounds
    real(wp), parameter :: least_cut = 0.1_wp         !! Least ratio of a step to that before
 
 contains

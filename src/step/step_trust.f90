@@ -142,7 +142,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! At its end; not changed
       integer, intent(in) :: code                    !! Exit code
       type(balance_t), intent(in) :: now             !! Its balance
-      type(trust_t), intent(out) :: trust            !! What is known
+      type(trust_t), intent(out) :: trust            !! Measures of trust
       type(bounds_look_t) :: bounds
       type(shapes_look_t) :: shapes
 
@@ -361,7 +361,7 @@ contains
    subroutine warn_of_balance(simulation, now, trust, log)
       type(simulation_t), intent(in) :: simulation   !! Method and fields are used
       type(balance_t), intent(in) :: now             !! Its balance
-      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(trust_t), intent(in) :: trust             !! Measures at the end
       type(log_t), intent(inout) :: log              !! Gets the warnings
       logical :: parts
       integer :: n
@@ -376,7 +376,7 @@ contains
       type(method_t), intent(in) :: method           !! How the run was computed
       logical, intent(in) :: parts                   !! Does a body touch itself?
       type(balance_t), intent(in) :: now             !! Its balance
-      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(trust_t), intent(in) :: trust             !! Measures at the end
       type(log_t), intent(inout) :: log              !! Gets the warning
       character(len=:), allocatable :: remedy
       character(len=16) :: share
@@ -411,7 +411,7 @@ contains
    !> Report at the end that momentum is not conserved, with the error. Collective.
    subroutine warn_of_momentum(method, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
-      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(trust_t), intent(in) :: trust             !! Measures at the end
       type(log_t), intent(inout) :: log              !! Gets the warning
       character(len=:), allocatable :: remedy
       character(len=16) :: share

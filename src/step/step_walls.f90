@@ -146,8 +146,8 @@ contains
       work = (1.0_wp - 0.5_wp*share)*dt*sum(acceleration*(free_velocity - velocity), dim=1)
    end subroutine apply_walls
 
-   !> Impose the walls and record the work of walls and gravity. A tile records the part of its own
-   !! particles at each node, so that all parts add up to the node.
+   !> Impose the walls and record the work of walls and gravity. A tile records the part due to its
+   !! own particles at each node, so that all parts add up to the value of the node.
    subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -302,8 +302,8 @@ contains
       end do
    end subroutine record_walls
 
-   !> Record the unbalanced force of the nodes of a tile: the part of its own particles in their
-   !! mass times acceleration. Equation (O.5) of doc/theory/instruments.md.
+   !> Record the unbalanced force of the nodes of a tile: the part due to its own particles, by
+   !! their mass times acceleration. Equation (O.5) of doc/theory/instruments.md.
    subroutine record_unbalanced(space, field, scratch, tile, acceleration)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
@@ -366,8 +366,9 @@ contains
          call simulation%space%rigid%constrain(tile, velocity, change, at_end=.true.)
    end subroutine stop_at_walls
 
-   !> Take from a change of node velocities the components that walls held before the forces act,
-   !! or changed: an orthogonal projection. Walls that hold a node in a step do so from its start.
+   !> Remove from a change of node velocities the components that walls prescribed or changed before
+   !! the forces act: an orthogonal projection. A wall that prescribes the velocity of a node in a
+   !! step does so from the start of the step.
    pure subroutine take_held(simulation, tile, velocity, change, each)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
