@@ -185,7 +185,7 @@ contains
       end do
    end subroutine find_near
 
-   !> True if a position belongs to a body and to no later one.
+   !> True if a position is inside a body and in no later body.
    pure logical function belongs(bodies, body, position, later) result(inside)
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body

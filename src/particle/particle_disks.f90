@@ -3,11 +3,10 @@
 !!
 !! Dart throwing: random points are added one by one, and a point too close to an earlier one is
 !! dropped (R. L. Cook, ACM Trans. Graph. 5 (1986) 51). The grid is cut into blocks of cells, so
-!! that
-!! a tile can be filled without data of other ranks. One pattern is generated on a periodic block.
-!! Every block has the points of the pattern within half the least distance of its faces; the points
-!! in its interior are drawn with random numbers of its own, at least half the distance away from
-!! the faces. So the blocks differ, fit together, and each can be made without the others.
+!! that a tile can be filled without data of other ranks. One pattern is generated on a periodic
+!! block. Every block has the points of the pattern within half the least distance of its faces; the
+!! points in its interior are at least half the distance away from the faces and use separate random
+!! numbers. So the blocks differ, fit together, and can be filled independently.
 module particle_disks
    use base_kinds, only: int64, wp
    use base_random, only: random_uniform

@@ -4,11 +4,11 @@
 !!
 !! A half has half the mass and volume of the whole and the same state, and is a quarter of the edge
 !! to one side of it. In axisymmetry halves are rings of half the cross-section, with mass and
-!! volume
-!! in proportion to their radii. The velocities of the halves differ along the line between them by
-!! the velocity gradient, which conserves momentum and angular momentum; the kinetic energy of it is
-!! taken from the internal energy, or returned for the energy balance. The upper bits of an identity
-!! are the path from the whole to the half, which needs no counter and does not depend on ranks.
+!! volume in proportion to their radii. The velocities of the halves differ along the line between
+!! them by the velocity gradient, which conserves momentum and angular momentum; its kinetic energy
+!! is subtracted from the internal energy, or returned for the energy balance. The upper bits of an
+!! identity are the path from the whole to the half, which needs no counter and does not depend on
+!! ranks.
 module particle_split
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
@@ -26,9 +26,8 @@ module particle_split
    integer, parameter, public :: root_bits = 40      !! Lower bits: the identity of the first whole
    integer, parameter, public :: most_generations = 20 !! That the upper bits can hold
 
-   !> Greatest fraction of the internal energy of a gas that a split may take: the pressure keeps
-   !! its
-   !! order of magnitude [1]
+   !> Greatest fraction of the internal energy of a gas that a split may convert to kinetic energy:
+   !! the pressure keeps its order of magnitude [1]
    real(wp), parameter :: greatest_share = 0.5_wp
 
    !> When particles are split.

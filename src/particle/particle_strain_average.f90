@@ -47,8 +47,7 @@ contains
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: earlier(:, :) !! (particle of the tile, 9) Half strain [1]
-      !> (particle of the tile, 9) Strain with the velocity that they take with them, then that of
-      !! the step [1]
+      !> (particle of the tile, 9) In: strain of the advection velocity; out: strain of the step [1]
       real(wp), contiguous, intent(inout) :: gradient(:, :)
       real(wp) :: half
       integer :: p, q, k
