@@ -34,7 +34,7 @@ module mesh_boundary
 
 contains
 
-   !> True if some node of the tile lies on a boundary that changes velocities of nodes.
+   !> True if a node of the tile is on a boundary that changes node velocities.
    pure logical function boundary_touches(self, grid, coordinate) result(touches)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -229,8 +229,8 @@ contains
    end subroutine boundary_raise
 
    !> Fill less 1 of nodes on closed boundaries, where it is less than that of the next node
-   !! inwards:
-   !! a gap between the boundary and material that bears on it, not a surface of the material.
+   !! inwards: such a difference is a gap between the boundary and the material that presses on it,
+   !! and not a surface of the material.
    pure subroutine boundary_see_gaps(self, grid, coordinate, noise, filled, around, excess)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -2,9 +2,8 @@
 !> The abstract boundary condition: the type of a &boundary, on a boundary of the domain, on a part
 !! of one, or in a rigid region.
 !!
-!! A condition acts on the nodes of one tile that lie on one boundary, never on a single node, so
-!! that dynamic dispatch costs nothing compared with the work. The defaults are those of a closed
-!! wall without further action.
+!! One call applies a condition to all nodes of a tile on one boundary, so the cost of dynamic
+!! dispatch is negligible. The defaults are those of a closed wall without further action.
 module mesh_boundary_condition
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -67,7 +66,7 @@ contains
       inward = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
    end function inward_sign
 
-   !> A condition without keys of its own declares none.
+   !> By default a condition has no keys.
    subroutine condition_declare(self, schema)
       class(boundary_condition_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema

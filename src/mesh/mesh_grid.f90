@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The uniform Cartesian grid: cells, tiles of cells, and the constants of a cell's nodes.
 !!
-!! One code serves one, two and three dimensions: a cell always has eight lanes, one a node, the
-!! number of a lane less 1 holding one bit a direction. An inactive direction has one layer of cells
-!! and nodes; its upper lanes have weight zero and coincide with the lower ones.
+!! The code is the same in one, two and three dimensions: a cell always has eight lanes, one per
+!! node, and the bits of the lane number less 1 are the positions along each direction. An inactive
+!! direction has one layer of cells and nodes; its upper lanes have weight zero and coincide with
+!! the lower ones.
 module mesh_grid
    use base_constants, only: pi
    use base_kinds, only: wp
@@ -100,8 +101,8 @@ contains
       call integrate_lines(self)
    end subroutine grid_start
 
-   !> Cells along a tile. The halo needs so many layers of cells before the next tile but one, so in
-   !! a periodic direction the last tile must not be thinner than that.
+   !> Cells along a tile. The halo must not reach the next tile but one, so in a periodic direction
+   !! the last tile must be at least as thick as the halo.
    pure integer function tile_width(cells, periodic, preferred, least) result(width)
       integer, intent(in) :: cells                   !! Cells along the direction
       logical, intent(in) :: periodic                !! Is the direction periodic?
@@ -197,7 +198,7 @@ contains
       end do
    end function grid_node_position
 
-   !> Volume that belongs to each node of a tile: the integral of its function over the domain [m3].
+   !> Volume of each node of a tile: the integral of its shape function over the domain [m3].
    pure subroutine grid_node_volume(self, coordinate, volume)
       class(grid_t), intent(in) :: self
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0

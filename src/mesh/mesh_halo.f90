@@ -123,8 +123,8 @@ contains
       if (.not. first) first = list(entry) /= list(entry - 1)
    end function starts
 
-   !> Other ranks that own a neighbour of a tile, each once. A neighbour that is an own tile needs
-   !! no search.
+   !> Other ranks that own a neighbour of a tile, each once. A neighbour on this rank needs no
+   !! search.
    pure subroutine ranks_around(communicator, grid, tiles, tile, ranks, number)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid

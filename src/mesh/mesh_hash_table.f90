@@ -31,7 +31,7 @@ module mesh_hash_table
 
 contains
 
-   !> Forget all keys and set the capacity.
+   !> Delete all keys and set the capacity.
    pure subroutine table_clear(self, capacity)
       class(key_table_t), intent(inout) :: self
       integer, intent(in) :: capacity                !! Keys to expect; more make the table grow
@@ -112,7 +112,7 @@ contains
       end do
    end subroutine grow
 
-   !> The slot that holds a key, or the empty one where it belongs.
+   !> The slot of a key, or the empty slot for its insertion.
    pure integer(int64) function slot_of(keys, mask, key) result(slot)
       integer(int64), intent(in) :: mask             !! Number of slots - 1
       integer(int64), intent(in) :: keys(0:mask)     !! Keys of the slots, at least one empty

@@ -2,9 +2,9 @@
 !> Hilbert's space-filling curve through tiles: numbers that keep neighbours together.
 !!
 !! J. Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707 (2004) 381. The curve always
-!! fills the box of 2^21 tiles a direction, so a key does not depend on the size of the grid, and
+!! fills the box of 2^21 tiles per direction, so a key does not depend on the size of the grid, and
 !! a cube of 2^k tiles at the origin has the first keys. Levels above the highest bit in use only
-!! exchange the directions in turn; they are done at once.
+!! exchange the directions in turn; they are processed in one operation.
 module mesh_hilbert
    use base_kinds, only: int64
    implicit none
@@ -12,7 +12,7 @@ module mesh_hilbert
 
    public :: hilbert_coordinate, hilbert_key
 
-   integer, parameter, public :: curve_bits = 21     !! Coordinates lie in 0 to 2^21 - 1
+   integer, parameter, public :: curve_bits = 21     !! Coordinates: 0 to 2^21 - 1
    !> Masks that spread bits over every second and over every third bit, step by step.
    integer(int64), parameter :: second(5) = [int(z"0000ffff0000ffff", int64), &
       int(z"00ff00ff00ff00ff", int64), int(z"0f0f0f0f0f0f0f0f", int64), &

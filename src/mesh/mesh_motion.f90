@@ -85,8 +85,8 @@ contains
       if (allocated(self%time)) mean = mean + table_way(self, from, from + length)/length
    end function motion_mean
 
-   !> Change the velocity from a time on, in a straight line over some time, and constant after it.
-   !! What the table says of later times is replaced; the displacement so far is kept.
+   !> Change the velocity from a given time on: linear over an interval and constant after it. Later
+   !! entries of the table are replaced; the displacement so far is kept.
    pure subroutine motion_steer(self, from, over, velocity)
       class(motion_t), intent(inout) :: self
       real(wp), intent(in) :: from                   !! The velocity is as before until then [s]

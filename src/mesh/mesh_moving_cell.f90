@@ -58,7 +58,7 @@ module mesh_moving_cell
       real(wp) :: mass = 0.0_wp                      !! Of all material [kg]
       real(wp) :: speed = 0.0_wp                     !! Of the fastest wave, at the start [m/s]
       real(wp) :: work = 0.0_wp                      !! Of the stress on the cell so far [J]
-      real(wp) :: steps(3, 3) = 0.0_wp               !! Whole edges taken away in the step
+      real(wp) :: steps(3, 3) = 0.0_wp               !! Whole edges subtracted in the step
    contains
       procedure :: tilt => cell_tilt                 !! Edges at the start
       procedure :: renew => cell_renew               !! Quantities that depend on the edges

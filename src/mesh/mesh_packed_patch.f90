@@ -150,7 +150,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(node_boxes_t), intent(in) :: boxes             !! Boxes of the tiles
       integer, intent(in) :: tile
-      integer, intent(in) :: first                   !! First row of the patch that belongs here
+      integer, intent(in) :: first                   !! First row of the patch for this call
       real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
       integer :: y, z, node, at, nodes, low(3), high(3), margin(3)
 

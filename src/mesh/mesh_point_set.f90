@@ -10,7 +10,7 @@ module mesh_point_set
    !> A set of points.
    type, abstract :: point_set_t
    contains
-      procedure(contains_i), deferred :: contains    !! Whether a point belongs to it
+      procedure(contains_i), deferred :: contains    !! True if a point is inside
       procedure(bounds_i), deferred :: bounds        !! A box around it
    end type point_set_t
 

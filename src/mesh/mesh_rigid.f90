@@ -14,7 +14,7 @@ module mesh_rigid
    !> Nodes of a tile that rigid regions hold.
    type :: held_t
       integer :: coordinate(3) = -1                  !! The tile for which they were found
-      logical :: moves = .false.                     !! Does a region that moves meet the tile?
+      logical :: moves = .false.                     !! Does a moving region overlap the tile?
       integer, allocatable :: node(:)                !! Nodes of the tile
       integer, allocatable :: wall(:)                !! The region that holds each
       real(wp), allocatable :: normal(:, :)          !! (3, held) Out of it, 0 = the node sticks [1]
@@ -143,8 +143,8 @@ contains
       owner = 0
    end function owner_of
 
-   !> Direction out of the regions at a node. On a closed boundary it lies in the boundary: both
-   !! conditions hold there.
+   !> Direction out of the regions at a node. On a closed boundary it is parallel to the boundary:
+   !! both conditions apply there.
    pure subroutine find_normal(self, grid, boundary, coordinate, node, place, normal)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -179,7 +179,7 @@ contains
       end if
    end subroutine find_normal
 
-   !> True if some node of the tile lies in a region.
+   !> True if a node of the tile is inside a region.
    pure logical function rigid_holds(self, tile) result(holds)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
@@ -261,8 +261,8 @@ contains
       end associate
    end subroutine rigid_rub
 
-   !> Take the velocity along the normal of nodes that regions held in the step: those that did not
-   !! leave.
+   !> Set the normal velocity of nodes that regions constrained in the step to that of the region,
+   !! unless the node separates.
    pure subroutine rigid_keep(self, tile, ended, velocity)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
@@ -294,7 +294,7 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
       real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where boundaries hold, else 1
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) Without that [m/s]
-      real(wp), parameter :: least = 1.0e-6_wp       ! of a normal, beyond what rounding leaves
+      real(wp), parameter :: least = 1.0e-6_wp       ! of a normal, above rounding errors
       real(wp) :: normal(3), length
       integer :: n, node
 

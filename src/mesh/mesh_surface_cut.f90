@@ -2,7 +2,7 @@
 !> The surface of a set of points as triangles, in a plane as segments, along a line as points.
 !!
 !! A lattice is laid over the set and each of its cells is split into simplices (H. W. Kuhn, IBM J.
-!! Res. Dev. 4 (1960) 518). Edges with one end inside are bisected, so the corners of the facets lie
+!! Res. Dev. 4 (1960) 518). Edges with one end inside are bisected, so the corners of the facets are
 !! on the surface to rounding; edges and corners of the set are cut off by less than a lattice cell.
 module mesh_surface_cut
    use base_kinds, only: wp
@@ -30,7 +30,7 @@ module mesh_surface_cut
 
 contains
 
-   !> Facets of the surface of a set inside a box. None if the set does not meet the box.
+   !> Facets of the surface of a set inside a box. None if the set and the box do not overlap.
    pure subroutine cut_surface(set, lower, upper, active, spacing, piece)
       class(point_set_t), intent(in) :: set
       real(wp), intent(in) :: lower(3)               !! Corner of the box [m]
@@ -107,7 +107,7 @@ contains
       where (lattice%active) place = place + lattice%step*real(index, wp)
    end function place_of
 
-   !> Whether a point belongs to the set and to the box.
+   !> True if a point is inside the set and the box.
    pure logical function holds(set, lattice, x) result(inside)
       class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice         !! Has the box

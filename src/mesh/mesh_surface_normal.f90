@@ -2,8 +2,8 @@
 !> The direction out of rigid regions.
 !!
 !! It uses only the test whether a point is inside, so it works for any shape and any set operation:
-!! the seam between two regions, and the side of a region that lies on a boundary of the domain, are
-!! no surface.
+!! the seam between two regions, and the side of a region on a boundary of the domain, do not count
+!! as surfaces.
 module mesh_surface_normal
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -33,7 +33,7 @@ contains
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(out) :: normal(3)             !! Unit vector [1]
-      logical, intent(out) :: found                  !! Is there a way out nearby?
+      logical, intent(out) :: found                  !! Is a surface nearby?
       real(wp) :: inside(3), below(3), before(3)
       integer :: round
       logical :: smooth
@@ -149,7 +149,7 @@ contains
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(out) :: normal(3)             !! Unit vector [1]
-      logical, intent(out) :: found                  !! Is there a way out nearby?
+      logical, intent(out) :: found                  !! Is a surface nearby?
       integer, parameter :: around(3) = [1, 2, 2]    ! half the edge of the cube of rays
       real(wp), parameter :: next = 0.1_wp           ! so much longer ways count as well [cells]
       integer :: n, number
@@ -166,7 +166,7 @@ contains
       do n = 1, number
          if (way(n) <= shortest + next*grid%spacing) normal = normal + direction(:, n)
       end do
-      ! a position in the middle of a plate has two exits that cancel: the first one is taken
+      ! the directions to both sides of a plate cancel in its middle: use the first one
       if (norm2(normal) < 0.5_wp) normal = direction(:, minloc(way(:number), 1))
       normal = normal/norm2(normal)
    end subroutine guess_outward

@@ -28,7 +28,7 @@ module mesh_tiles
       integer, private :: shape(7) = -1              !! Of the grid that the neighbours hold for
    contains
       procedure :: set => tiles_set                  !! Give the tiles and find their neighbours
-      procedure :: cut => tiles_cut                  !! Share the curve out among the ranks
+      procedure :: cut => tiles_cut                  !! Divide the curve among the ranks
       procedure :: owner => tiles_owner              !! Rank that owns a key
       procedure :: around => tiles_around            !! Key of a neighbour
    end type tiles_t
@@ -71,7 +71,7 @@ contains
       call move_alloc(neighbor, self%neighbor)
    end subroutine tiles_set
 
-   !> Forget all tiles if they are those of another grid.
+   !> Delete all tiles if they belong to another grid.
    subroutine know_grid(self, grid)
       class(tiles_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid

@@ -34,7 +34,7 @@ module mesh_wall_sums
    contains
       procedure :: begin => push_begin               !! Before walls act
       procedure :: note => push_note                 !! A wall has acted
-      procedure :: note_nodes => push_note_nodes     !! Walls have acted, each on nodes of its own
+      procedure :: note_nodes => push_note_nodes     !! Records changes of velocity by walls
    end type wall_push_t
 
 contains
@@ -156,7 +156,7 @@ contains
       self%acceleration = acceleration
    end subroutine push_note
 
-   !> Walls have acted, each on nodes of its own.
+   !> Record the changes of node velocities by walls; each wall changes separate nodes.
    pure subroutine push_note_nodes(self, before, nodes, walls, velocity, acceleration)
       class(wall_push_t), intent(inout) :: self
       integer, intent(in) :: before                  !! Walls before the first of these
