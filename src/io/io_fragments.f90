@@ -202,7 +202,7 @@ contains
    end subroutine connect
 
    !> True if a neighbour joins the fragment of a cell: it has particles, is in no fragment yet, and
-   !! does not move away.
+   !! has a similar velocity.
    pure logical function joins(map, cell, next, velocity_cut) result(joined)
       type(map_t), intent(in) :: map                     !! All cells
       integer, intent(in) :: cell                        !! Index among the cells

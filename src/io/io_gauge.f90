@@ -91,7 +91,7 @@ contains
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: stores(:)
       type(gauge_t), intent(inout) :: gauge              !! Gets the identity
-      real(wp), intent(out) :: distance                  !! Of the particle; huge: there is none [m]
+      real(wp), intent(out) :: distance                  !! Of the particle; huge if none [m]
       integer, allocatable :: order(:)
       integer(int64) :: identity(1)
       real(wp) :: square, least
@@ -135,8 +135,8 @@ contains
       allocate (order(0))
    end subroutine pick_identity
 
-   !> Where the beam meets the material: the end of the selected particle that reaches farthest.
-   !! Collective.
+   !> Position where the beam hits the material: the greatest end of the selected particles along
+   !! the beam. Collective.
    subroutine find_surface(communicator, grid, coordinate, stores, gauge, centre)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions

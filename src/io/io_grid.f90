@@ -2,11 +2,11 @@
 !> Fields on the cells of the grid as VTKHDF ImageData, which ParaView opens: only the smallest
 !! block of cells that holds all material is written.
 !!
-!! The points of the image are the middles of cells. Of what the format allows VTK 9.2, and so
-!! ParaView 5.11, cannot read data of cells, data of the whole field, such as the time, nor images
-!! without thickness. So times are in the series and in /provenance, and where there is one layer
-!! of cells its two faces have points. Ranks send their cells to the owners of the planes of the
-!! box, so no rank holds all of it.
+!! The points of the image are the middles of cells. VTK 9.2, and so ParaView 5.11, cannot read the
+!! following parts of the format: data of cells, data of the whole field, such as the time, and
+!! images without thickness. So times are in the series and in /provenance, and a single layer of
+!! cells has points on its two faces. Ranks send their cells to the owners of the planes of the box,
+!! so no rank holds all of it.
 module io_grid
    use base_communicator, only: communicator_t
    use base_constants, only: pi
@@ -99,7 +99,7 @@ contains
       associate (planes => box%planes)
          planes%total = box%extent(3)
          planes%compress = compress
-         ! the two points of a layer must not come to different ranks
+         ! the two points of a layer must be on the same rank
          planes%chunk = max(chunk_rows/product(int(box%extent(:2), int64)), &
             merge(2_int64, 1_int64, box%layer(3)))
          chunks = (planes%total + planes%chunk - 1)/planes%chunk

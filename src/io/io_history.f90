@@ -26,7 +26,7 @@ module io_history
       character(len=unit_length), allocatable, private :: unit(:) !! (column) Unit of SI
       type(output_file_t), private :: file               !! Open on rank 0
    contains
-      procedure :: open => history_open                  !! Begin, or go on
+      procedure :: open => history_open                  !! Creates or continues the file
       procedure :: row => history_row                    !! Write a row
       procedure :: rows => history_rows                  !! Write several rows of one time
       procedure :: close => history_close                !! Close
@@ -77,7 +77,7 @@ contains
       call agree(communicator, error)
    end subroutine history_open
 
-   !> Take away the rows after a step, and an unfinished last line.
+   !> Remove the rows after a step, and an unfinished last line.
    subroutine cut_back(path, heading, key_place, resume_step, error)
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: heading            !! Expected first line
@@ -137,7 +137,7 @@ contains
       call agree(communicator, error)
    end subroutine history_row
 
-   !> Write several rows that begin alike, at once. Collective.
+   !> Write several rows with the same first columns in one call. Collective.
    subroutine history_rows(self, communicator, begin, values, error)
       class(history_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator

@@ -14,7 +14,7 @@ module io_series
 
    public :: series_t
 
-   integer, parameter :: often = 50 !! Up to so many snapshots the index follows each
+   integer, parameter :: often = 50 !! Up to this number of snapshots each one updates the index
 
    !> A series of snapshots.
    type :: series_t
@@ -61,7 +61,7 @@ contains
       call agree(communicator, error)
    end subroutine series_open
 
-   !> Take the snapshots whose names have a length and whose numbers are below another.
+   !> Add the snapshots with names of a given length and with numbers below a limit.
    subroutine collect(series, names, length, next_number, note)
       type(series_t), intent(inout) :: series            !! Gets the snapshots
       character(len=*), intent(in) :: names(:)           !! Names in the folder, sorted

@@ -76,7 +76,7 @@ contains
       type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
-      character(len=*), intent(in) :: fields(:)          !! What is written, ["default"]
+      character(len=*), intent(in) :: fields(:)          !! Fields to write, ["default"]
       type(snapshot_format_t), intent(in) :: format      !! Format of the file
       type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
       type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
@@ -378,7 +378,7 @@ contains
    !> Write the provenance of the file.
    subroutine write_provenance(file, header)
       type(hdf5_file_t), intent(inout) :: file
-      type(snapshot_header_t), intent(in) :: header      !! What is known
+      type(snapshot_header_t), intent(in) :: header      !! Header of the snapshot
 
       call file%group(about)
       call file%attribute(about, "schema", "scree-1")

@@ -80,7 +80,7 @@ contains
       do facet = 1, count
          do n = 1, 3
             do k = 1, 3
-               ! the normal comes first and is not used: it follows from the order of the corners
+               ! the normal precedes the corners and is ignored: it follows from their order
                before = heading + facet_bytes*(facet - 1) + 12*n + 4*(k - 1)
                value = transfer(text(before + 1:before + 4), value)
                if (.not. ieee_is_finite(value)) then

@@ -131,7 +131,7 @@ contains
       end if
    end subroutine spread_numbers
 
-   !> Voxels along x, y and z: data of two directions lie in the plane of x and z.
+   !> Voxels along x, y and z: data of two directions are in the plane of x and z.
    pure function extent_in_space(extent) result(whole)
       integer, intent(in) :: extent(:)                   !! The fastest first
       integer :: whole(3)

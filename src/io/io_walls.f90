@@ -15,7 +15,7 @@ module io_walls
    public :: walls_t, walls_write
 
    character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
-   character(len=*), parameter :: group = "/walls"       !! What the walls are
+   character(len=*), parameter :: group = "/walls"       !! Names and types of the walls
    integer, parameter, public :: wall_name_length = 96   !! Longest name of a wall
    real(wp), parameter, public :: never = 1.0e30_wp      !! Time that is not reached in any unit [s]
    integer, parameter :: cell_types(4) = [1, 3, 5, 9]    !! Of VTK: vertex, line, triangle, quad
@@ -39,8 +39,8 @@ module io_walls
 
 contains
 
-   !> Number of the wall of a name, type and time, which becomes a new one if there is none. Rigid
-   !! regions are walls of their own.
+   !> Number of the wall with a given name, type and time; a new wall if none exists. Each rigid
+   !! region is a separate wall.
    pure subroutine walls_name_wall(self, name, kind, face, begin, end, wall)
       class(walls_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Region or face
