@@ -124,11 +124,11 @@ contains
       columns%further = chosen(all_ledger + all_errors + 1:)
    end subroutine choose_history
 
-   !> Take a column, unless it is taken already.
+   !> Select a column, unless it is already selected.
    pure subroutine take(number, list, chosen)
       integer, intent(in) :: number                  !! Index
       integer, allocatable, intent(inout) :: list(:) !! In their order
-      logical, intent(inout) :: chosen(:)            !! Those that are taken
+      logical, intent(inout) :: chosen(:)            !! Selected columns
 
       if (.not. chosen(number)) list = [list, number]
       chosen(number) = .true.
@@ -137,7 +137,7 @@ contains
    !> Error message for a name; empty if it is valid.
    pure function find_fault(name, number, with_exact, grid, with_gravity) result(text)
       character(len=*), intent(in) :: name           !! As in the deck
-      integer, intent(in) :: number                  !! Of the column, 0 = there is none
+      integer, intent(in) :: number                  !! Of the column, 0 = none
       logical, intent(in) :: with_exact              !! Is there an exact solution?
       type(grid_t), intent(in) :: grid               !! The grid and its directions
       logical, intent(in) :: with_gravity            !! Is there gravity?

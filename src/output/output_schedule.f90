@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> When an output is due: at equal intervals of time, at listed times, or every so many steps. The
+!> When an output is due: at equal intervals of time, at listed times, or every n-th step. The
 !! time step is not adapted to it: an output is written after the first step that reaches its time.
 module output_schedule
    use base_constants, only: unset

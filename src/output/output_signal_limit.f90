@@ -19,7 +19,7 @@ module output_signal_limit
    public :: add_signal_limit, find_signal_limit, signal_limit_t
 
    real(wp), parameter :: factors(7) = [1.25_wp, 1.5_wp, 2.0_wp, 3.0_wp, 5.0_wp, 10.0_wp, 30.0_wp]
-   integer, parameter :: hundred = 100               !! One particle in so many is few
+   integer, parameter :: hundred = 100               !! Few: at most one particle in this number
 
    !> Cost of few particles that limit the steps.
    type :: signal_limit_t
@@ -138,7 +138,7 @@ contains
       real(wp), intent(in) :: wave(:, :)             !! (tile, store) [m/s]
       real(wp), intent(in) :: bound(:, :)            !! (tile, store) [m/s]
       real(wp), intent(in) :: speed                  !! [m/s]
-      integer(int64), intent(in) :: few              !! More than so many are not few
+      integer(int64), intent(in) :: few              !! Greatest number that counts as few
       integer :: index, tile, p
 
       number = 0

@@ -264,8 +264,8 @@ contains
       name = "output"//stream%file(len(self%case) + 1:)
    end function counter_name
 
-   !> Take the counters from a checkpoint. Streams added to the deck since then start from zero. The
-   !! state of the schedules follows from the time, because intervals may have changed.
+   !> Restore the counters from a checkpoint. Streams added to the deck since then start from zero.
+   !! The state of the schedules follows from the time, because intervals may have changed.
    subroutine outputs_load(self, state)
       class(outputs_t), intent(inout) :: self
       type(state_t), intent(in) :: state             !! Of the checkpoint

@@ -120,7 +120,7 @@ contains
       if (near /= "") text = text//"; did you mean '"//near//"'?"
    end function listed
 
-   !> Names of the walls that can bear a force, and their indices among the sums.
+   !> Names of the walls that can have a force, and their indices among the sums.
    pure subroutine list_walls(simulation, names, place)
       type(simulation_t), intent(in) :: simulation
       type(text_t), allocatable, intent(out) :: names(:) !! (wall)
