@@ -89,7 +89,7 @@ contains
       end do
    end subroutine check_bodies
 
-   !> A speed needs a direction, and takes the place of a velocity.
+   !> A speed needs a direction and replaces a velocity.
    subroutine check_speed(deck, body)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: body                  !! The &body
@@ -202,7 +202,7 @@ contains
       allocate (body%given, source=disks)
    end subroutine pack_disks
 
-   !> Particles from a list, if region and packing request it, and the fields they take from it.
+   !> Particles from a list, if region and packing request it, and the fields that the list gives.
    subroutine read_points(deck, simulation, group, shape, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid

@@ -18,15 +18,16 @@ module scene_body_placement
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
    real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that a body may reach
    real(wp), parameter :: most_identities = 4.0e18_wp !! 64-bit integers end at 9e18
-   !> Of the speed of waves, from which on bodies that meet are strained by a quarter and more [1]
+   !> Impact speed over wave speed above which colliding bodies are strained by a quarter or more
+   !! [1]
    real(wp), parameter :: fast = 0.5_wp
    real(wp), parameter :: thinnest = 2.0_wp          !! Cells across a body
    real(wp), parameter :: round_off = 1.0e-9_wp      !! Of lengths, in cells
 
 contains
 
-   !> Refuse bodies of too many particles or tiles. Needs no survey, whose work grows
-   !! with the number of points.
+   !> Refuse bodies with too many particles or tiles. The test needs no survey, because the cost of
+   !! a survey grows with the number of particles.
    subroutine check_size(deck, grid, bodies, most_points, force)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
@@ -97,8 +98,8 @@ contains
       end do
    end subroutine check_placement
 
-   !> Warn of bodies that meet so fast that a material without yield strength or failure is strained
-   !! beyond the range of a law of small elastic strains.
+   !> Warn of impacts fast enough to strain a material without yield strength or failure beyond the
+   !! range of a law of small elastic strains.
    subroutine check_elastic(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation   !! Materials, walls
@@ -146,7 +147,7 @@ contains
       end if
    end subroutine refuse_empty
 
-   !> Warn if a part of a body lies outside the grid. Parts behind a mirror plane are images and are
+   !> Warn if a part of a body is outside the grid. Parts behind a mirror plane are images and are
    !! not counted.
    subroutine check_outside(deck, simulation, body, place)
       type(deck_t), intent(inout) :: deck            !! Collects errors

@@ -208,7 +208,7 @@ contains
       direction = (face + 1)/2
       if (dimension == "") return
       if (allocated(condition)) then
-         ! material in plane strain lies between mirrors and does not move along y
+         ! material in plane strain is between mirrors and does not move along y
          if (direction == 2 .and. dimension == "plane_strain" .and. condition%slides() .and. &
             .not. (condition%has_friction() .or. boundary%given("region") .or. &
             boundary%given("temperature") .or. boundary%given("t_on") .or. &

@@ -19,7 +19,7 @@ module scene_contact
    public :: bond_stores, contact_columns, contact_text, declare_contact, read_contact, store_name
 
    integer, parameter, public :: most_fields = 8     !! Their pairs grow as the square
-   character(len=1), parameter :: any_body = "*"     !! Stands for every body
+   character(len=1), parameter :: any_body = "*"     !! Matches every body
 
 contains
 
@@ -240,7 +240,8 @@ contains
       end do
    end subroutine refuse_others
 
-   !> Each pair of velocity field and material gets a store of its own, those of a field in a row.
+   !> Assign a separate store to each pair of velocity field and material; the stores of a field are
+   !! consecutive.
    subroutine share_out(contact, simulation, bodies)
       type(contact_t), intent(inout) :: contact      !! Gets the stores of its fields
       type(simulation_t), intent(inout) :: simulation !! In the end one material a store
@@ -340,7 +341,7 @@ contains
       end do
    end subroutine names_of
 
-   !> How many of two names stand for any body.
+   !> Number of names, of two, that match any body.
    pure integer function wild_cards(names) result(wild)
       type(text_t), intent(in) :: names(2)
 

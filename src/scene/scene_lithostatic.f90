@@ -157,7 +157,7 @@ contains
       end do
    end function mass_above
 
-   !> Body that bears its weight and holds a place; 0 if there is none.
+   !> Body that supports its own weight and contains a position; 0 if none.
    pure integer function body_at(grid, bodies, place) result(body)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)

@@ -11,7 +11,7 @@ module scene_method_defaults
 
    public :: set_method_defaults
 
-   !> Share of unseen node velocities in the strain where not all material is elastic [1]
+   !> Fraction of unresolved node velocities in the strain unless all material is elastic [1]
    real(wp), parameter, public :: unseen_usual = 0.2_wp
 
 contains

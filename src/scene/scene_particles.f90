@@ -327,7 +327,7 @@ contains
       end do
    end subroutine add_spin
 
-   !> Index of the body that a particle belongs to.
+   !> Index of the body of a particle.
    pure integer function body_of(bodies, identity) result(body)
       type(body_t), intent(in) :: bodies(:)
       integer(int64), intent(in) :: identity         !! Of the particle

@@ -166,7 +166,7 @@ contains
       allocate (body%given, source=given)
    end subroutine pack_points
 
-   !> Of a list that names materials a body takes the points of its own.
+   !> From a list with names of materials, a body uses the points of its own material.
    subroutine choose_material(deck, group, list, meant)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
@@ -321,11 +321,11 @@ contains
          " points are larger than a cell: the material has gaps; use larger cells or more "// &
          "points", "region")
    end subroutine check_sizes
-   !> True for fields that particles take from a snapshot in addition to position and volume. They
+   !> True for fields that particles read from a snapshot in addition to position and volume. They
    !! get new identities.
    pure logical function comes_from_file(name, stress) result(yes)
       character(len=*), intent(in) :: name           !! Of the field
-      logical, intent(in) :: stress                  !! Is the stress wanted?
+      logical, intent(in) :: stress                  !! Is the stress requested?
 
       select case (name)
       case ("identity", "body", "material", "position", "volume", "reference", "density", "speed", &
@@ -345,7 +345,7 @@ contains
       type(material_t), intent(in) :: material       !! Its material
       type(traits_t), intent(in) :: traits           !! Particle fields that the method needs
       type(point_region_t), intent(in) :: points
-      logical, intent(in) :: stress                  !! Is the stress wanted?
+      logical, intent(in) :: stress                  !! Is the stress requested?
       type(field_requests_t) :: requests
       type(text_t), allocatable :: missing(:)
       integer :: n, k

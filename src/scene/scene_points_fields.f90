@@ -21,7 +21,7 @@ module scene_points_fields
 
    integer, parameter :: piece = 1048576             !! Rows that are read at once
 
-   !> Puts values of rows into the particles of a store that stand for them.
+   !> Copies values of rows to the corresponding particles of a store.
    type, extends(field_worker_t) :: putter_t
       character(len=:), allocatable :: name
       integer :: count = 0                           !! Particles of the body

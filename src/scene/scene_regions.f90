@@ -266,8 +266,8 @@ contains
       translate = translate + (centre - turned)
    end subroutine keep_centre
 
-   !> A box, sphere or cylinder. In directions without cells a box is unbounded and a
-   !! centre lies where the particles are.
+   !> A box, sphere or cylinder. In directions without cells a box is unbounded and the centre is at
+   !! the coordinate of the particles.
    subroutine build_simple(grid, group, word, holder)
       type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group

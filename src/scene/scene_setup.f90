@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Sets up a simulation without particles from a deck that `check_deck` has checked. `program_plan`
-!! calls it for a run and for `--check`; `scene_first_state` comes next.
+!! calls it for a run and for `--check`; then `scene_first_state` adds the particles.
 module scene_setup
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -42,7 +42,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(body_t), allocatable, intent(out) :: bodies(:) !! Simulation to build
       type(named_shape_t), allocatable, intent(out) :: shapes(:)
-      integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
+      integer, intent(in), optional :: coarser       !! Factor on the cell size of the deck
       integer :: n
 
       call read_materials(deck, simulation)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Numbers that only forgotten or mistaken units explain. They are allowed, so this only warns.
+!> Warnings of values that suggest forgotten or mistaken units. The values are allowed.
 module scene_unit_warnings
    use base_constants, only: pi
    use base_deck, only: deck_t, group_t

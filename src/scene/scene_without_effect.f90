@@ -114,7 +114,7 @@ contains
       end do
    end subroutine warn_of_walls
 
-   !> Whether the bounds of a region do not meet the grid.
+   !> True if the bounds of a region and the grid do not overlap.
    pure logical function is_outside(simulation, wall) result(outside)
       type(simulation_t), intent(in) :: simulation
       type(wall_t), intent(in) :: wall
