@@ -20,7 +20,7 @@ module constitutive_eos
    contains
       procedure :: declare => eos_declare            !! Declares its keys, if it has any
       procedure :: fault => eos_fault                !! Error in the combination of its keys
-      procedure :: take_file => eos_take_file        !! Takes the text of its file, if it has one
+      procedure :: take_file => eos_take_file        !! Receives the text of its file, if any
       procedure :: read => eos_read                  !! Reads its keys, if it has any
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure :: has_pores => eos_has_pores        !! True if its material is porous
@@ -97,7 +97,7 @@ contains
       text = ""
    end function eos_fault
 
-   !> Take the text of the file that belongs to the equation of state, before its keys are read.
+   !> Receive the text of the file of the equation of state, before its keys are read.
    subroutine eos_take_file(self, text, path, group, fault, doubt)
       class(eos_t), intent(inout) :: self
       character(len=*), intent(in) :: text                     !! Content of the file

@@ -2,8 +2,8 @@
 !> Radial return to a yield stress that hardens with a power of the plastic strain, for groups of
 !! particles that are the lanes of vectors.
 !!
-!! Newton's method takes all lanes of a group until the last one has its plastic increment. A
-!! converged lane is not changed, so that its bits do not depend on its neighbours.
+!! Newton's method iterates all lanes of a group until the last one has converged. Converged lanes
+!! do not change, so their bits do not depend on their neighbours.
 module constitutive_hardening
    use base_elementary, only: take_fast_powers, take_logarithms
    use base_kinds, only: wp
@@ -160,11 +160,11 @@ contains
 
    !> One step of Newton's method in the lanes that are not done.
    !!
-   !! A lane is done if its stress is right to the tolerance, or if the second derivative of the
-   !! yield stress allows no larger error after a step that is short beside the increment. A step
-   !! out
-   !! of the bracket upwards halves the bracket. One downwards comes from a steep start of hardening
-   !! far below and shortens it much more, as steps from below do not pass the root.
+   !! A lane has converged if its stress is right to the tolerance, or if the second derivative of
+   !! the yield stress bounds the error after a step that is short compared with the increment. A
+   !! step beyond the upper end of the bracket is replaced by bisection. A step beyond the lower end
+   !! is due to steep initial hardening far below; it is replaced by a much shorter bracket, because
+   !! steps from below do not pass the root.
    ! gate: long kernel because a step of Newton's method needs value, slope, curvature and bracket
    pure subroutine improve(filled, power, base, hardening, lanes)
       integer, intent(in) :: filled                  !! Lanes

@@ -217,9 +217,9 @@ contains
       end do
    end subroutine deform
 
-   !> Turn the gradient C that is referred to the middle of the step into dt L, where L is the
-   !! velocity gradient that is constant over the step and makes the same motion, and take the
-   !! volume and the mean from the stress.
+   !> Convert the gradient C, which refers to the middle of the step, to dt L with the constant
+   !! velocity gradient L of the same motion, update the volume, and move the mean stress into
+   !! `pressure`.
    !!
    !! From exp(dt L) = I + G follows dt L = 2 artanh(C/2) = C + C**3/12 + C**5/80 + C**7/448 +
    !! C**9/2304 + ... The next term is C**11/11264; in turns of 50 steps a stress lags by 1e-14.
@@ -275,8 +275,8 @@ contains
    !! The rotation is that of T. J. R. Hughes, J. Winget, "Finite rotation effects in numerical
    !! integration of rate constitutive equations arising in large-deformation analysis", Int. J.
    !! Numer. Meth. Eng. 15 (1980) 1862, in closed form and orthogonal to round-off. Half of the
-   !! strain is added before the rotation and half after it, which makes the step of second order.
-   !! On return the stress is a deviator and the pressure is the old mean pressure with its viscous
+   !! strain is added before the rotation and half after it, so the step is of second order. On
+   !! return the stress is a deviator and the pressure is the old mean pressure with its viscous
    !! part. Equation (A.2).
    pure subroutine predict_deviator(first, last, plane, shear, gradient, volume, stress, &
       old_volume, dilatation, pressure)
@@ -336,7 +336,7 @@ contains
       end do
    end subroutine predict_deviator
 
-   !> The same where y is a direction of its own: gradients and stresses with one index y are zero,
+   !> The same if y is decoupled: gradients and stresses with one index y are zero,
    !! and rotations are about y.
    ! gate: long kernel because it is the step of all fields of a particle
    pure subroutine predict_plane(first, last, shear, gradient, volume, stress, old_volume, &
@@ -392,8 +392,8 @@ contains
       end do
    end subroutine predict_plane
 
-   !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) that belongs to the
-   !! spin increment W with axial vector w. Equation (A.3).
+   !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) of the spin
+   !! increment W with axial vector w. Equation (A.3).
    ! gate: long kernel because a tensor in registers is six numbers
    pure subroutine rotate(a, wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
       real(wp), intent(in) :: a                      !! 1/(1 + w w/4) [1]

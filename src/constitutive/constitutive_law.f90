@@ -32,7 +32,7 @@ module constitutive_law
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
       procedure :: supports_voids => law_supports_voids !! True if its material may be porous
-      procedure :: grows_pores => law_grows_pores    !! True if it has pores of its own
+      procedure :: grows_pores => law_grows_pores    !! True if the law has pores
       procedure :: initial_porosity => law_initial_porosity !! Porosity of the reference state
       procedure :: softens_by_damage => law_softens_by_damage !! True if damage lowers its strength
       procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
@@ -135,7 +135,7 @@ contains
       has = .false.
    end function law_has_grains
 
-   !> True if the law needs an equation of state of its own kind.
+   !> True if the law needs an equation of state of a special kind.
    pure logical function law_needs_eos(self) result(needs)
       class(law_t), intent(in) :: self
 
@@ -177,7 +177,8 @@ contains
       uses = .false.
    end function law_uses_jc_rate
 
-   !> True if the law flows: it takes energy, and damage by plastic strain can follow it.
+   !> True if the law flows plastically: it dissipates energy, and damage by plastic strain is
+   !! possible.
    pure logical function law_is_plastic(self) result(plastic)
       class(law_t), intent(in) :: self
 
@@ -264,8 +265,8 @@ contains
 
    !> Trial deviator times strain increment, s* : e. With it laws find the work that the mean of the
    !! stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for the
-   !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. The stress after the step alone would
-   !! take energy from grains that had no stress on contact.
+   !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. With the stress after the step alone,
+   !! grains without stress would lose energy on contact.
    pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

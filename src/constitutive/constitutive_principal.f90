@@ -10,7 +10,7 @@ module constitutive_principal
 contains
 
    !> Principal values in falling order, and their axes, by the rotations of C. G. J. Jacobi, which
-   !! leave axes orthogonal to round-off however close the values are.
+   !! keep the axes orthogonal to round-off even for nearly equal values.
    pure subroutine principal(tensor, values, axes)
       real(wp), intent(in) :: tensor(6)              !! xx, yy, zz, xy, yz, xz
       real(wp), intent(out) :: values(3)             !! The greatest first

@@ -112,8 +112,8 @@ contains
       total = e(1)**2 + e(2)**2 + e(3)**2 + 2.0_wp*(e(4)**2 + e(5)**2 + e(6)**2)
    end function square
 
-   !> Right-handed frame whose third axis is that of the rotation (T. Duff and others, J. Comput.
-   !! Graphics Tech. 6 (2017) 1), and z without rotation.
+   !> Right-handed frame with the axis of rotation as third axis, or z without rotation (T. Duff and
+   !! others, J. Comput. Graphics Tech. 6 (2017) 1).
    pure subroutine make_frame(w, angle, frame)
       real(wp), intent(in) :: w(3)                   !! Rotation vector [1]
       real(wp), intent(in) :: angle                  !! Its length [1]
@@ -189,8 +189,8 @@ contains
    end subroutine advance
 
    !> exp(-y), f1(y) = (1 - exp(-y))/y and f2(y) = (1 - f1(y))/y, by their series where the
-   !! differences would lose digits. So many terms are taken that the first one left out is below
-   !! round-off: most steps turn and relax by less than a thousandth.
+   !! differences would lose digits. The series is cut where the next term is below round-off: most
+   !! steps turn and relax by less than a thousandth.
    pure subroutine functions(y, decay, f1, f2)
       complex(wp), intent(in) :: y                   !! Real part not below 0 [1]
       complex(wp), intent(out) :: decay              !! exp(-y)

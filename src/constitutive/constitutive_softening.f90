@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Tensile strength that falls while a crack opens, so that the crack takes the same energy per area
-!! for every cell size: crack bands (Z. P. Bazant, B. H. Oh, Mater. Struct. 16 (1983) 155).
+!> Tensile strength that falls while a crack opens, so that the crack dissipates the same energy per
+!! area for every cell size: crack bands (Z. P. Bazant, B. H. Oh, Mater. Struct. 16 (1983) 155).
 !!
 !! A crack opens in a band as wide as a cell, L in the direction of the greatest principal stress.
 !! With the elastic strain e of the material without cracks, D e is the opening of cracks
@@ -14,8 +14,8 @@
 !! Desmorat, "Engineering Damage Mechanics", 2005, on cracks that close): a closed crack supports
 !! pressure.
 !!
-!! Particles carry the stress that acts. The one without cracks comes from it by division, before
-!! the trial of a step, so that no particle carries a second stress. Equations (F.8), (F.9) and
+!! Particles carry the stress reduced by cracks. Division gives the stress without cracks before the
+!! trial stress of a step, so that no particle stores a second stress. Equations (F.8), (F.9) and
 !! (F.10) of doc/theory/failure.md.
 module constitutive_softening
    use base_deck_group, only: group_t
@@ -37,8 +37,8 @@ module constitutive_softening
       real(wp) :: energy = 0.0_wp                    !! Gf, of a crack per area [J/m2]
       real(wp) :: strength = 0.0_wp                  !! Principal stress that opens cracks [Pa]
       real(wp) :: limit = 0.0_wp !! Principal strain; 0 with a stress criterion [1]
-      !> Width of the band that opens across an edge of the grid, set by the scene: one cell where
-      !! the gradient of a cell is that of its own nodes, more where gradients are smoother [cells]
+      !> Width of the band that opens across an edge of the grid, set by the scene: one cell if the
+      !! gradient of a cell uses its own nodes only, more for smoother gradients [cells]
       real(wp) :: width = 1.0_wp
       logical :: exponential = .false.               !! The curve; else linear
       real(wp) :: shear = 0.0_wp                     !! Shear modulus of the material [Pa]
@@ -48,7 +48,7 @@ module constitutive_softening
       procedure :: band_fault => softening_band_fault !! Error in the cell size
       !> Stress without cracks, before the trial
       procedure :: restore_uncracked_stress => softening_restore_stress
-      procedure :: open_cracks => softening_open_cracks !! Lets cracks open, and stress that acts
+      procedure :: open_cracks => softening_open_cracks !! Opens cracks and reduces the stress
       !> Energy that the stress that acts hides
       procedure :: hidden_energy => softening_hidden_energy
    end type softening_t
@@ -110,10 +110,9 @@ contains
          "cracks take either an energy or a time"
    end function softening_fault
 
-   !> Error in moduli and cell size; empty if there is none. In too large a cell the stress
-   !! falls while the cell itself springs back, and it releases more energy than the crack takes.
-   !! The limit is that of uniaxial stress and cracks in any direction of the scene. Equation
-   !! (F.11).
+   !> Error in moduli and cell size; empty if none. If the cell is too large, its elastic energy
+   !! exceeds the energy that the crack dissipates, so the stress would snap back. The limit is that
+   !! of uniaxial stress and cracks in any direction of the scene. Equation (F.11).
    pure function softening_band_fault(self, spacing, dimensions) result(text)
       class(softening_t), intent(in) :: self
       real(wp), intent(in) :: spacing                !! Cell size [m]
@@ -230,7 +229,7 @@ contains
    pure subroutine crack(softening, factor, spacing, volume, stress, particle, pressure, damage, &
       plastic_work)
       type(softening_t), intent(in) :: softening
-      real(wp), intent(in) :: factor                     !! Strength of its own [1]
+      real(wp), intent(in) :: factor                     !! Strength factor of the particle [1]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       real(wp), intent(in) :: volume                     !! [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]

@@ -83,8 +83,8 @@ module constitutive_state
    end type void_scratch_t
 
    !> Changes of the particles of one tile in one time step; scratch space. The transfer sets the
-   !! gradient, the material the other arrays. Index 1 belongs to the first particle of the range,
-   !! not of the store.
+   !! gradient, the material the other arrays. Index 1 is the first particle of the range, not of
+   !! the store.
    type :: deformation_t
       !> Plane motion: gradients and stresses with one index y are zero.
       logical :: plane = .false.

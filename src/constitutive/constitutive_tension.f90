@@ -25,7 +25,7 @@ module constitutive_tension
 
 contains
 
-   !> Take the deviator from failed particles.
+   !> Set the deviator of failed particles to zero.
    pure subroutine remove_failed_deviator(first, last, failed, stress)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -47,7 +47,7 @@ contains
       end do
    end subroutine remove_failed_deviator
 
-   !> Take the deviator from melted particles.
+   !> Set the deviator of melted particles to zero.
    pure subroutine remove_melted_deviator(first, last, melting, temperature, stress)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -133,10 +133,9 @@ contains
       end do
    end subroutine drop_failed_tension
 
-   !> Let particles fail whose damage or tension is complete, and make rubble of the failed ones.
-   !! The elastic energy that a particle loses on failing is recorded as plastic work. Equations
-   !! (A.7)
-   !! and (A.8) of doc/theory/matter.md.
+   !> Fail particles with complete damage or with tension at the limit, and turn failed particles
+   !! into rubble. The elastic energy that a particle loses on failing is recorded as plastic work.
+   !! Equations (A.7) and (A.8) of doc/theory/matter.md.
    ! gate: long kernel because failure changes all parts of the stress
    pure subroutine fail_as_rubble(first, last, strength, shear, bulk, volume, stress, pressure, &
       pressure_floor, damage, failed, plastic_work)

@@ -38,7 +38,7 @@ module damage_grady_kipp
       procedure :: read => grady_kipp_read           !! Reads its keys
       procedure :: request => grady_kipp_request     !! Requests damage and scatter
       procedure :: draw_strength => grady_kipp_draw_strength !! The weakest flaw
-      procedure :: update => grady_kipp_update       !! Lets flaws grow
+      procedure :: update => grady_kipp_update       !! Grows the flaws
    end type damage_grady_kipp_t
 
 contains

@@ -35,7 +35,7 @@ module damage_jh2
       procedure :: leaves_strength => damage_jh2_leaves_strength !! Returns true
       procedure :: read => damage_jh2_read           !! Reads its keys
       procedure :: request => damage_jh2_request     !! Requests damage and bulking
-      procedure :: update => damage_jh2_update       !! Lets the damage grow
+      procedure :: update => damage_jh2_update       !! Increases the damage
    end type damage_jh2_t
 
 contains

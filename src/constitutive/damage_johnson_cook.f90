@@ -36,7 +36,7 @@ module damage_johnson_cook
       procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! Returns true
       procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Requests damage and temperature
-      procedure :: update => johnson_cook_update     !! Lets the damage grow
+      procedure :: update => johnson_cook_update     !! Increases the damage
       procedure :: failure_strain => johnson_cook_failure_strain !! Strain to failure of a state
    end type damage_johnson_cook_t
 

@@ -86,7 +86,7 @@ contains
       call read_weibull(group, self%weibull)
    end subroutine principal_read
 
-   !> Damage, and a strength of its own for each particle.
+   !> Damage, and a separate strength for each particle.
    pure subroutine principal_request(self, requests)
       class(damage_principal_strain_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests

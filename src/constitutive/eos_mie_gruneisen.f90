@@ -4,7 +4,7 @@
 !! With y = rho/rho0, eta = 1 - 1/y and K = rho0 c0**2, in compression (y > 1) p = pH (1 - Gamma0
 !! eta/2) + Gamma0 rho0 e with pH = K eta/(1 - s eta)**2. In expansion (y < 1) the cold material has
 !! the energy c0**2 (1 - y)**2/2 and the pressure K y**2 (y - 1), and heat above it adds Gamma rho
-!! heat, where Gamma goes from Gamma0 to its value in the vapour. Equations (E.5), (E.6),
+!! heat, where Gamma changes from Gamma0 to its value in the vapour. Equations (E.5), (E.6),
 !! (E.7) and (E.8) of doc/theory/equations_of_state.md.
 module eos_mie_gruneisen
    use base_deck_group, only: group_t
@@ -118,7 +118,7 @@ contains
    end subroutine mie_gruneisen_update
 
    !> Kernel of the above.
-   ! gate: long kernel because it takes the constants one by one, as the function of a state does
+   ! gate: long kernel because the constants are separate arguments, as in the function of a state
    pure subroutine pressure_of_state(first, last, density, sound, slope, gamma, mass, volume, &
       energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range

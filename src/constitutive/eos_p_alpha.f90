@@ -154,9 +154,9 @@ contains
       end do
    end subroutine p_alpha_update
 
-   !> Distension after the step: p(alpha) = ps(alpha rho, e)/alpha meets the curve of crushing
-   !! between the old distension and 1. The first grows with alpha and the second falls, so there is
-   !! one root; regula falsi after G. Dahlquist and A. Bjoerck ("Illinois").
+   !> Distension after the step: intersection of p(alpha) = ps(alpha rho, e)/alpha with the crush
+   !! curve between the old distension and 1. The first increases with alpha and the second
+   !! decreases, so there is one root; regula falsi after G. Dahlquist and A. Bjoerck ("Illinois").
    pure subroutine crush(eos, density, energy, alpha)
       type(eos_p_alpha_t), intent(in) :: eos         !! Constants
       real(wp), intent(in) :: density                !! [kg/m3]

@@ -70,7 +70,7 @@ contains
       call self%set(angles, where_cone)
    end subroutine drucker_prager_read
 
-   !> Cone that belongs to the angles. All that friction takes becomes heat.
+   !> Cone of the angles. All frictional work becomes heat.
    pure subroutine drucker_prager_set(self, angles, where_cone)
       class(law_drucker_prager_t), intent(inout) :: self
       type(angles_t), intent(in) :: angles

@@ -83,7 +83,7 @@ contains
       supports = .false.
    end function law_jh2_supports_voids
 
-   !> Its strength goes from intact to fractured with the damage.
+   !> Its strength decreases from intact to fractured with the damage.
    pure logical function law_jh2_softens_by_damage(self) result(softens)
       class(law_jh2_t), intent(in) :: self
 

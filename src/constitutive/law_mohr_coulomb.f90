@@ -55,7 +55,7 @@ contains
       call self%set(angles)
    end subroutine mohr_coulomb_read
 
-   !> Surface that belongs to the angles. All that friction takes becomes heat.
+   !> Yield surface of the angles. All frictional work becomes heat.
    pure subroutine mohr_coulomb_set(self, angles)
       class(law_mohr_coulomb_t), intent(inout) :: self
       type(angles_t), intent(in) :: angles
@@ -114,7 +114,7 @@ contains
          call add_dilation(first, last, deformation%strength%dilation, state%plastic_dilation)
    end subroutine mohr_coulomb_update
 
-   !> One particle: deviator and pressure after the flow, and what the flow took.
+   !> One particle: deviator and pressure after the flow, and the plastic work.
    !!
    !! The work is that of the mean of the stresses before and after the step on the plastic strain,
    !! (s + s') : (s* - s')/(4 G), with s = s* - 2 G e but for the rotation.
@@ -200,7 +200,7 @@ contains
       end associate
    end subroutine return_principal
 
-   !> Shrink a deviator that round-off left outside the surface.
+   !> Shrink a deviator that is outside the surface due to round-off.
    pure subroutine draw_in(law, pressure, values)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: pressure               !! [Pa]

@@ -73,7 +73,7 @@ contains
       if (fast < slow) text = "mu_2 must not be below mu_s"
    end function mu_i_fault
 
-   !> Read the keys of the law. All that friction takes becomes heat.
+   !> Read the keys of the law. All frictional work becomes heat.
    pure subroutine mu_i_read(self, group, effects)
       class(law_mu_i_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material

@@ -45,7 +45,7 @@ contains
       call schema%require("material", "viscosity")
    end subroutine newtonian_declare
 
-   !> Read the key of the law. All that viscosity takes becomes heat.
+   !> Read the key of the law. All viscous work becomes heat.
    pure subroutine newtonian_read(self, group, effects)
       class(law_newtonian_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
@@ -69,7 +69,7 @@ contains
       follows = .true.
    end function newtonian_follows_density
 
-   !> A fluid remembers nothing.
+   !> A fluid has no state variables.
    pure subroutine newtonian_request(self, requests)
       class(law_newtonian_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -87,7 +87,7 @@ contains
          deformation%dilatation)
    end subroutine newtonian_predict_trial
 
-   !> Viscous stress, and the work that it takes.
+   !> Viscous stress and viscous work.
    pure subroutine newtonian_update(self, state, deformation, first, last, dt)
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store

@@ -53,7 +53,7 @@ contains
       call group%get("hardening", self%hardening)
    end subroutine von_mises_read
 
-   !> Perfect plasticity needs no memory, hardening needs the plastic strain.
+   !> Perfect plasticity has no state variables; hardening needs the plastic strain.
    pure subroutine von_mises_request(self, requests)
       class(law_von_mises_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
