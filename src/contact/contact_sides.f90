@@ -2,7 +2,7 @@
 !> The two sides of failed material in a body that has contact with itself.
 !!
 !! A particle belongs to one of two sides at each node: by the sign of its gradient of intact volume
-!! along the axis of the node, so that material on either side of a crack gets velocities of its own
+!! along the axis of the node, so that the two sides of a crack have separate velocities
 !! (M. A. Homel, E. B. Herbold, Int. J. Numer. Meth. Engng 109 (2017) 1013). The node has two
 !! velocities only where failed material lies between its sides. Section "Failed material" of
 !! doc/theory/contact.md.
@@ -19,10 +19,10 @@ module contact_sides
 
    integer, parameter, public :: product_rows = 11   !! Rows of sums that give the axis
    integer, parameter, public :: part_rows = 4       !! Rows of sums of both sides
-   !> Share of the volume of a node that is failed or void from which on its sides may part: a row
-   !! of particles in a cell of two rows has a fourth of the node half a cell away
+   !> Least failed or void fraction of the volume of a node for its sides to separate. In a cell
+   !! with two rows of particles one row has a fourth of the volume of a node half a cell away
    real(wp), parameter :: enough = 0.2_wp
-   real(wp), parameter :: few = 1.0e-3_wp            !! Share of a side that does not count
+   real(wp), parameter :: few = 1.0e-3_wp            !! Ignored fraction of a side
 
    !> At which nodes of its cell a particle is on the other side.
    type :: lane_bits_t
@@ -151,7 +151,7 @@ contains
    end function measure_failed
 
    !> Contribution of the cells of a tile to the gradient of the intact fraction at their nodes:
-   !! differences along the edges that meet there and have material at both ends, and the number of
+   !! differences along the edges that end there and have material at both ends, and the number of
    !! these edges. Equation (C.10).
    pure subroutine add_cell_slopes(grid, intact, patch)
       type(grid_t), intent(in) :: grid
@@ -227,7 +227,7 @@ contains
       if (axis(maxloc(abs(axis), dim=1)) < 0.0_wp) axis = -axis
    end function find_axis
 
-   !> Rotation of Jacobi that takes one pair of elements from a symmetric matrix.
+   !> Jacobi rotation that makes one pair of elements of a symmetric matrix zero.
    pure subroutine rotate(i, j, a, v)
       integer, intent(in) :: i, j                    !! Row and column
       real(wp), intent(inout) :: a(3, 3)             !! Updated

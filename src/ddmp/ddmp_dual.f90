@@ -3,15 +3,15 @@
 !!
 !! With D_ji = sum_c w_c integral_c S_j grad S_i and V_j = sum_c w_c integral_c S_j the force of the
 !! stress on the nodes is - sum_j sigma_j . D_ji and the gradient on the nodes sum_i u_i D_ji / V_j
-!! (D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379). The same D, V and
-!! alpha serve both, so the power of the force is that of the stress. Each cell satisfies
-!! sum_i D_ji = 0 and sum_i x_i D_ji = V_j for itself; hence momentum is kept and linear fields
-!! are exact for any weights w_c >= 0. The weight is twice the least fill of the nodes of the cell,
-!! at most 1: a cell with an empty node takes no part, so no force falls on a node without mass, and
-!! the fill may vary around one inside of a body without any effect. Nor is it above four times the
-!! least density of the nodes over the greatest: a node of light material beside heavy material has
-!! too little mass for the stress of the latter and would be unstable at any useful time step.
-!! Equations (M.3) and (M.14) of doc/theory/method.md.
+!! (D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379). Both use the same D, V and
+!! alpha, so the power of the force is that of the stress. Each cell satisfies sum_i D_ji = 0 and
+!! sum_i x_i D_ji = V_j separately; so momentum is conserved and linear fields are exact for any
+!! weights w_c >= 0. The weight is twice the least fill of the nodes of the cell, at most 1: a cell
+!! with an empty node has weight zero, so a node without mass gets no force, and small variations of
+!! the fill around 1 inside a body have no effect. The weight is also at most four times the least
+!! density of the nodes over the greatest: a node of light material next to heavy material has too
+!! little mass for the stress of the latter and would be unstable at any useful time step. Equations
+!! (M.3) and (M.14) of doc/theory/method.md.
 module ddmp_dual
    use base_kinds, only: wp
    use ddmp_operator, only: add_dual_force, add_dual_gradient, dual_operator_t
@@ -98,7 +98,8 @@ contains
             ! the least of these is minus the greatest density
             heavy(node) = merge(min(0.0_wp, -density), 0.0_wp, node_volume(node) > 0.0_wp)
          end do
-         ! row by row along each direction, the eight nodes of a cell meet on its first node
+         ! least value along each direction in turn: the first node of a cell gets that of its eight
+         ! nodes
          call least_around(grid, least)
          call least_around(grid, light)
          call least_around(grid, heavy)

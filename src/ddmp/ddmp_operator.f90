@@ -3,13 +3,13 @@
 !! of a tile at once.
 !!
 !! D_ji of a cell is a derivative along one direction times integrals along the three, so it is
-!! applied direction by direction: a dozen additions a component of a cell instead of 64 products.
-!! A tile is one row of numbers, three components a node, and the next node along a direction is a
-!! fixed distance in that row. Numbers that belong to no cell's first node have the weight zero.
-!! In a plane and on a line vectors have no component along y, so a node has two numbers, and
-!! integrals of products are those along a single other direction. In space all cells have the same
-!! integrals: those of products are 2 or 1 times h/6, so that sums take their place, and what is
-!! left is one factor that goes into the weights. Equation (M.3) of doc/theory/method.md.
+!! applied direction by direction: a dozen additions per component and cell instead of 64 products.
+!! A tile is a one-dimensional array with three components per node, and the next node along a
+!! direction has a constant offset. Elements that are not at the first node of a cell have weight
+!! zero. In two and one dimensions vectors have no component along y, so a node has two elements,
+!! and integrals of products are those along the single other direction. In three dimensions all
+!! cells have the same integrals: those of products are 2 or 1 times h/6, so sums replace them, with
+!! one common factor in the weights. Equation (M.3) of doc/theory/method.md.
 module ddmp_operator
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -25,7 +25,7 @@ module ddmp_operator
    !! In axisymmetry those along x depend on the radius and thus on the tile.
    type :: dual_operator_t
       integer :: parts = parts                       !! Components of a vector that count
-      integer :: numbers = 0                         !! So many a node
+      integer :: numbers = 0                         !! Elements per node
       integer :: shift(3) = 0                        !! (direction) Numbers to the next node
       !> (number, lower or upper node, direction, tile along x) Integral of a function [m]
       real(wp), allocatable :: line(:, :, :, :)
@@ -86,7 +86,7 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(inout) :: row(:)  !! (number)
       integer, intent(out) :: low                    !! First number of a cell with a weight
-      integer, intent(out) :: high                   !! Last one; below the first if there is none
+      integer, intent(out) :: high                   !! Last one; below the first if none
       integer :: cell, at
 
       row = 0.0_wp

@@ -105,7 +105,7 @@ contains
          do n = 1, points
             x = shape%local(p, direction) + half*(2.0_wp*part*(real(n, wp) - 0.5_wp) - 1.0_wp)
             x = min(max(x, low), high)
-            ! a point on the upper border belongs to the cell below it
+            ! a point on the upper border counts as in the cell below it
             k = min(floor(x), int(high) - 1)
             y = x - real(k, wp)
             alpha = 4.0_wp*rule%alpha_centre*y*(1.0_wp - y)

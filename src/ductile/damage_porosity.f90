@@ -19,7 +19,7 @@ module damage_porosity
    type, extends(damage_t) :: damage_porosity_t
       real(wp) :: final = 1.0_wp                     !! Porosity of failure [1]
    contains
-      procedure :: declare => porosity_declare       !! It has no keys of its own
+      procedure :: declare => porosity_declare       !! No keys
       procedure :: fault => porosity_fault           !! A law without pores
       procedure :: read => porosity_read             !! Reads the porosity of failure
       procedure :: request => porosity_request       !! Requests damage

@@ -160,7 +160,7 @@ contains
          steepness = (12.0_wp*shear*square/sinh_over + 2.0_wp*q1*search%start(l)*argument**2 &
             *sinh_over*factor*search%start(l)*lanes%bulk(l))/excess
          search%unit(l) = miss(l)/max(steepness, tiny(1.0_wp))
-         ! Volume to lose until pores are closed, and the flow that takes it.
+         ! Volume to lose until pores are closed, and the plastic flow that closes them.
          closing = max(lanes%porosity(l) - least, 0.0_wp)/(1.0_wp - lanes%porosity(l))
          margin = factor*search%start(l)*(lanes%trial_pressure(l) - closing*lanes%bulk(l))
          search%upper(l) = closing/max(search%unit(l)*max(margin, 0.0_wp), tiny(1.0_wp))

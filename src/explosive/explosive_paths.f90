@@ -182,7 +182,7 @@ contains
 
    contains
 
-      !> Take a path from a bend if it is earlier and open.
+      !> Use a path from a bend if it is earlier and open.
       subroutine try(bend)
          type(bend_t), intent(in) :: bend            !! Whole part before the line to the corner
          real(wp) :: time

@@ -137,7 +137,7 @@ contains
       end do
    end function sight_map_sees
 
-   !> First plane between cells that a line meets after its start.
+   !> First plane between cells that a line crosses after its start.
    pure real(wp) function first_plane(first, along) result(plane)
       real(wp), intent(in) :: first                  !! Begin in cells
       real(wp), intent(in) :: along                  !! Its extent in cells

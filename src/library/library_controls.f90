@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Quantities that a caller may change between steps: velocities of walls and rigid regions, factors
-!! of loads, gravity. A change takes effect over the step that follows, in a straight line.
+!! of loads, gravity. A change is linear over the next step.
 module library_controls
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
@@ -169,7 +169,7 @@ contains
       call load%course%steer(from, over, values)
    end subroutine steer_load
 
-   !> Index of a wall that can be steered, by its name; 0 = there is none.
+   !> Index of a controllable wall by its name; 0 = none.
    pure integer function place_of(walls, name) result(place)
       type(wall_t), intent(in) :: walls(:)
       character(len=*), intent(in) :: name
@@ -180,7 +180,7 @@ contains
       place = 0
    end function place_of
 
-   !> Index of a load by its name; 0 = there is none.
+   !> Index of a load by its name; 0 = none.
    pure integer function load_of(simulation, name) result(place)
       type(simulation_t), intent(in) :: simulation
       character(len=*), intent(in) :: name

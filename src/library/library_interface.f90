@@ -30,7 +30,7 @@ module library_interface
    type, bind(c) :: state_t
       real(c_double) :: time = 0                     !! [s]
       real(c_double) :: dt = 0                       !! Of the last step [s]
-      real(c_double) :: dt_next = 0                  !! Stable step that comes [s]
+      real(c_double) :: dt_next = 0                  !! Next stable step [s]
       real(c_double) :: time_end = 0                 !! End of the run [s]
       integer(c_int64_t) :: step = 0                 !! Steps done
       integer(c_int64_t) :: particles = 0            !! Of this rank
@@ -68,7 +68,7 @@ contains
    !! become invalid. Collective.
    integer(c_int) function scree_step(handle, steps, until) bind(c) result(code)
       type(c_ptr), value, intent(in) :: handle
-      integer(c_int64_t), value, intent(in) :: steps !! At most so many
+      integer(c_int64_t), value, intent(in) :: steps !! Maximum number of steps
       real(c_double), value, intent(in) :: until     !! No step begins from this time on [s]
       type(library_session_t), pointer :: session
 

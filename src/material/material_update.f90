@@ -39,7 +39,7 @@ module material_update
 contains
 
    !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
-   !! were set from outside: a step without deformation that takes no time.
+   !! were set from outside: a step of zero length without deformation.
    pure subroutine chain_find_rest_stress(self, state, first, last)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
@@ -232,7 +232,7 @@ contains
       end if
    end subroutine add_pressure
 
-   !> Take all stress from failed particles, if they keep none.
+   !> Set the stress of failed particles to zero, if requested.
    pure subroutine remove_stress(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store

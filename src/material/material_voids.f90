@@ -7,9 +7,9 @@
 !!
 !!    d ln rho = -(alpha d ln V + B dt),   d ln theta = (alpha - 1) d ln V + B dt
 !!
-!! Only theta is carried. Where alpha is 0 theta V is kept to round-off, and so is rho: voids open
-!! and close without pressure, and closed ones leave the pressure of the volume alone. Equation
-!! (F.17) of doc/theory/failure.md.
+!! Only theta is stored. Where alpha is 0, theta V and rho are constant to round-off: voids open and
+!! close without pressure, and closed voids do not change the pressure. Equation (F.17) of
+!! doc/theory/failure.md.
 module material_voids
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -33,7 +33,7 @@ module material_voids
       real(wp) :: expansion = 0.0_wp                 !! Of B: thermal expansion of volume [1/K]
    contains
       procedure :: read => voids_read                !! Reads the keys
-      !> Fraction of the dilatation that the material takes
+      !> Fraction of the dilatation of the material itself
       procedure :: choose_fraction => voids_choose_fraction
       procedure :: update_solid_fraction => voids_update_solid_fraction  !! Opens and closes voids
       procedure :: to_solid_volume => voids_to_solid_volume !! Volume becomes that of the solid
@@ -115,7 +115,7 @@ contains
       call group%get("b_thermal", self%expansion)
    end subroutine voids_read
 
-   !> Fraction of the dilatation that the material takes in the step, from the stress before it.
+   !> Fraction of the dilatation of the material itself in the step, from the stress before it.
    pure subroutine voids_choose_fraction(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -222,8 +222,8 @@ contains
       state%volume(first:last) = state%volume(first:last)*state%solid_fraction(first:last)
    end subroutine voids_to_solid_volume
 
-   !> Volumes before and after the step become those of the material itself, which takes its part of
-   !! the dilatation. The volume of the motion is left in `whole_volume`.
+   !> Volumes before and after the step become those of the material itself, without the dilatation
+   !! of voids. The volume with voids is stored in `total_volume`.
    pure subroutine voids_to_solid_volumes(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -271,8 +271,8 @@ contains
       end do
    end subroutine expand_grains
 
-   !> Share of grains that expand, theta exp(growth) but not above 1, with the positive Pade
-   !! approximant of order (2, 2), which cooling takes back to round-off.
+   !> Volume fraction of grains that expand, theta exp(growth) but at most 1, with the positive Pade
+   !! approximant of order (2, 2), which cooling reverses to round-off.
    pure real(wp) function expanded_fraction(solid_fraction, growth) result(fraction)
       real(wp), intent(in) :: solid_fraction         !! Before [1]
       real(wp), intent(in) :: growth                 !! Of the logarithm of their volume [1]

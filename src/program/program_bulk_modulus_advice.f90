@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Advice to lower the bulk modulus of a slow flow that would take many steps because of it. Section
+!> Advice to lower the bulk modulus of a slow flow, where a high modulus causes many steps. Section
 !! "Stiffness of slow flows" of doc/theory/time_step.md.
 module program_bulk_modulus_advice
    use base_kinds, only: int64, wp

@@ -146,7 +146,7 @@ contains
       call check_command(command, error)
    end subroutine parse_command_line
 
-   !> Take the argument that is not an option as the deck.
+   !> Use the argument that is not an option as the deck.
    subroutine set_deck(argument, command, error)
       character(len=*), intent(in) :: argument           !! Path of a deck
       type(command_t), intent(inout) :: command          !! Gets the deck
@@ -254,7 +254,7 @@ contains
       if (text /= "") text = "; did you mean --"//text//"?"
    end function suggested_option
 
-   !> Take the next argument as value of an option that needs one. The file of --restart is optional
+   !> Use the next argument as value of an option that needs one. The file of --restart is optional
    !! and must end in .h5, since the next argument may be the deck.
    subroutine find_value(arguments, next, option, value)
       type(text_t), intent(in) :: arguments(:)           !! All arguments
@@ -335,7 +335,7 @@ contains
       end select
    end subroutine apply_option
 
-   !> Refuse an option without the value that it takes.
+   !> Refuse an option without its value.
    subroutine require_value(option, value, error)
       type(option_t), intent(in) :: option
       character(len=:), allocatable, intent(in) :: value !! Value

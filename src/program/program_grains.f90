@@ -35,7 +35,7 @@ module program_grains
    public :: run_grains
 
    real(wp), parameter :: grain_steps_per_second = 5.0e6_wp !! For estimates, of one core
-   integer, parameter :: grains_per_thread = 300     !! Fewest that pay
+   integer, parameter :: grains_per_thread = 300     !! Fewest for a speed-up
 
 contains
 

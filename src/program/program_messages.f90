@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Codes of messages, such as D209, and what `scree --explain` and `scree --list messages` print
-!! about them. The texts are those of src/program/messages. A message gets its code where it is
-!! printed, by its words, so that the code which reports an error knows nothing of codes.
+!! about them. The texts are those of src/program/messages. The code of a message follows from its
+!! text when it is printed, so the procedures that report errors do not contain codes.
 module program_messages
    use base_error, only: error_t, exit_input, fail
    use base_text, only: append, buffer_t, join, lower, split, text_t
@@ -12,7 +12,7 @@ module program_messages
    public :: add_codes, coded, explain_message, is_message, message_code, message_list, with_code
 
    character(len=*), parameter :: newline = new_line("a")
-   character(len=*), parameter :: wildcard = "..."  !! Stands for any text in a pattern
+   character(len=*), parameter :: wildcard = "..."  !! Any text in a pattern
    integer, parameter :: columns = 80               !! Width of explanations
    integer, parameter :: most_similar = 5           !! Messages that are suggested
 
@@ -50,7 +50,7 @@ contains
       with_codes = buffer%content()
    end subroutine add_codes
 
-   !> A text with codes, and the hint how to read more in a line of its own.
+   !> A text with codes; the hint how to read more is on a separate line.
    function coded(text) result(with_codes)
       character(len=*), intent(in) :: text          !! One or more lines
       character(len=:), allocatable :: with_codes, hint
@@ -133,7 +133,7 @@ contains
 
    !> The code in a text: alone, in brackets at the end of a line, or that of the message.
    subroutine find_code(words, code)
-      character(len=*), intent(in) :: words         !! What the user gave
+      character(len=*), intent(in) :: words         !! Words of the user
       character(len=:), allocatable, intent(out) :: code !! Empty without one
       integer :: i
 
@@ -149,10 +149,10 @@ contains
       end if
    end subroutine find_code
 
-   !> Up to five messages that share words with a text, each in a line of its own.
+   !> Up to five messages that share words with a text, one per line.
    function similar_messages(messages, text) result(lines)
       type(message_t), intent(in) :: messages(:)    !! All messages
-      character(len=*), intent(in) :: text          !! What the user wrote
+      character(len=*), intent(in) :: text          !! Text of the user
       character(len=:), allocatable :: lines
       type(text_t), allocatable :: words(:)
       integer, allocatable :: shared(:)

@@ -85,7 +85,7 @@ contains
       class(run_setup_t), intent(in) :: setup
       type(trial_t), intent(in) :: trial             !! Its first steps
       real(wp), intent(inout) :: seconds             !! Of the first steps in, of the run out [s]
-      real(wp), intent(inout) :: steps               !! Likewise, number of steps
+      real(wp), intent(inout) :: steps               !! Number of steps, scaled too
       character(len=:), allocatable, intent(out) :: basis !! Basis of the estimate, for the user
       type(trial_t) :: copy
       real(wp) :: left, cost, more, most
@@ -145,7 +145,7 @@ contains
       steps = scale*late
    end function steps_left
 
-   !> Ratio of cell sizes with which the copy takes about `copy_seconds`. If possible an integer
+   !> Ratio of cell sizes for which the copy runs about `copy_seconds`. If possible an integer
    !! number of its cells fits the grid.
    pure integer function cell_size_ratio(grid, seconds) result(coarser)
       type(grid_t), intent(in) :: grid               !! Of the run

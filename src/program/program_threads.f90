@@ -29,7 +29,7 @@ module program_threads
 
 contains
 
-   !> Share the cores of a node between its ranks, unless OMP_NUM_THREADS is set.
+   !> Divide the cores of a node among its ranks, unless OMP_NUM_THREADS is set.
    subroutine share_cores()
       if (is_set("OMP_NUM_THREADS")) return
       call omp_set_num_threads(max(1, min(omp_get_num_procs(), cores_here()/ranks_here())))

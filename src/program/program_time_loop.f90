@@ -65,9 +65,9 @@ contains
       call test_criteria(self, simulation, limits)
    end subroutine time_loop_begin
 
-   !> Do one step, write what is due after it, and test whether it was the last one. Without an
-   !! error the state is that of a run that has made all its steps in one call. After an error the
-   !! last valid checkpoint is unchanged. Collective.
+   !> Do one step, write the outputs due after it, and test whether it was the last one. Without an
+   !! error the state is the same as after a run with all steps in one call. After an error the last
+   !! valid checkpoint is unchanged. Collective.
    subroutine time_loop_step(self, simulation, outputs, place, limits, log, error)
       class(time_loop_t), intent(inout) :: self      !! Not finished
       type(simulation_t), intent(inout) :: simulation
@@ -132,8 +132,8 @@ contains
       self%reason = reason
    end subroutine test_criteria
 
-   !> Write the present state to all streams that have not written it yet. What is due later does
-   !! not change. Collective.
+   !> Write the present state to all streams that have not written it yet. Outputs due later do not
+   !! change. Collective.
    subroutine time_loop_write_all(self, simulation, outputs, log, error)
       class(time_loop_t), intent(in) :: self
       type(simulation_t), intent(inout) :: simulation

@@ -41,11 +41,11 @@ module tabulated_states
       real(wp) :: energy(most_lanes)                 !! (in) [J/kg]
       integer :: row(most_lanes)                     !! Density below it
       integer :: column(most_lanes)                  !! Temperature below it
-      real(wp) :: across(most_lanes)                 !! Share of the next density [1]
-      real(wp) :: along(most_lanes)                  !! Share of the next temperature [1]
+      real(wp) :: across(most_lanes)                 !! Weight of the next density [1]
+      real(wp) :: along(most_lanes)                  !! Weight of the next temperature [1]
    end type cell_lanes_t
 
-   !> Shares may leave their cell by so much at the edge of the table: rounding.
+   !> Tolerance of the weights for rounding at the edge of the table.
    real(wp), parameter :: slack = 1.0e-9_wp
 
 contains
@@ -230,7 +230,7 @@ contains
    pure subroutine mix_nodes(lanes, nodes, offset, value, mixed)
       type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
       integer, intent(in) :: nodes                   !! Temperatures of the table
-      integer, intent(in) :: offset                  !! The result of lane l goes to offset + l
+      integer, intent(in) :: offset                  !! Lane l is stored at offset + l
       real(wp), contiguous, intent(in) :: value(:)   !! (node)
       real(wp), contiguous, intent(inout) :: mixed(:) !! (range)
       real(wp) :: low, high, none
@@ -253,7 +253,7 @@ contains
    pure subroutine states_find_temperatures(self, lanes, offset, temperature)
       class(state_table_t), intent(in) :: self
       type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
-      integer, intent(in) :: offset                  !! The result of lane l goes to offset + l
+      integer, intent(in) :: offset                  !! Lane l is stored at offset + l
       real(wp), contiguous, intent(inout) :: temperature(:) !! (store) [K]
       integer :: l
 
