@@ -111,7 +111,7 @@ contains
       start = [start, size(rows) + 1]
    end subroutine append_rows
 
-   !> Bring positions, velocities and former forces of the rows of others up to date. Collective.
+   !> Update positions, velocities and previous forces of the rows of other ranks. Collective.
    subroutine exchange_grains(communicator, halo, grains)
       type(communicator_t), intent(inout) :: communicator
       type(halo_t), intent(in) :: halo

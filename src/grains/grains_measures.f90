@@ -30,13 +30,13 @@ module grains_measures
       real(wp) :: total = 0.0_wp                     !! Of all but work, with half steps
    end type energy_t
 
-   !> Counts and means of contacts. A rattler has fewer contacts than it needs to be held: two for
-   !! discs, three for spheres.
+   !> Counts and means of contacts. A rattler has fewer contacts than a grain needs for equilibrium:
+   !! two for discs, three for spheres.
    type :: contact_counts_t
       integer(int64) :: contacts = 0
       integer(int64) :: sliding = 0                  !! Those that slipped in the last step
       integer(int64) :: rattlers = 0                 !! Grains with too few contacts
-      integer(int64) :: held = 0                     !! Contacts of grains that are none, each end
+      integer(int64) :: held = 0                     !! Contacts of non-rattlers, each end
       real(wp) :: fabric(6) = 0.0_wp                 !! Mean n n, xx yy zz xy xz yz [1]
       real(wp) :: deepest = 0.0_wp                   !! Greatest overlap over mean diameter [1]
    end type contact_counts_t

@@ -243,7 +243,7 @@ contains
       if (.not. makes) makes = grains%identity(row) < grains%identity(other)
    end function leads
 
-   !> Write the pairs of a row, and link it to those that others make.
+   !> Write the pairs of a row, and link it to the pairs that other rows make.
    pure subroutine link_row(grains, near, number, own, pairs)
       type(grains_t), intent(in) :: grains
       type(neighbours_t), intent(in) :: near

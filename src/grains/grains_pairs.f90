@@ -12,7 +12,7 @@ module grains_pairs
 
    public :: pairs_t
 
-   !> Words of a history. The losses are sums over the life of the pair.
+   !> Words of a history. The losses are sums over the lifetime of the pair.
    integer, parameter, public :: tangent = 1 !! to 3: tangential force on the second grain [N]
    integer, parameter, public :: overlap = 4         !! [m]; 0 without contact
    integer, parameter, public :: dashpot = 5         !! Force of the dashpot [N]

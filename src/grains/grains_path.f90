@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The path of a cell: stages with a velocity gradient, held stresses and an end each.
+!> The path of a cell: stages, each with a velocity gradient, prescribed stresses and an end.
 module grains_path
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
@@ -24,7 +24,7 @@ module grains_path
       logical :: probe = .false.                     !! Are moduli measured at its end?
    end type stage_t
 
-   !> All stages, and where the cell is among them.
+   !> All stages, and the current one.
    type :: path_t
       type(stage_t), allocatable :: stages(:)
       integer :: now = 1                             !! Stage

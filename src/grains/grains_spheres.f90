@@ -49,7 +49,7 @@ contains
       end associate
    end subroutine push_spheres
 
-   !> Force of one pair that touches or has touched a step ago.
+   !> Force of one pair that touches or touched in the previous step.
    ! gate: long kernel because all steps from overlap to force use the same intermediate values
    pure subroutine push_pair(grains, box, law, time, dt, i, j, branch, history, push)
       type(grains_t), intent(in) :: grains
@@ -87,7 +87,7 @@ contains
       apart = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
       lever = grains%spin(:, i)*arm_i + grains%spin(:, j)*arm_j
       slide = dt*(w - apart*n - cross(lever, n))
-      ! velocities are those in the middle of the step; the forces of its start lead to its end
+      ! velocities are at the middle of the step: with the forces at its start they lead to its end
       w = w + 0.5_wp*dt*(grains%force(:, j)/grains%mass(j) - grains%force(:, i)/grains%mass(i))
       at_end = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
       former = history(overlap)

@@ -28,8 +28,8 @@ module grains_step
 
 contains
 
-   !> Find the pairs and the forces of the first state. Energy that springs hold is not counted as
-   !! lost.
+   !> Find the pairs and the forces of the first state. The elastic energy of springs does not count
+   !! as lost.
    subroutine start_cell(cell)
       type(cell_t), intent(inout) :: cell
       real(wp) :: dt
