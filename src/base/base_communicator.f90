@@ -92,7 +92,7 @@ contains
       end do
    end subroutine prefer_romio
 
-   !> Use the communicator of a program that Scree is a part of, or of a test.
+   !> Use the communicator of a host program, or of a test.
    subroutine communicator_adopt(self, handle)
       class(communicator_t), intent(out) :: self
       integer, intent(in) :: handle                   !! Fortran handle of its MPI communicator
@@ -102,9 +102,9 @@ contains
       call mpi_comm_size(self%handle, self%size)
    end subroutine communicator_adopt
 
-   !> Use a copy of the communicator of a program that Scree is a part of: its messages are not
-   !! mixed with those of that program. A failure of MPI ends the process, as it does in the program
-   !! scree, whatever the other communicator does. Collective over the other communicator.
+   !> Use a copy of the communicator of a host program, so that messages of both are not mixed. An
+   !! MPI failure ends the process, as in the program scree, whatever the error handler of the other
+   !! communicator. Collective over the other communicator.
    subroutine communicator_duplicate(self, handle)
       class(communicator_t), intent(out) :: self
       integer, intent(in) :: handle                   !! Fortran handle of the other communicator
@@ -163,7 +163,7 @@ contains
       hints = none%mpi_val
    end subroutine communicator_native
 
-   !> Wait until all ranks are here.
+   !> Wait until all ranks have reached this call.
    subroutine communicator_barrier(self)
       class(communicator_t), intent(in) :: self
 
@@ -372,12 +372,12 @@ contains
       arrived = [arrived, incoming(:filled)]
    end subroutine communicator_send_rows
 
-   !> Send messages. Between this and `complete` other work is possible, but no other exchange.
+   !> Send messages. Before `complete` the rank may do other work, but no other exchange.
    !!
    !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
    !! protocols for dynamic sparse data exchange", PPoPP 2010. A synchronous message is delivered
-   !! once it is received; a rank whose messages are delivered enters a barrier, and when the
-   !! barrier is over all messages of all ranks are.
+   !! once it is received; a rank enters a non-blocking barrier when its messages are delivered, and
+   !! at the end of the barrier all messages of all ranks are delivered.
    subroutine communicator_post(self, destination, length, posted)
       class(communicator_t), intent(inout) :: self
       integer, contiguous, intent(in) :: destination(:)        !! Rank of each message

@@ -115,7 +115,7 @@ contains
             call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "// &
                reason)
          else if (key%required .and. reason == "" .and. value%count() == 0) then
-            ! a group that is not whole, or a preset that is not known, might have given it
+            ! an incomplete group or an unknown preset might have set it
             if (.not. group%broken .and. group%valid(["preset"])) call problems%error( &
                group%path, group%first_line, label_of(group)//": "//key%name// &
                " must be given ("//key%doc//")")
@@ -150,7 +150,7 @@ contains
       holds = reason == ""
    end function applies
 
-   !> Why a key means nothing in its group; empty if it does.
+   !> Why a key has no effect in its group; empty if it has one.
    subroutine weigh(schema, key, groups, index, which, reason, sure, commanded)
       type(schema_t), intent(in) :: schema               !! Allowed values
       type(key_t), intent(in) :: key
@@ -173,7 +173,7 @@ contains
             if (other == 0) cycle
             owner = schema%groups(rule)%find(condition%key)
             sure = sure .and. groups(other)%values(owner)%valid
-            ! a preset that is not known might have given it
+            ! an unknown preset might have set it
             if (.not. groups(other)%values(owner)%given) &
                sure = sure .and. groups(other)%valid(["preset"])
             call compare(schema%groups(rule)%keys(owner), condition, groups(other)%values(owner), &

@@ -123,7 +123,7 @@ contains
       value = trim(adjustl(text(equals + 1:)))
    end subroutine take_apart
 
-   !> Find the group that is meant; a group that may be given once is made if it is not there.
+   !> Find the selected group; a group of which a deck may have one is created if absent.
    subroutine choose(rule, choice, problems, groups, filled, which)
       type(group_rule_t), intent(in) :: rule             !! Allowed values
       character(len=*), intent(in) :: choice             !! Name or number in brackets, or empty

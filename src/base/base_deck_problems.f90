@@ -309,7 +309,7 @@ contains
       end if
    end subroutine add_entry
 
-   !> Order of the entries: by file, then by line, then as found. Merges ever longer runs.
+   !> Order of the entries: by file, then by line, then as found. Bottom-up merge sort.
    subroutine sort_problems(self, files, order)
       type(problems_t), intent(in) :: self
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
