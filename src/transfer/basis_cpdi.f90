@@ -136,7 +136,7 @@ contains
          reach(k) = wanted
       end do
       call invert(edge, inverse, volume)
-      ! a number that is not one is caught as well
+      ! this comparison also catches NaN
       if (volume > flat*product(reach)) return
       edge = 0.0_wp
       inverse = 0.0_wp

@@ -33,7 +33,7 @@ module transfer_contact
    integer, parameter, public :: state_bonded = 2        !! True if a bond holds
 
    integer, parameter :: most_turns = 50             !! Of the pairs at a node
-   real(wp), parameter :: enough = 1.0e-12_wp        !! Gain over the velocities that ends the turns
+   real(wp), parameter :: enough = 1.0e-12_wp        !! Relative gain for convergence
 
    !> Contact law of a pair of bodies.
    type :: pair_law_t
@@ -104,7 +104,7 @@ contains
       push = push + along
    end subroutine restrict
 
-   !> Stress [Pa] with which a push pulls at a bond and shears it; pressure does not harm it.
+   !> Tensile and shear stress [Pa] of an impulse on a bond; pressure does not count.
    !! Equation (C.5).
    pure real(wp) function bond_traction(push, normal, area, dt) result(stress)
       real(wp), intent(in) :: push(3)                !! On the body that n leads to [kg m/s]

@@ -23,7 +23,8 @@ module transfer_cut_cells
    !> From where on nodes beyond a surface carry pressure along it, as a position on the edge that
    !! it cuts, 1 at that node; nodes outside transmit this part in addition to their own [1]
    real(wp), parameter :: half = 0.5_wp
-   !> Thinner rests of cells carry no pressure along the surface, twice as thick ones all [1]
+   !> Cell fractions below this one carry no pressure along the surface, those above twice this
+   !! carry all of it [1]
    real(wp), parameter :: thin = 0.25_wp
 
 contains

@@ -152,7 +152,7 @@ contains
       real(wp), intent(inout) :: slopes(columns, 9)          !! (lane, component)
       integer :: k, l
 
-      ! one call, so that it is inlined: without that arguments cost as much as the work
+      ! one call, so that it is inlined: otherwise passing arguments costs as much as the work
       do l = 1, 3
          do k = 1, 3
             call blend(u(k, across(1, l)), u(k, across(2, l)), u(k, across(3, l)), u(k, lanes), &
@@ -184,7 +184,7 @@ contains
       end do
    end subroutine blend
 
-   !> Velocity and position at once: velocity = f velocity + sum S_i increment_i, position =
+   !> Velocity and position together: velocity = f velocity + sum S_i increment_i, position =
    !! position + dt sum S_i advection_i, f the flip fraction.
    pure subroutine gather_motion(grid, start, first, local, increment, advection, flip_fraction, &
       dt, velocity, position)

@@ -6,7 +6,7 @@
 !! in the displacement, the columns are d + g u and u + c d along the active directions; then, for
 !! material with an internal energy, d.d/2 + g (u.u + u.d) and the moments of g u - (1 - g) d about
 !! the corner of the tile that linear velocity fields need. The velocity and the gain at a particle
-!! follow from the first two, so that g c must not be near 1. Equations (T.1), (T.2), (T.9) and
+!! follow from the first two, so g c must not be near 1. Equations (T.1), (T.2), (T.9) and
 !! (T.10) of doc/theory/transfers.md.
 module transfer_increments
    use base_kinds, only: wp
@@ -74,7 +74,7 @@ contains
          if (size(self%nodes, 1) == self%columns) return
          deallocate (self%nodes)
       end if
-      ! nodes that no particle uses are not set; their sums have no meaning
+      ! node values that no particle uses are undefined, and so are their sums
       allocate (self%nodes(self%columns, grid%tile_nodes), source=0.0_wp)
       if (allocated(self%place)) deallocate (self%place)
       allocate (self%place(3, grid%tile_nodes), source=0.0_wp)
@@ -108,7 +108,7 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
 
-      ! with a compile-time number of directions there is no loop over them
+      ! a compile-time number of directions removes the loop over them
       select case (self%axes)
       case (3)
          call set_fields(self, 3, [1, 2, 3], low, high, dt, velocity, acceleration)
@@ -291,7 +291,7 @@ contains
       do l = 1, self%axes
          do cell = 0, grid%tile_cells - 1
             corner = real(grid%cell_position(self%axis(l), cell), wp)
-            ! the last lanes are those of the next cells, which come later
+            ! the last lanes belong to the next cells, which are processed later
             do p = shape%start(cell) + 1, shape%start(cell + 1), spare
                !$omp simd
                do lane = p, p + spare - 1

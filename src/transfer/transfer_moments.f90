@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Means of a particle field around nodes with the positions that they belong to, and the slope of
-!! the field in a cell that follows from them.
+!> Means of a particle field around nodes with the positions of these means, and the slope of the
+!! field in a cell from them.
 !!
 !! The mean around a node is the value of a linear field at the centre of the averaged particles,
 !! not at the node. The difference of two means over the distance of their centres is the slope of
@@ -88,8 +88,8 @@ contains
       end do
    end subroutine divide_moments
 
-   !> Slope of the field in a cell [of the field, over a cell], 0 along directions that the scene
-   !! lacks and where the centres do not determine it.
+   !> Slope of the field in a cell [of the field, over a cell], 0 along missing directions and where
+   !! the centres do not determine it.
    pure function cell_slope(grid, node, means) result(slope)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: node                            !! First node of the cell

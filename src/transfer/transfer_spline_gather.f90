@@ -125,8 +125,8 @@ contains
       end do
    end subroutine gather_spline_gradient
 
-   !> Up to four columns of the nodes of a tile that particles touch, in place of columns that are
-   !! not there the last one.
+   !> Up to four columns of the nodes of a tile that particles touch; missing columns repeat the
+   !! last one.
    pure subroutine widen(columns, first, low, high, number, nodes, wide)
       integer, intent(in) :: columns                         !! Columns of the nodes
       integer, intent(in) :: first                           !! First particle

@@ -4,7 +4,7 @@
 !! In three dimensions products of functions along y and z of some particles are found at once, with
 !! particles as lanes. Then the particles are added one by one, with four columns as lanes, and only
 !! to the nodes that they touch: there are kernels for three and for four along each direction. The
-!! sums of a tile are kept in an array of their own, four per node, and are added to the patch at
+!! sums of a tile are kept in a separate array, four per node, and are added to the patch at
 !! the end. So cells with few particles cost little more than cells with many, and the bits of a
 !! particle do not depend on others.
 module transfer_spline_kernels

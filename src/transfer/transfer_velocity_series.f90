@@ -3,11 +3,11 @@
 !! lose.
 !!
 !! With the inner product of node masses A = 1 - S^+ S has <y, A y> = sum m_p var_p(y) >= 0, var_p
-!! the variance of node values under the functions at a particle. All that is lost is then made of
-!! <y_0, A**n y_0> with whole n: products of neighbouring terms of the series, which nodes know, and
-!! for the greatest n = 2 k - 1 the variance of the last term, which needs the particles. None
-!! depends on a uniform velocity. Terms that only carry energy from particle to particle, and add up
-!! to zero, are left out. (Derived for this program; with k = 1 it is `gather_heat` of PIC.)
+!! the variance of node values under the functions at a particle. The whole loss then consists of
+!! <y_0, A**n y_0> with integer n: products of neighbouring terms of the series, which are sums over
+!! nodes, and for the greatest n = 2 k - 1 the variance of the last term, which needs the particles.
+!! None depends on a uniform velocity. Terms that only carry energy from particle to particle, and
+!! add up to zero, are left out. (Derived for this program; with k = 1 it is `gather_heat` of PIC.)
 !! Equations (T.11) and (T.12) of doc/theory/transfers.md.
 module transfer_velocity_series
    use base_deck, only: deck_t, group_t

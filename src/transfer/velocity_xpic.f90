@@ -48,7 +48,7 @@ contains
       self%order = max(self%order, 2)
    end subroutine xpic_read
 
-   !> The lost energy is the sum of all powers from k to 2 k - 1.
+   !> The lost energy is the sum of all terms from power k to 2 k - 1.
    pure real(wp) function xpic_loss_weight(self, power) result(weight)
       class(velocity_xpic_t), intent(in) :: self
       integer, intent(in) :: power                           !! Power of A
