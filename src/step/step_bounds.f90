@@ -30,7 +30,7 @@ module step_bounds
    integer, parameter, public :: fault_large = 6      !! Expanded beyond the bound
    integer, parameter, public :: fault_fast = 7       !! Faster than the bound
 
-   !> Bounds that hold in every step; there are none until the deck sets them.
+   !> Bounds in every step; unlimited until the deck sets them.
    type :: bounds_t
       real(wp) :: ratio_min = 0.0_wp                 !! Least volume over that at rest [1]
       real(wp) :: ratio_max = sqrt(huge(1.0_wp))     !! Greatest volume over that at rest [1]

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Contact between bodies that have velocity fields of their own, on the nodes that several of them
-!! share. See doc/theory/contact.md. Each node is treated on its own, in ghost tiles as well, so the
-!! result does not depend on the number of ranks.
+!> Contact between bodies with separate velocity fields, on the nodes that several of them share.
+!! See doc/theory/contact.md. Each node is treated on its own, in ghost tiles as well, so the result
+!! does not depend on the number of ranks.
 module step_contact
    use base_kinds, only: wp
    use mesh_patch, only: assemble_greatest, ensure_patch

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Surfaces of bodies that have velocity fields of their own, on the nodes that several of them
-!! share. See doc/theory/contact.md.
+!> Surfaces of bodies with separate velocity fields, on the nodes that several of them share. See
+!! doc/theory/contact.md.
 !!
-!! Particles give the nodes their outward areas, A_i = sum V_p grad S_i, which vanish inside of a
-!! body, and then their extent along the normals of these areas. Both are exchanged between ranks as
+!! The outward areas of the nodes, A_i = sum V_p grad S_i, vanish inside of a body. The extent of
+!! the particles along the normals of these areas follows. Both are exchanged between ranks as
 !! patches.
 module step_contact_surface
    use base_kinds, only: wp
@@ -223,7 +223,7 @@ contains
       end do
    end subroutine hold
 
-   !> Areas of the nodes of all tiles; boundaries of the domain are no surfaces.
+   !> Areas of the nodes of all tiles; boundaries of the domain are not surfaces.
    subroutine sum_areas(simulation)
       type(simulation_t), intent(inout) :: simulation
       real(wp) :: began

@@ -78,7 +78,7 @@ contains
       call record_damped(ledger, taken)
    end subroutine record_damping
 
-   !> Record energy that the PIC fraction removed.
+   !> Record the energy removed by the PIC fraction.
    subroutine record_damped(ledger, energy)
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       real(wp), intent(in) :: energy                 !! [J]

@@ -286,7 +286,7 @@ contains
    end subroutine node_gradient
 
    !> May any node gain so much that its volume matters? Most tiles have none and need no volumes.
-   !! Each component is compared with a bound that holds whatever the others are.
+   !! Each component is compared with a bound that is independent of the others.
    pure logical function light_may_gain(grid, dt, acceleration) result(may)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
@@ -298,9 +298,9 @@ contains
 
    !> Bound the gain of a node of small mass in the step in the velocity that strains: its force
    !! over its mass has no bound, while particles near it gain only a fraction of the force. Node
-   !! volumes count with the weights of cells, so they show how light a node and its cells are.
-   !! Gains that move a node by less than a small fraction of a cell are not changed. Equation
-   !! (M.17) of doc/theory/method.md.
+   !! volumes count with the weights of cells, so they measure the small mass of a node and its
+   !! cells. Gains that move a node by less than a small fraction of a cell are not changed.
+   !! Equation (M.17) of doc/theory/method.md.
    pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0

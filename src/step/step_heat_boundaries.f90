@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Boundaries of the domain that are held at a temperature.
+!> Boundaries of the domain with a prescribed temperature.
 module step_heat_boundaries
    use base_kinds, only: wp
    use step_ledger, only: external_work, ledger_t

@@ -17,7 +17,7 @@ module step_load_balance
    type :: balancing_t
       logical :: allowed = .false.                   !! True if tiles may move
       integer(int64) :: every = 1                    !! Steps between two comparisons
-      real(wp) :: tolerance = 1.0_wp                 !! Greatest over mean work that is kept [1]
+      real(wp) :: tolerance = 1.0_wp                 !! Accepted greatest over mean work [1]
    end type balancing_t
 
 contains

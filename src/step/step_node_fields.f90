@@ -124,8 +124,8 @@ module step_node_fields
       !! scope
       real(wp), allocatable :: counted(:, :, :)
       real(wp), allocatable :: covered(:, :, :)      !! Patch (1): volume of full cells [m3]
-      !> (7) Factors of the three directions [1/m3], how far cells around are full [1], and of the
-      !! three directions those of the plain sums [1]
+      !> (7) Factors of the three directions [1/m3], fill of the cells around [1], and of the three
+      !! directions those of the plain sums [1]
       real(wp), allocatable :: normal(:, :, :)
       real(wp), allocatable :: present(:, :, :)      !! (1) Of all cells, with rigid regions [m3]
       real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]

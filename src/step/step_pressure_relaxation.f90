@@ -94,7 +94,8 @@ contains
       real(wp) :: steepest
       integer :: p, q
 
-      ! volume over the stiffness against its change; material without waves has no pressure either
+      ! volume over the stiffness against its change; material with zero wave speed has no pressure
+      ! either
       if (.not. minval(speed(low:high)) > 0.0_wp) return
       do p = low, high
          q = before + p
@@ -112,7 +113,8 @@ contains
          - seen*min(1.0_wp, max(0.0_wp, sum(soft*seen*excess)/share))
       share = 1.0_wp - exponential(-rate*maxval(speed(low:high)))
       steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
-      ! an expanding particle loses its own energy, of which thin gas near a shock has little
+      ! expansion work comes from the energy of the particle, which is small in thin gas near a
+      ! shock
       do p = low, high
          q = before + p
          if (excess(p)*mean > 0.0_wp) steepest = max(steepest, soft(p)*excess(p)*mean &

@@ -21,9 +21,9 @@ module step_retry
 
 contains
 
-   !> Would a node move too far in the step, or two nodes of a cell too far apart? Then the state
-   !! before the nodes moved is restored, and the step is repeated with a shorter time step.
-   !! Collective. Equation (S.7) of doc/theory/time_step.md.
+   !> Would a node move too far in the step, or two nodes of a cell too far apart? If so, restore
+   !! the state before the nodes moved; the step is repeated with a shorter time step. Collective.
+   !! Equation (S.7) of doc/theory/time_step.md.
    subroutine check_node_displacement(simulation, dt, again, error)
       type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
       real(wp), intent(inout) :: dt                  !! Time step [s]

@@ -41,7 +41,7 @@ module step_simulation
 
    integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
 
-   !> Bodies that move with one velocity: all of them without contact.
+   !> Bodies with one velocity field: all bodies, if there is no contact.
    type :: velocity_field_t
       integer :: first_store = 1                     !! First of its stores
       integer :: last_store = 0                      !! Last of its stores
@@ -52,7 +52,7 @@ module step_simulation
       procedure :: count => count_field
    end type velocity_field_t
 
-   !> Contact between bodies that have velocity fields of their own.
+   !> Contact between bodies with separate velocity fields.
    type :: contact_t
       type(pair_law_t), allocatable :: law(:, :)     !! (field, field) Contact law of two fields
       logical :: bonded = .false.                    !! Can bonds break?
@@ -75,7 +75,7 @@ module step_simulation
       real(wp), allocatable :: content(:, :, :)      !! Patch of heat capacity, heat, volume
       real(wp), allocatable :: total(:, :, :)        !! The sums of these
       real(wp), allocatable :: temperature(:, :, :)  !! (1) [K]
-      !> Patch of heat from cells [W], heat that the nodes do not see [J], flux times volume [W m]
+      !> Patch of heat from cells [W], heat that nodes do not resolve [J], flux times volume [W m]
       real(wp), allocatable :: flow(:, :, :)
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
@@ -108,7 +108,7 @@ module step_simulation
    !> Scratch space of one thread.
    type :: scratch_t
       type(shape_data_t) :: shape !! Shape data of the particles of the tile
-      type(pushed_stress_t) :: pushed !! Their stress, if changed on its way to nodes
+      type(pushed_stress_t) :: pushed !! Their stress for the nodes, if different
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       !> (particle, 9) Half of the strain with the velocity before the step, if needed [1]
       real(wp), allocatable :: earlier(:, :)
@@ -168,7 +168,8 @@ module step_simulation
    type :: scheme_t
       type(method_t) :: method                       !! Choices of &method
       type(dual_t) :: dual                           !! The dual gradient
-      !> (material) With normalised sums: are its own normalised, and is it without strength?
+      !> (material) With normalised sums: are those of the material normalised, and is it without
+      !! strength?
       logical, allocatable :: normalises(:), flows(:)
       real(wp) :: mean_alpha = 0.0_wp                !! Mean of alpha over a cell, for that [1]
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?

@@ -38,7 +38,7 @@ module step_trust
 
 contains
 
-   !> Number the lattices of the bodies, by which neighbours are found.
+   !> Number the lattices of the bodies, which identify neighbours.
    subroutine number_lattices(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation
       type(body_t), intent(in) :: bodies(:)
@@ -440,7 +440,7 @@ contains
       trust%warned(entry) = due
    end function warns
 
-   !> Give a warning with step, time and a particle. Collective.
+   !> Print a warning with step, time and a particle. Collective.
    subroutine warn_of_particle(simulation, log, identity, words)
       type(simulation_t), intent(in) :: simulation
       type(log_t), intent(inout) :: log              !! Gets it

@@ -162,7 +162,7 @@ contains
       end associate
    end subroutine add_term
 
-   !> Sum of the series of node velocities, or its only term, at the nodes that particles see.
+   !> Sum of the series of node velocities, or its only term, at the nodes that particles use.
    subroutine find_filtered(space, scheme, field, tile, low, high, dt, filtered)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme

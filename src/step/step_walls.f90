@@ -17,7 +17,7 @@ module step_walls
       record_stopped, record_unbalanced, record_walls, start_walls, stop_at_walls, take_held, &
       walls_touch
 
-   !> Stages of the action of walls on nodes, in this order: forces, velocities that they hold,
+   !> Stages of the action of walls on nodes, in this order: forces, prescribed velocities,
    !! friction.
    integer, parameter :: forcing = 1, holding = 2, rubbing = 3, stages = 3
 
@@ -193,7 +193,7 @@ contains
          push(3, :) = push(3, :) + dt*simulation%effects%gravity(3)
       end if
       if (allocated(field%nodes%work%push)) then
-         ! contact and musl will change the velocities with which it works
+         ! contact and musl will change the velocities of this work
          field%nodes%work%push(:, :, tile) = push
          return
       end if
@@ -330,9 +330,9 @@ contains
       velocity = wall%condition%velocity + 0.5_wp*dt*wall%condition%acceleration
    end function middle_velocity
 
-   !> Where a wall with friction, or a rigid region, held a node in the step, it also holds the
-   !! straining velocity after the step. A one-sided condition would let the noise of particles lift
-   !! pressed material off the wall, step by step.
+   !> Where a wall with friction, or a rigid region, constrained a node in the step, it also
+   !! constrains the straining velocity after the step. A one-sided condition would let the noise of
+   !! particles lift pressed material off the wall, step by step.
    pure subroutine hold_at_walls(simulation, field, tile, velocity)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
@@ -401,7 +401,7 @@ contains
          change)
    end subroutine take_held
 
-   !> Close the components of velocities that boundaries hold, all boundaries or one.
+   !> Clear the mask of velocity components that boundaries prescribe, all boundaries or one.
    pure subroutine close_components(space, tile, velocity, moved, open, only)
       type(space_t), intent(in) :: space
       integer, intent(in) :: tile
@@ -440,7 +440,7 @@ contains
       call record_damped(ledger, (1.0_wp - scheme%method%transfer%flip_fraction())*stopped)
    end subroutine record_stopped
 
-   !> Record impulse, its moment, and work of a push on the nodes of a tile.
+   !> Record impulse, its moment, and work of an impulse on the nodes of a tile.
    subroutine record_push(space, field, ledger, tile, push, velocity, more)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
