@@ -45,7 +45,7 @@ module particle_body
       real(wp) :: density = 0.0_wp                    !! [kg/m3]
       real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
-      !> (3) Formulas of velocities that are added, if there are any
+      !> (3) Formulas of additional velocities, if any
       type(text_t), allocatable :: formula(:)
       real(wp) :: temperature = 0.0_wp                !! [K]
       real(wp) :: energy = 0.0_wp                     !! Internal, per mass [J/kg]
@@ -73,8 +73,8 @@ module particle_body
 
 contains
 
-   !> Lattice sites of the whole domain along each direction; for given particles, the numbers that
-   !! they may have.
+   !> Lattice sites of the whole domain along each direction; for given particles, the number of
+   !! possible identities.
    pure function body_sites(self, grid) result(sites)
       class(body_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

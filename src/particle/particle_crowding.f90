@@ -44,7 +44,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
-      logical, intent(in) :: loose                   !! Does the material open as if it had failed?
+      logical, intent(in) :: loose                   !! Can the material separate?
       real(wp), intent(inout) :: patch(:, :)         !! (2, node) [m3], [m3 Pa]
       real(wp) :: weight(8), volume
       integer :: node(8), lane, p
@@ -65,7 +65,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
-      logical, intent(in) :: loose                   !! Does the material open as if it had failed?
+      logical, intent(in) :: loose                   !! Can the material separate?
       logical :: open
 
       open = loose

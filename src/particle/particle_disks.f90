@@ -257,7 +257,7 @@ contains
       most = 8_int64*disks%wanted
    end function most_points
 
-   !> Numbers that particles may have.
+   !> Number of possible identities of particles.
    pure function disks_numbers(self, grid) result(numbers)
       class(disks_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

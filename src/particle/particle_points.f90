@@ -117,7 +117,7 @@ contains
       points%key = key(order)
    end subroutine set_points
 
-   !> Numbers that particles may have: the rows of the list.
+   !> Number of possible identities of particles: the rows of the list.
    pure function points_numbers(self, grid) result(numbers)
       class(points_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -30,7 +30,7 @@ module particle_split
    !! the pressure keeps its order of magnitude [1]
    real(wp), parameter :: greatest_share = 0.5_wp
 
-   !> When particles are split.
+   !> Criteria for the splitting of particles.
    type :: splitting_t
       real(wp) :: longest = huge(1.0_wp)             !! Greatest edge of a particle [cells]
       integer :: generations = 0                     !! Most splits from the start to a particle
@@ -76,7 +76,7 @@ contains
          allocate (opening(halved), source=0.0_wp)
       end if
       if (any(new_count > store%capacity)) then
-         ! particles have moved, so they are listed again
+         ! ranges of particles have moved, so list them again
          call store%layout(new_count)
          call list_long(splitting, full, grid, store, copier%from, edge, new_count)
       end if
@@ -106,7 +106,7 @@ contains
       end do
    end subroutine split_store
 
-   !> Has the step found how fast edges grow?
+   !> Has the step computed the growth rates of edges?
    pure logical function has_opening(store) result(has)
       type(store_t), intent(in) :: store
 

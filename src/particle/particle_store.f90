@@ -207,7 +207,7 @@ contains
    end function store_fits
 
    !> Make the new count of each tile fit. Ranges may change before their particles are moved:
-   !! `now` is where these are.
+   !! `now` holds their current indices.
    subroutine store_reserve(self, new_count, now)
       class(store_t), intent(inout) :: self
       integer, intent(in) :: new_count(:)             !! (tile)
