@@ -23,7 +23,7 @@ module mesh_boundary
       procedure :: add_forces => boundary_add_forces !! Forces of boundaries on nodes
       procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
       procedure :: apply_friction => boundary_apply_friction !! Friction of boundaries on nodes
-      !> Hold nodes that friction held in the step
+      !> Constrain nodes on walls with friction
       procedure :: hold_pressed => boundary_hold_pressed
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: insulate => boundary_insulate     !! No flux through boundaries
@@ -124,7 +124,8 @@ contains
       end do
    end subroutine boundary_apply_friction
 
-   !> Remove the normal velocity of nodes that friction held in the step: those that did not leave.
+   !> Remove the normal velocity of nodes that walls with friction constrained in the step, unless
+   !! they separate.
    pure subroutine boundary_hold_pressed(self, grid, coordinate, ended, velocity, only)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

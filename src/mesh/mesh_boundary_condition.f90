@@ -88,7 +88,7 @@ contains
       answer = .true.
    end function yes
 
-   !> Conditions that let material out, or that suit whole boundaries only, are not allowed for
+   !> Conditions that release material, or that apply to whole boundaries only, are not allowed for
    !! rigid regions.
    pure logical function condition_suits_region(self) result(suits)
       class(boundary_condition_t), intent(in) :: self
@@ -96,7 +96,7 @@ contains
       suits = self%suits_part() .and. .not. self%lets_out()
    end function condition_suits_region
 
-   !> A boundary is closed if it acts on nodes and does not let particles out.
+   !> A boundary is closed if it acts on nodes and does not release particles.
    pure logical function condition_is_closed(self) result(closed)
       class(boundary_condition_t), intent(in) :: self
 
@@ -117,7 +117,7 @@ contains
    end subroutine condition_add_forces
 
    !> Set the velocity of nodes and remove their acceleration, except those of the wall itself. Open
-   !! boundaries leave both.
+   !! boundaries change neither.
    pure subroutine condition_constrain(self, face, nodes, lead, velocity, acceleration)
       class(boundary_condition_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6

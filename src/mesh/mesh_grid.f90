@@ -28,8 +28,8 @@ module mesh_grid
       integer :: tiles(3) = 1                        !! Tiles along each direction
       integer :: tile_cells = 1                      !! Cells of a tile
       integer :: margin = 0                          !! Layers of nodes beyond the faces of a tile
-      !> Ways on which a margin counts before patches are exchanged again: to the nodes, and with
-      !! the dual gradient back as well
+      !> Transfers that need the margin between exchanges of patches: to the nodes, and with the
+      !! dual gradient also back
       integer :: reaches = 1
       integer :: tile_nodes = 1                      !! Nodes of a tile, with faces and margin
       integer :: stride(3) = 0                       !! Step in the node index of a tile
@@ -37,7 +37,7 @@ module mesh_grid
       !> Weight of lane a at local coordinate xi of direction k: constant(a, k) + slope(a, k) xi.
       real(wp) :: lane_constant(lanes, 3) = 0.0_wp
       real(wp) :: lane_slope(lanes, 3) = 0.0_wp
-      integer, allocatable :: cell_position(:, :)    !! (3, 0:cells - 1) Place of a cell in its tile
+      integer, allocatable :: cell_position(:, :)    !! (3, 0:cells - 1) Of a cell in its tile
       integer, allocatable :: first_node(:)          !! (0:cells - 1) Its first node in the tile
       !> (node of the grid, 3) Integral of the function of a node along each direction [m, m2]
       real(wp), allocatable :: line(:, :)
@@ -183,7 +183,7 @@ contains
       end do
    end subroutine integrate_lines
 
-   !> Place of a node in its tile along each direction, 0 on the lower face, less in the margin.
+   !> Position of a node in its tile along each direction, 0 on the lower face, less in the margin.
    pure function grid_node_position(self, node) result(position)
       class(grid_t), intent(in) :: self
       integer, intent(in) :: node                    !! Node of a tile, counted from 1

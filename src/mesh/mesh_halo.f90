@@ -3,8 +3,9 @@
 !!
 !! A rank that has the patches of all tiles around its own can compute all nodes that its particles
 !! need, so one exchange per transfer is enough, and partial sums are never sent. The lists of
-!! messages are computed once for as long as tiles and cuts stay as they are; each rank around gets
-!! one message an exchange. Tiles that no other rank uses are worked on during the exchange.
+!! messages are computed once for as long as tiles and cuts stay as they are; each neighbouring rank
+!! receives one message per exchange. Tiles that no other rank uses are computed during the
+!! exchange.
 module mesh_halo
    use base_communicator, only: communicator_t, posted_t
    use base_kinds, only: int64, wp
@@ -40,7 +41,7 @@ module mesh_halo
 
 contains
 
-   !> Send the patches of border tiles and make those that arrive ghosts of this rank.
+   !> Send the patches of border tiles, and store received ones as ghosts of this rank.
    subroutine exchange_patches(communicator, grid, tiles, halo, patch)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid

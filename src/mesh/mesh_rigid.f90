@@ -11,7 +11,7 @@ module mesh_rigid
 
    public :: held_t, rigid_t
 
-   !> Nodes of a tile that rigid regions hold.
+   !> Nodes of a tile that rigid regions constrain.
    type :: held_t
       integer :: coordinate(3) = -1                  !! The tile for which they were found
       logical :: moves = .false.                     !! Does a moving region overlap the tile?
@@ -24,7 +24,7 @@ module mesh_rigid
    type :: rigid_t
       type(wall_t), allocatable :: wall(:)           !! The regions, the later ones winning
       type(held_t), allocatable :: held(:)           !! (tile) The nodes in them
-      logical :: switched = .true. !! Has one begun or ceased to act since nodes were found?
+      logical :: switched = .true. !! Has one started or stopped since nodes were found?
       real(wp) :: kick = 0.0_wp                      !! Time that forces act in this step [s]
       integer(int64) :: looked = -1                  !! Step for which the nodes were found
    contains
@@ -131,7 +131,7 @@ contains
       end do
    end subroutine find_nodes
 
-   !> The last region that holds a node, 0 = none.
+   !> The last region that contains a node, 0 = none.
    pure integer function owner_of(self, grid, place) result(owner)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -287,12 +287,12 @@ contains
    end subroutine rigid_keep
 
    !> Remove the part of a change of velocities that regions prevent: all of it, or its component
-   !! along the normal where the node does not leave.
+   !! along the normal where the node does not separate.
    pure subroutine rigid_take(self, tile, velocity, open, change)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
-      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where boundaries hold, else 1
+      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where prescribed, else 1
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) Without that [m/s]
       real(wp), parameter :: least = 1.0e-6_wp       ! of a normal, above rounding errors
       real(wp) :: normal(3), length

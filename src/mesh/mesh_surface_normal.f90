@@ -17,7 +17,7 @@ module mesh_surface_normal
    integer, parameter :: paces = 8                   !! Maximum search distance
    real(wp), parameter :: aside = 0.05_wp            !! Of the positions that give slopes [cells]
    integer, parameter :: halvings = 40               !! Of a piece of a ray
-   real(wp), parameter :: beside = 0.499999_wp       !! A position so near touches a wall [cells]
+   real(wp), parameter :: beside = 0.499999_wp       !! Distance that touches a wall [cells]
    integer, parameter :: most_rays = 124             !! That start from a position
    integer, parameter :: rounds = 12                 !! From a normal to a better one, at most
    real(wp), parameter :: converged = 1.0e-9_wp      !! Change of a normal that is good enough
@@ -151,7 +151,7 @@ contains
       real(wp), intent(out) :: normal(3)             !! Unit vector [1]
       logical, intent(out) :: found                  !! Is a surface nearby?
       integer, parameter :: around(3) = [1, 2, 2]    ! half the edge of the cube of rays
-      real(wp), parameter :: next = 0.1_wp           ! so much longer ways count as well [cells]
+      real(wp), parameter :: next = 0.1_wp           ! tolerance of the shortest distance [cells]
       integer :: n, number
       real(wp) :: way(most_rays), direction(3, most_rays), shortest
 

@@ -111,7 +111,7 @@ contains
       do tile = 1, self%all
          if (former(tile) > 0) cycle
          do place = 1, neighbors
-            ! for that neighbour this tile is the opposite one
+            ! this tile is the opposite neighbour of that neighbour
             if (neighbor(place, tile) > 0) neighbor(neighbors + 1 - place, &
                neighbor(place, tile)) = tile
          end do
@@ -252,7 +252,7 @@ contains
       call communicator%least(border)
    end subroutine partition_scattered_keys
 
-   !> Index of the first key that is not below a place; one more than there are, if all are.
+   !> Index of the first key that is not below a place; size + 1 if all are below.
    pure integer function first_at(key, place) result(first)
       integer(int64), intent(in) :: key(:)           !! Ascending
       integer(int64), intent(in) :: place            !! On the curve

@@ -107,7 +107,7 @@ contains
       end do
    end function sums_words
 
-   !> Set the sums from integers; those of another number of walls are left out.
+   !> Set the sums from integers; sums for a different number of walls are ignored.
    pure subroutine sums_set_words(self, words)
       class(wall_sums_t), intent(inout) :: self
       integer(int64), intent(in) :: words(:)         !! From sums_words
@@ -143,7 +143,7 @@ contains
       self%share = share
    end subroutine push_begin
 
-   !> A wall has acted: all changes since the last one are its own.
+   !> Record the action of a wall: all changes since the previous wall.
    pure subroutine push_note(self, wall, velocity, acceleration)
       class(wall_push_t), intent(inout) :: self
       integer, intent(in) :: wall                    !! Index
