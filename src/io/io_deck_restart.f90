@@ -21,7 +21,7 @@ module io_deck_restart
    !! start, so a change of the motion would move it within one step.
    character(len=*), parameter, public :: rigid_region = "rigid"
 
-   !> Keys of a group whose change has the same meaning.
+   !> Keys of a group whose change has the same consequences.
    type :: rule_t
       character(len=10) :: group                         !! As in the deck without &
       integer :: meaning                                 !! One of the constants above

@@ -132,7 +132,7 @@ contains
       whole = letters(:index(letters, c_null_char) - 1)
    end function real_path
 
-   !> Make a folder and its parents; existing ones are no error.
+   !> Make a folder and its parents; existing ones are not an error.
    subroutine make_folder(path, error)
       character(len=*), intent(in) :: path               !! Folder
       type(error_t), allocatable, intent(out) :: error   !! Cannot be made

@@ -26,7 +26,7 @@ module io_fragments
    !> Definition of fragments.
    type :: fragments_t
       type(pick_rule_t) :: rule
-      real(wp) :: velocity_cut = huge(1.0_wp) !! Cells that differ by more are separate [m/s]
+      real(wp) :: velocity_cut = huge(1.0_wp) !! Greatest difference of cells [m/s]
    end type fragments_t
 
    !> The fragments of the particles of a store.
@@ -217,7 +217,7 @@ contains
          .not. norm2(map%velocity(:, next) - map%velocity(:, cell)) > velocity_cut
    end function joins
 
-   !> The neighbour of a cell, across the ends of a periodic box if need be; 0 if there is none.
+   !> The neighbour of a cell, through periodic boundaries where necessary; 0 if none.
    pure subroutine step_to(grid, map, cell, way, next, image)
       type(grid_t), intent(in) :: grid
       type(map_t), intent(in) :: map                     !! All cells
@@ -251,7 +251,7 @@ contains
       place(3) = int(key/(int(grid%cells(1), int64)*grid%cells(2)))
    end function place_of
 
-   !> Send the sums of each cell to the rank that adds up its fragment. Collective.
+   !> Send the sums of each cell to the rank that sums its fragment. Collective.
    subroutine hand_over(communicator, grid, cells, sums, map, key, here)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
@@ -333,7 +333,7 @@ contains
       end do
    end subroutine add_all
 
-   !> Give all ranks all fragments, sorted by mass, the heaviest first. Collective.
+   !> Send all fragments to all ranks, sorted by mass, the heaviest first. Collective.
    subroutine collect(communicator, rows, number)
       type(communicator_t), intent(in) :: communicator
       real(wp), allocatable, intent(inout) :: rows(:, :) !! (column, fragment) Own in, all out
@@ -346,7 +346,8 @@ contains
 
       call communicator%gather(transfer(rows, none), whole)
       unsorted = reshape(transfer(whole, unsorted), [fragment_words, size(whole)/fragment_words])
-      ! identities part fragments of equal mass; the bits of numbers above 0 have their order
+      ! identities order fragments of equal mass; the bits of positive numbers have the order of the
+      ! numbers
       by_identity = sort_order(nint(unsorted(fragment_words, :), int64))
       by_mass = sort_order(-transfer(unsorted(3, by_identity), none))
       deallocate (rows)

@@ -27,7 +27,8 @@ module io_gauge
    integer, parameter, public :: on_surface = 3          !! Fit below a surface
    integer, parameter, public :: over_selection = 4      !! Means
    integer, parameter, public :: gauge_before = 4        !! Columns before the fields: x y z, count
-   !> Directions in which particles spread less than this fraction of the radius get no slope.
+   !> The fit has no slope along directions in which particles spread less than this fraction of the
+   !! radius.
    real(wp), parameter :: least_spread = 1.0e-3_wp
    integer, parameter :: basis_size = 4                  !! 1 and three coordinates
    integer, parameter :: products = 10                   !! Of pairs of these
@@ -273,8 +274,8 @@ contains
       end do
    end subroutine fit
 
-   !> The constant of a fit: solution of moment x = right by elimination of the coordinates. One
-   !! in which the particles do not spread is left out.
+   !> The constant of a fit: solution of moment x = right by elimination of the coordinates.
+   !! Coordinates in which the particles do not spread are left out.
    pure real(wp) function value_at_centre(moment, right) result(value)
       real(wp), intent(in) :: moment(basis_size, basis_size) !! Symmetric
       real(wp), intent(in) :: right(basis_size)          !! Right side

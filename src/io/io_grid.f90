@@ -131,7 +131,7 @@ contains
          + 2_int64*size(header%body_names)*(len(header%body_names) + number)
    end function greatest_length
 
-   !> Write where the cells are.
+   !> Write origin and spacing of the cells.
    subroutine write_frame(file, grid, box, header)
       type(hdf5_file_t), intent(inout) :: file
       type(grid_t), intent(in) :: grid
@@ -242,7 +242,7 @@ contains
          *(grid%lower(1) + (real(place(1), wp) + 0.5_wp)*grid%spacing)
    end function cell_volume
 
-   !> Write one field: send the cells to the owners of their planes; elsewhere it is 0.
+   !> Write one field: send the cells to the owners of their planes; cells without particles have 0.
    subroutine write_field(file, box, cells, mean, values, single, units)
       type(hdf5_file_t), intent(inout) :: file
       type(box_t), intent(in) :: box                     !! All cells of the file
@@ -272,7 +272,7 @@ contains
          call file%attribute(name, "components", "xx yy zz xy yz xz")
    end subroutine write_field
 
-   !> Bring the values of cells to the ranks that write their planes. Collective.
+   !> Send the values of cells to the ranks that write their planes. Collective.
    subroutine share_out(communicator, box, cells, values, dense)
       type(communicator_t), intent(in) :: communicator
       type(box_t), intent(in) :: box                     !! All cells of the file
@@ -320,7 +320,7 @@ contains
       call copy_layers(box, parts, dense)
    end subroutine share_out
 
-   !> Where there is one layer of cells give the points of its other face the same values.
+   !> For a single layer of cells copy the values to the points of its other face.
    pure subroutine copy_layers(box, parts, dense)
       type(box_t), intent(in) :: box                     !! All cells of the file
       integer, intent(in) :: parts                       !! Components

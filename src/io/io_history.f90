@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Time histories and other tables as CSV: a heading with units, one row a time or several, cut back
-!! on restart. A column without a unit holds integers.
+!> Time histories and other tables as CSV: a heading with units, one or more rows per time,
+!! truncated on restart. A column without a unit holds integers.
 module io_history
    use base_agreement, only: agree
    use base_communicator, only: communicator_t

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Reads lists of points: CSV texts with a line a point, or snapshots of particles of another run.
+!> Reads lists of points: CSV texts with one line per point, or snapshots of particles of another
+!! run.
 module io_points
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail

@@ -133,7 +133,7 @@ contains
       call agree(communicator, error)
    end subroutine series_add
 
-   !> Bring the index up to date at the end of a run. Collective.
+   !> Update the index at the end of a run. Collective.
    subroutine series_close(self, communicator, error)
       class(series_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator

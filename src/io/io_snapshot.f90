@@ -28,7 +28,7 @@ module io_snapshot
    character(len=*), parameter :: about = "/provenance"  !! Origin of the file
    integer, parameter, public :: body_name_length = 64   !! Longest name of a body
 
-   !> How a snapshot is written.
+   !> Format of a snapshot.
    type, extends(pick_rule_t) :: snapshot_format_t
       logical :: single = .true.                         !! Fields in single precision
       integer :: compress = 1                            !! gzip level, 0: off
@@ -60,7 +60,7 @@ module io_snapshot
       real(wp) :: dt_next = 0.0_wp                       !! Next stable time step [s]
       real(wp) :: velocity_lag = 0.0_wp                  !! Of velocities behind positions [s]
       integer(int64) :: step = 0                         !! Steps done
-      !> (3, 4) In a cell that deforms: its deformation, and the corner that stays [m]
+      !> (3, 4) In a cell that deforms: its deformation, and the fixed corner [m]
       real(wp), allocatable :: stretch(:, :)
       logical :: axisymmetric = .false.                  !! Points are (radius, 0, height)
       type(output_units_t) :: units                      !! Units of all data sets
@@ -320,7 +320,7 @@ contains
       end if
    end function rounded
 
-   !> Say in which unit a data set is.
+   !> Write the unit of a data set.
    subroutine write_units(file, name, long_name, unit, units)
       type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root

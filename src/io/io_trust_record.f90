@@ -32,9 +32,9 @@ module io_trust_record
       [0.02_wp, 0.1_wp, 0.01_wp, 0.5_wp, 2.0_wp, 4.0_wp, 0.0_wp, 0.05_wp, 1.0e-9_wp]
    real(wp), parameter :: bad_beyond(trust_entries) = &
       [0.1_wp, 0.25_wp, 0.1_wp, sqrt(0.5_wp), 4.0_wp, 16.0_wp, 0.01_wp, 0.5_wp, 0.01_wp]
-   !> Energy below the least at the start, in the same unit as the heat above
+   !> Energy below the initial minimum, in the same unit as the heat above
    real(wp), parameter :: cold_ok = 1.0_wp, cold_bad = 4.0_wp
-   !> Neighbours are apart from this distance on [cells]: one in ten pairs then has no common node
+   !> Distance of separated neighbours [cells]: one in ten pairs at this distance has no common node
    real(wp), parameter, public :: apart = 1.1_wp
 
    !> The record, kept from step to step. The same on all ranks.
@@ -45,7 +45,7 @@ module io_trust_record
       real(wp) :: difference = 0.0_wp !! Greatest pressure that nodes do not resolve [Pa]
       real(wp) :: start_speed = 0.0_wp               !! Greatest speed at the start [m/s]
       real(wp) :: start_energy = 0.0_wp              !! Greatest energy per mass then [J/kg]
-      real(wp) :: least_energy = 0.0_wp              !! Least of material that carries it [J/kg]
+      real(wp) :: least_energy = 0.0_wp              !! Least internal energy [J/kg]
       real(wp) :: work = 0.0_wp                      !! Greatest work of walls and gravity [J]
       logical :: begun = .false.                     !! Is the start known?
       logical :: failed = .false.                    !! Did the run have to end?

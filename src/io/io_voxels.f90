@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Reads voxels from files: a data set of HDF5, or MetaImage, which is a text header with raw bytes.
 !!
-!! The result is a mask of the voxels with the selected value, one bit a voxel. HDF5 data sets are
+!! The result is a mask of the voxels with the selected value, one bit per voxel. HDF5 data sets are
 !! read in batches of layers.
 module io_voxels
    use base_decimal, only: file_number
@@ -110,8 +110,8 @@ contains
       if (marker%others == 0) text = "only values that are not finite"
    end function values_text
 
-   !> Expand values of a file to x, y, z: one for all directions, one a direction of the data,
-   !! or three.
+   !> Expand values of a file to x, y, z: one for all directions, one per direction of the data, or
+   !! three.
    subroutine spread_numbers(given, dimensions, values, fits)
       real(wp), intent(in) :: given(:)                   !! As in the file
       integer, intent(in) :: dimensions                  !! Of the data

@@ -17,7 +17,7 @@ module io_walls
    character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
    character(len=*), parameter :: group = "/walls"       !! Names and types of the walls
    integer, parameter, public :: wall_name_length = 96   !! Longest name of a wall
-   real(wp), parameter, public :: never = 1.0e30_wp      !! Time that is not reached in any unit [s]
+   real(wp), parameter, public :: never = 1.0e30_wp      !! Stands for infinite time [s]
    integer, parameter :: cell_types(4) = [1, 3, 5, 9]    !! Of VTK: vertex, line, triangle, quad
 
    !> Walls. The same on all ranks.
@@ -31,7 +31,7 @@ module io_walls
       real(wp), allocatable :: begin(:)                  !! (wall) Start of the time interval [s]
       real(wp), allocatable :: end(:)                    !! (wall) End of the time interval [s]
       real(wp), allocatable :: time(:)                   !! (entry) If any moves: when [s]
-      real(wp), allocatable :: shift(:, :, :)            !! (3, wall, entry) Way since the start [m]
+      real(wp), allocatable :: shift(:, :, :)            !! (3, wall, entry) Displacement [m]
    contains
       procedure :: name_wall => walls_name_wall          !! Number of a wall, new or known
       procedure :: add => walls_add                      !! Add a cell
@@ -119,7 +119,7 @@ contains
       if (allocated(header%echo)) bytes = bytes + len(header%echo)
    end function greatest_length
 
-   !> Write points and cells, with the wall and its face as data of the cells.
+   !> Write points and cells, with the numbers of wall and face as cell data.
    subroutine write_cells(file, walls, header)
       type(hdf5_file_t), intent(inout) :: file
       type(walls_t), intent(in) :: walls                 !! Walls to write
