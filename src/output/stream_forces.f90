@@ -104,7 +104,7 @@ contains
       call simulation%balance%ledger%walls%start(number_of_walls(simulation%space))
    end subroutine forces_read
 
-   !> The walls that there are, for a message.
+   !> Names of the existing walls, for a message.
    function listed(name, known) result(text)
       character(len=*), intent(in) :: name           !! As in the deck
       type(text_t), intent(in) :: known(:)           !! Names of the walls
@@ -217,7 +217,7 @@ contains
       counters = [self%last_step, transfer([self%last_time, self%last], [0_int64])]
    end function forces_counters
 
-   !> Set the state from a checkpoint; sums of other walls are left out.
+   !> Set the state from a checkpoint; sums of unknown walls are ignored.
    pure subroutine forces_set_counters(self, counters)
       class(stream_forces_t), intent(inout) :: self
       integer(int64), intent(in) :: counters(:)      !! From forces_counters
