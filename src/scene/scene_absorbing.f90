@@ -18,7 +18,7 @@ module scene_absorbing
 
 contains
 
-   !> Set the dashpots of absorbing boundaries, if there are some.
+   !> Set the dashpots of absorbing boundaries, if any.
    subroutine read_absorbing(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! The run, its faces are read

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checks of bodies against the grid and each other: how many points, where, and how thick.
+!> Checks of bodies against the grid and each other: number of particles, position and thickness.
 module scene_body_placement
    use base_deck, only: deck_t
    use base_kinds, only: int64, wp
@@ -73,8 +73,8 @@ contains
       end where
    end subroutine cut_bounds
 
-   !> Bodies without points are errors; those that are cut, thin or on top of each other may be
-   !! meant.
+   !> Bodies without particles are errors; bodies that are cut, thin or overlapping are allowed,
+   !! with a warning.
    subroutine check_placement(deck, simulation, bodies, survey)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
@@ -202,7 +202,7 @@ contains
       inside = points - outside
    end subroutine count_samples
 
-   !> Coordinates of points along the directions that the scene does not have [m].
+   !> Coordinates of particles along missing directions [m].
    pure function resting_place(grid) result(point)
       type(grid_t), intent(in) :: grid
       real(wp) :: point(3)
@@ -210,8 +210,8 @@ contains
       point = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
    end function resting_place
 
-   !> Warn if a body is thinner than two cells. Along a direction in which it reaches from one
-   !! closed face to the other it has no thickness; at a mirror plane it has half of it.
+   !> Warn if a body is thinner than two cells. Directions in which it extends from one closed
+   !! boundary to the other are not tested; at a mirror plane half the thickness is enough.
    subroutine check_thickness(deck, simulation, body, place)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
@@ -240,7 +240,7 @@ contains
       end associate
    end subroutine check_thickness
 
-   !> Warn of two bodies that overlap, with the number of points that the earlier one loses.
+   !> Warn of two bodies that overlap, with the number of particles that the earlier one loses.
    subroutine check_overlap(deck, grid, bodies, pair, pairs)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid

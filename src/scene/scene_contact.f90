@@ -43,7 +43,7 @@ contains
       call schema%refer("contact", "bodies", "body")
    end subroutine declare_contact
 
-   !> Give the bodies their velocity fields and these their stores, if contact is on.
+   !> Assign velocity fields to the bodies and stores to the fields, if contact is on.
    subroutine read_contact(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Materials are known
@@ -120,7 +120,7 @@ contains
       end do
    end subroutine find_parting
 
-   !> Give these fields a second one, for the other side, after all fields of bodies.
+   !> Add a second field for the other side of each, after all fields of bodies.
    subroutine pair_sides(simulation, parting)
       type(simulation_t), intent(inout) :: simulation !! Its velocity fields are new
       logical, intent(in) :: parting(:)              !! (field of bodies)
@@ -185,7 +185,7 @@ contains
       end function fails
    end subroutine refuse_parting
 
-   !> Methods whose sums know one velocity of a body at a node only.
+   !> Refuse methods whose sums have only one velocity of a body at a node.
    subroutine refuse_method(deck, group, simulation, bonded)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &contact
@@ -326,7 +326,7 @@ contains
       end subroutine set_law
    end subroutine read_pairs
 
-   !> The two names of a group; one that is missing is any body.
+   !> The two names of a group; a missing one matches any body.
    subroutine names_of(group, names)
       type(group_t), intent(in) :: group             !! &contact
       type(text_t), allocatable, intent(out) :: names(:) !! Two

@@ -16,8 +16,8 @@ module scene_exact_start
 
 contains
 
-   !> Move the particles from their lattice to where the solution has them at the start, with their
-   !! velocities, and bring them to their tiles and ranks. The lattice remains their reference.
+   !> Move the particles from their lattice to the initial positions of the solution, set their
+   !! velocities, and send them to their tiles and ranks. The lattice remains their reference.
    subroutine place_exact(simulation, error)
       type(simulation_t), intent(inout) :: simulation !! The run, particles on their lattice
       type(error_t), allocatable, intent(out) :: error !! Some particle would be outside of the box

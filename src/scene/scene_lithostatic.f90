@@ -53,7 +53,7 @@ contains
          "is known to lie; write initial_stress = 'file' or 'zero'", "initial_stress")
    end subroutine read_lithostatic
 
-   !> Give the particles of bodies the stress of their weight. All shapes are still there.
+   !> Set the stress of particles to that of the weight above. All shapes still exist.
    subroutine add_weight_stress(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)
@@ -119,8 +119,8 @@ contains
    end subroutine weigh_tile
 
    !> Mass of the column above a place, a square metre wide, up to the first gap [kg/m2]. Bodies
-   !! that begin without stress weigh nothing: they are not yet at rest. Where one body follows on
-   !! another the place is found by halving.
+   !! without initial stress do not count: they are not yet at rest. Bisection finds the interface
+   !! between two bodies.
    pure real(wp) function mass_above(grid, bodies, own, place, up) result(mass)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
@@ -172,7 +172,8 @@ contains
       if (bodies(body)%lateral < 0.0_wp) body = 0
    end function body_at
 
-   !> Give particles the density of their pressure, by secants. Others of the tile stay.
+   !> Set the density of particles to that of their pressure, by the secant method. Other particles
+   !! of the tile do not change.
    subroutine press(bodies, material, pressure, first, store)
       type(body_t), intent(in) :: bodies(:)
       type(material_t), intent(in) :: material       !! That of the particles

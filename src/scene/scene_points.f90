@@ -90,7 +90,7 @@ contains
       yes = ending == "hdf" .or. ending == "h5" .or. ending == "hdf5"
    end function is_snapshot
 
-   !> Bring the numbers of a text from the units of the deck to SI.
+   !> Convert the numbers of a text from the units of the deck to SI.
    subroutine to_si(deck, list)
       type(deck_t), intent(in) :: deck               !! Its system of units
       type(point_list_t), intent(inout) :: list      !! Changed
@@ -132,7 +132,7 @@ contains
       end if
    end subroutine find_volumes
 
-   !> Make a body of the points of a region that are meant for it.
+   !> Make a body of the points of a region that belong to it.
    subroutine pack_points(deck, grid, boundary, group, points, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
@@ -187,7 +187,7 @@ contains
          "'; there are: "//join(list%material_names, ", "), "material")
    end subroutine choose_material
 
-   !> Of a snapshot a region may mean the points of one body.
+   !> A region may select the points of one body of a snapshot.
    subroutine choose_body(deck, group, points, meant)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
@@ -300,7 +300,7 @@ contains
       text = "("//text(2:)//")"
    end function place_text
 
-   !> Warn of points that are larger than a cell: their neighbours lose sight of them.
+   !> Warn of points larger than a cell: they may share no node with their neighbours.
    subroutine check_sizes(deck, grid, group, list, place)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(grid_t), intent(in) :: grid

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Scales, rotates and translates points of a file with all their fields, as if the run that wrote
-!! it had been scaled, turned and moved as a whole.
+!! it had been scaled, rotated and translated as a whole.
 !!
 !! Scaling does not change velocities, stresses and densities, so masses grow with volumes, times
 !! with lengths, and rates fall.
@@ -15,7 +15,7 @@ module scene_points_placing
 
    public :: components_of, placing_t, read_placing
 
-   !> Where the points of a region go.
+   !> Placement of the points of a region.
    type :: placing_t
       real(wp) :: scale = 1.0_wp                     !! Factor, applied first [1]
       real(wp) :: volume_scale = 1.0_wp              !! Factor of volumes [1]
@@ -30,7 +30,7 @@ module scene_points_placing
 
 contains
 
-   !> Read it. A turn out of the plane or line of the scene is refused.
+   !> Read it. A rotation out of the plane or line of the scene is refused.
    subroutine read_placing(deck, grid, group, placing)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid               !! Active directions
@@ -60,7 +60,7 @@ contains
          "rings around the axis, which cannot be turned; write rotate = 0 0 0", "rotate")
    end subroutine read_placing
 
-   !> False for boxes along the coordinates that are turned by other than right angles.
+   !> False for boxes along the coordinates that are rotated by other than right angles.
    pure logical function placing_keeps(self, name) result(keeps)
       class(placing_t), intent(in) :: self           !! Where points go
       character(len=*), intent(in) :: name

@@ -72,7 +72,7 @@ contains
       call read_bodies(deck, simulation, shapes, bodies)
       call read_walls(deck, simulation, shapes)
       if (is_sound(deck)) call read_inflows(deck, simulation, bodies)
-      ! errors in groups that the stores do not depend on, such as &time, hide nothing
+      ! errors in groups that the stores do not depend on, such as &time, do not stop these checks
       if (.not. is_sound(deck)) return
       call read_absorbing(deck, simulation, bodies)
       if (.not. is_sound(deck)) return
@@ -161,7 +161,7 @@ contains
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
 
-   !> Width of the bands that cracks open in, and cells small enough for them.
+   !> Set the width of crack bands, and check that cells are small enough for them.
    subroutine set_crack_bands(deck, simulation)
       type(deck_t), intent(inout) :: deck
       type(simulation_t), intent(inout) :: simulation

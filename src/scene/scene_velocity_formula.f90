@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Velocities at the start by a formula of the place (`velocity_formula` of &body).
+!> Initial velocities by a formula of the position (`velocity_formula` of &body).
 module scene_velocity_formula
    use base_agreement, only: agree
    use base_deck, only: deck_t
@@ -45,8 +45,8 @@ contains
       end do
    end subroutine add_formula_velocities
 
-   !> Report formulas without a value at a particle, before there are particles: those of a tile are
-   !! made at a time, and dropped again. Collective.
+   !> Report formulas without a value at a particle before the first state: the particles of one
+   !! tile at a time are made and dropped again. Collective.
    subroutine check_formulas(deck, simulation, bodies, keys)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run with empty stores
@@ -97,7 +97,7 @@ contains
       end do
    end subroutine check_body
 
-   !> Make formulas of the texts of a body, which the check of the deck has found to be right.
+   !> Make formulas of the texts of a body, which the check of the deck has accepted.
    subroutine compile_formula(body, formula)
       type(body_t), intent(in) :: body
       type(formula_t), intent(out) :: formula(3)     !! Of the components
@@ -140,7 +140,7 @@ contains
       end do
    end subroutine add_to_body
 
-   !> The velocity at a place; 0 in directions that the scene does not have.
+   !> The velocity at a position; 0 along missing directions.
    subroutine evaluate(formula, active, point, velocity, fault)
       type(formula_t), intent(in) :: formula(3)      !! Of the components
       logical, intent(in) :: active(3)               !! Which directions there are
