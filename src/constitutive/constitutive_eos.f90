@@ -15,7 +15,7 @@ module constitutive_eos
    !> An equation of state. The material holds none if the mean stress follows a rate form.
    type, abstract :: eos_t
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
-      real(wp) :: distension = 1.0_wp !! Of porous material at the start, solid over its density [1]
+      real(wp) :: distension = 1.0_wp !! Initial distension, solid density over density [1]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
    contains
       procedure :: declare => eos_declare            !! Declares its keys, if it has any
@@ -37,7 +37,7 @@ module constitutive_eos
       procedure :: fault_of_state => eos_fault_of_state !! Why a state has no pressure
       procedure :: detonates => eos_detonates        !! True for the products of an explosive
       procedure :: detonation => eos_detonation      !! Speed, and volume behind the front
-      !> Speed of the detonation that its constants have
+      !> Detonation speed of its constants
       procedure :: chapman_jouguet_speed => eos_chapman_jouguet_speed
    end type eos_t
 
@@ -49,7 +49,7 @@ module constitutive_eos
          class(field_requests_t), intent(inout) :: requests
       end subroutine request_i
 
-      !> The square of the bulk sound speed [m2/s2] is left in the wave speed.
+      !> The wave speed returns the square of the bulk sound speed [m2/s2].
       pure subroutine update_i(self, state, deformation, first, last)
          import :: deformation_t, eos_t, material_state_t
          implicit none
@@ -124,8 +124,8 @@ contains
       has = .false.
    end function eos_has_pores
 
-   !> Grueneisen number times density at the middle of the step, for the temperature. It is 0 where
-   !! the pressure does not depend on energy.
+   !> Grueneisen parameter times density at the middle of the step, for the temperature. It is 0
+   !! where the pressure does not depend on energy.
    pure subroutine eos_find_gruneisen(self, state, deformation, first, last)
       class(eos_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
@@ -136,7 +136,7 @@ contains
       deformation%gruneisen(:last - first + 1) = 0.0_wp
    end subroutine eos_find_gruneisen
 
-   !> True if density and energy have a temperature by the equation of state itself.
+   !> True if the equation of state gives the temperature of density and energy.
    pure logical function eos_gives_temperature(self) result(gives)
       class(eos_t), intent(in) :: self
 

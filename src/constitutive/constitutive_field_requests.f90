@@ -73,7 +73,7 @@ contains
       if (allocated(self%entries)) bytes = sum(self%entries%bytes)
    end function requests_bytes
 
-   !> One line a field: name, bytes a particle, the models that request it.
+   !> One line per field: name, bytes per particle, the models that request it.
    pure function requests_report(self) result(text)
       class(field_requests_t), intent(in) :: self
       character(len=:), allocatable :: text

@@ -38,7 +38,7 @@ module constitutive_friction
    contains
       procedure :: follows_density => frictional_follows_density !! Its pressure does
       procedure :: request => frictional_request     !! Requests the volume gained by shear
-      !> Shear, where material holds together
+      !> Shear, where not separated
       procedure :: add_wave_speed => frictional_add_wave_speed
       procedure :: least_pressure => frictional_least_pressure !! That of the apex
    end type frictional_t

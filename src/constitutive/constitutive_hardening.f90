@@ -16,7 +16,7 @@ module constitutive_hardening
    integer, parameter :: most_lanes = 64             !! Particles of a group
    integer, parameter :: width = 8                   !! Lanes are filled up to a multiple of it
 
-   !> Floor of strains in divisors; two such divisions must not overflow in a lane that is done.
+   !> Floor of strains in divisors; two such divisions must not overflow in a converged lane.
    real(wp), parameter :: least_strain = 1.0e-100_wp
 
    !> Particles of a group that may flow. The yield stress of an increment x is
@@ -37,7 +37,7 @@ module constitutive_hardening
       real(wp) :: upper(most_lanes)                  !! Increment that is too large [1]
       real(wp) :: factor(most_lanes)                 !! Of the rate [1]
       real(wp) :: tilt(most_lanes)                   !! Its derivative to the increment [1]
-      real(wp) :: going(most_lanes) !! 1 if the increment is still to be found, else 0
+      real(wp) :: going(most_lanes) !! 1 until the lane has converged, then 0
    end type flow_lanes_t
 
    !> Constants of hardening, the same for all lanes.
@@ -108,7 +108,7 @@ contains
       end do
    end subroutine raise
 
-   !> Lanes that flow, with the increment of a yield stress that grows as at its start.
+   !> Lanes that flow, with the increment for linear hardening at the initial slope.
    pure subroutine start_lanes(filled, power, hardening, lanes)
       integer, intent(in) :: filled                  !! Lanes
       type(hardening_power_t), intent(in) :: power
@@ -158,7 +158,7 @@ contains
       end do
    end subroutine find_rate_factor
 
-   !> One step of Newton's method in the lanes that are not done.
+   !> One step of Newton's method in the lanes that have not converged.
    !!
    !! A lane has converged if its stress is right to the tolerance, or if the second derivative of
    !! the yield stress bounds the error after a step that is short compared with the increment. A
@@ -178,7 +178,8 @@ contains
       real(wp) :: enough, lower, upper, margin, right, smooth
       integer :: l
 
-      ! Constants that a choice would load lane by lane keep a loop from becoming a vector.
+      ! Constants in a conditional expression would be loaded lane by lane and prevent
+      ! vectorisation.
       exponent = power%exponent
       growth = power%growth
       rest = power%rest
@@ -202,7 +203,7 @@ contains
          upper = merge(lanes%upper(l), x, residual > 0.0_wp)
          change = residual/(lanes%stiffness(l) + slope)
          next = x + change
-         ! no kink between both: those of the greatest yield stress and of the rate
+         ! no kink between both; kinks are those of the greatest yield stress and of the rate
          margin = merge(lanes%greatest(l)*lanes%factor(l) - (limit + slope*change), residual, &
             at_rest < lanes%greatest(l))
          margin = min(margin, (x - rest)*(next - rest), short*x - abs(change), &

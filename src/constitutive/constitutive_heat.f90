@@ -64,7 +64,7 @@ contains
       viscous = 1.0_wp/specific_heat
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         ! 1 above the floor and 0 on it; a merge here would keep the loop from vectorising.
+         ! 1 above the floor and 0 on it; a merge here would prevent vectorisation.
          closed = 0.5_wp - sign(0.5_wp, pressure_floor(i) - pressure(i))
          inverse = 1.0_wp/mass(k)
          compression = closed*(old_volume(i) - volume(k))*gruneisen(i)*inverse

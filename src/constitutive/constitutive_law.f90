@@ -43,7 +43,7 @@ module constitutive_law
       procedure :: predict_trial => law_predict_trial !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
       procedure :: add_wave_speed => law_add_wave_speed !! Contribution to the squared wave speed
-      !> Wave speed that its viscosity adds
+      !> Wave speed added by its viscosity
       procedure :: add_viscous_speed => law_add_viscous_speed
       procedure :: stored_energy => law_stored_energy !! Energy stored in a particle
       procedure :: least_pressure => law_least_pressure !! Least pressure it supports
@@ -87,8 +87,7 @@ contains
       type(effects_t), intent(in) :: effects
    end subroutine law_read
 
-   !> Read the words that decide which other models the material has, before the deck is known to be
-   !! right.
+   !> Read the words that decide which other models the material has, before the deck is checked.
    pure subroutine law_read_mode(self, group)
       class(law_t), intent(inout) :: self
       type(group_t), intent(in) :: group                       !! &material
@@ -128,7 +127,7 @@ contains
       follows = .false.
    end function law_follows_density
 
-   !> True if the law has the size and density of grains, and so their inertial number.
+   !> True if the law has the size and density of grains, which give the inertial number.
    pure logical function law_has_grains(self) result(has)
       class(law_t), intent(in) :: self
 
@@ -263,10 +262,10 @@ contains
       end do
    end subroutine equivalent_stress
 
-   !> Trial deviator times strain increment, s* : e. With it laws find the work that the mean of the
-   !! stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for the
-   !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. With the stress after the step alone,
-   !! grains without stress would lose energy on contact.
+   !> Trial deviator times strain increment, s* : e. From it laws compute the work that the mean of
+   !! the stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for
+   !! the rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. With the stress after the step
+   !! alone, grains without stress would lose energy on contact.
    pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -284,7 +283,7 @@ contains
       end do
    end subroutine strain_trial
 
-   !> Work a volume that a radial return does on the plastic strain: that of the mean of the
+   !> Work per volume of a radial return on the plastic strain: that of the mean of the
    !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the energy balance is
    !! of
    !! second order. It is not negative: softening material under a rotating load would gain

@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Kernels of a stress that rotates, grows elastically and relaxes at once, exact for a velocity
+!> Kernels of a stress that rotates, grows elastically and relaxes simultaneously, exact for a
+!! velocity
 !> gradient that is constant over the step.
 !!
 !! With x from 0 to 1 along the step, the spin increment W, the relaxation k = dt/tau and the strain
 !! increment D the deviator follows ds/dx = W s - s W - k s + 2 G D'. In a frame whose third axis is
 !! that of the rotation by the angle w, the combinations s33, s13 + i s23 and (s11 - s22)/2 + i s12
-!! follow dz/dx = -(k - i m w) z + g with m = 0, 1, 2 each by itself, and the solution is
+!! follow dz/dx = -(k - i m w) z + g with m = 0, 1, 2 independently, and the solution is
 !! z(1) = exp(-y) z(0) + g f1(y) with y = k - i m w and f1(y) = (1 - exp(-y))/y. The integral of z
 !! over the step, which gives the work, is z(0) f1(y) + g f2(y) with f2(y) = (1 - f1(y))/y.
 !! Equations (Y.18) and (Y.19) of doc/theory/strength.md.

@@ -9,7 +9,7 @@
 !!    (1 - D) s = f (1 - D e/e_u),        e_u = 2 Gf/(f L)   (linear), or
 !!    (1 - D) s = f exp(-D e/e_u),        e_u = Gf/(f L)     (exponential).
 !!
-!! The integral of f over the opening is Gf for any state to the sides. D never falls, so material
+!! The integral of f over the opening is Gf for any lateral stress. D never falls, so material
 !! unloads to the origin. It weakens the positive principal stresses alone (J. Lemaitre, R.
 !! Desmorat, "Engineering Damage Mechanics", 2005, on cracks that close): a closed crack supports
 !! pressure.
@@ -32,7 +32,7 @@ module constitutive_softening
 
    public :: declare_softening, crack_damage, softening_fault, softening_t
 
-   !> How the strength of a material falls.
+   !> Softening of the strength of a material.
    type :: softening_t
       real(wp) :: energy = 0.0_wp                    !! Gf, of a crack per area [J/m2]
       real(wp) :: strength = 0.0_wp                  !! Principal stress that opens cracks [Pa]
@@ -49,7 +49,7 @@ module constitutive_softening
       !> Stress without cracks, before the trial
       procedure :: restore_uncracked_stress => softening_restore_stress
       procedure :: open_cracks => softening_open_cracks !! Opens cracks and reduces the stress
-      !> Energy that the stress that acts hides
+      !> Elastic energy not in the reduced stress
       procedure :: hidden_energy => softening_hidden_energy
    end type softening_t
 
@@ -139,7 +139,7 @@ contains
       real(wp), intent(in) :: band_strain            !! e_u [1]
       real(wp), intent(in) :: stress                 !! s, without cracks, at least f [Pa]
       real(wp), intent(in) :: strain                 !! e, without cracks, above 0 [1]
-      ! A crack that supports so little of the strength is open.
+      ! Strength fraction below which a crack is fully open.
       real(wp), parameter :: least = 0.005_wp
       integer, parameter :: most_steps = 50
       real(wp) :: opening, slope, change
@@ -257,7 +257,7 @@ contains
       plastic_work = plastic_work + (grown - damage)*volume &
          *0.5_wp*sum(max(values, 0.0_wp)*strain)
       damage = grown
-      ! Failed particles lose all of it to the law of failed material.
+      ! The law of failed material sets the stress of failed particles.
       values = merge((1.0_wp - damage)*values, values, values > 0.0_wp)
       mean = sum(values)/3.0_wp
       stress(particle, :) = compose(values - mean, axes)
@@ -265,7 +265,7 @@ contains
    end subroutine crack
 
    !> Energy [J] of a particle with cracks beyond that of the deviator and, if the pressure is not
-   !! that of an equation of state, the pressure that act.
+   !! that of an equation of state, the reduced pressure.
    pure real(wp) function softening_hidden_energy(self, state, particle, of_pressure) result(energy)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store

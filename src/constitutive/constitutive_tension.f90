@@ -11,7 +11,7 @@ module constitutive_tension
       remove_melted_deviator, fracture_t, drop_loose_pressure, spall_t, add_shear_speed, &
       add_intact_shear_speed
 
-   !> Tension cut-off that leaves no trace.
+   !> Tension cut-off without failure.
    type :: spall_t
       real(wp) :: strength = huge(1.0_wp)            !! Greatest tension [Pa]
    end type spall_t
@@ -91,7 +91,7 @@ contains
       end do
    end subroutine cut_tension
 
-   !> Particles that fail now; in most steps of most tiles none does.
+   !> Particles that fail now; usually there are none.
    pure real(wp) function breaking(first, last, strength, pressure, damage, failed) &
       result(number)
       integer, intent(in) :: first                   !! First particle of the range
@@ -170,8 +170,8 @@ contains
       call drop_failed_tension(first, last, strength, failed, pressure, pressure_floor)
    end subroutine fail_as_rubble
 
-   !> Let particles fail as above, but leave the deviator to the law of failed material. Of the
-   !! elastic energy only that of the tension is lost.
+   !> Fail particles as above, but without changing the deviator, which the law of failed material
+   !! updates. Of the elastic energy only that of the tension is lost.
    pure subroutine fail_with_strength(first, last, strength, bulk, volume, pressure, &
       pressure_floor, damage, failed, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
@@ -200,7 +200,7 @@ contains
    end subroutine fail_with_strength
 
    !> Without equation of state the mean stress does not depend on voids: rubble less dense than the
-   !! material supports no pressure, and no signal faster than that of the material runs through it.
+   !! material supports no pressure, and its wave speed is at most that of the material.
    pure subroutine drop_loose_pressure(first, last, density, bulk, mass, volume, failed, pressure, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range

@@ -100,7 +100,7 @@ contains
       if (self%scatters) call requests%add("scatter", "size_scatter", 1)
    end subroutine grady_kipp_request
 
-   !> Flaws that the mean counts when the weakest one of a particle grows.
+   !> Mean number of flaws when the weakest one of a particle grows.
    pure subroutine grady_kipp_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(damage_grady_kipp_t), intent(in) :: self
       integer(int64), intent(in) :: seed                   !! Seed of the random numbers

@@ -23,7 +23,7 @@ module damage_johnson_cook
    !> Bounds of the triaxiality: the fit ends at 1.5, and below -10 the exponential would overflow.
    real(wp), parameter :: least_triaxiality = -10.0_wp, most_triaxiality = 1.5_wp
 
-   !> Particles of a group, and their multiple that fills vectors.
+   !> Particles of a group, a multiple of the vector length.
    integer, parameter :: most_lanes = 64, width = 8
 
    !> Damage model of Johnson and Cook. Without rate dependence the fourth coefficient is 0.

@@ -49,7 +49,7 @@ contains
       self%bulk = 0.0_wp
    end subroutine ideal_gas_read
 
-   !> The stiffness of a gas is that of its energy.
+   !> The bulk modulus of a gas follows from its energy.
    pure logical function ideal_gas_sets_bulk(self) result(sets)
       class(eos_ideal_gas_t), intent(in) :: self
 

@@ -24,8 +24,8 @@ module eos_mie_gruneisen
    !> Lower bound of the sound speed, relative to c0. The square of it is negative in cold material
    !! expanded beyond its greatest tension, which is unstable (spinodal).
    real(wp), parameter :: least_sound = 0.1_wp
-   !> Grueneisen number of vapour, at most 2 Gamma0. It is the least for which expanded material
-   !! without tension has a sound speed (for Gamma0 >= 1/2).
+   !> Grueneisen parameter of vapour, at most 2 Gamma0. It is the least value for which the sound
+   !! speed of expanded material without tension is real (for Gamma0 >= 1/2).
    real(wp), parameter :: gamma_of_vapour = 1.0_wp
 
    !> Equation of state of Mie and Grueneisen.
@@ -181,7 +181,7 @@ contains
       square = max(least_sound**2*stiff, square)
    end subroutine mie_gruneisen_state
 
-   !> Grueneisen number times density at the middle of the step. Equation (E.7).
+   !> Grueneisen parameter times density at the middle of the step. Equation (E.7).
    pure subroutine mie_gruneisen_find_gruneisen(self, state, deformation, first, last)
       class(eos_mie_gruneisen_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

@@ -207,8 +207,8 @@ contains
       dense(3) = merge((eos%a + eos%b*part*part)*density, 0.0_wp, given >= 0.0_wp)
    end subroutine find_dense_state
 
-   !> Grueneisen number (a + b/w**2) of condensed material times density at the middle of the step.
-   !! In vapour b/w**2 is small.
+   !> Grueneisen parameter (a + b/w**2) of condensed material times density at the middle of the
+   !! step. In vapour b/w**2 is small.
    pure subroutine tillotson_find_gruneisen(self, state, deformation, first, last)
       class(eos_tillotson_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

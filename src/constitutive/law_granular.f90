@@ -6,8 +6,8 @@
 !!
 !! with the spin W and the rate of strain D, and 1/tau = 1/gr_tau + rate/gr_gamma_c, where the rate
 !! is sqrt(2 D' : D'). With gr_gamma_c alone the stress does not depend on the rate and does not
-!! relax at rest. In mode total the whole stress relaxes, in mode deviator the pressure is left to
-!! the equation of state. Equations (Y.15) and (Y.16) of doc/theory/strength.md.
+!! relax at rest. In mode total the whole stress relaxes, in mode deviator the equation of state
+!! gives the pressure. Equations (Y.15) and (Y.16) of doc/theory/strength.md.
 module law_granular
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -109,7 +109,7 @@ contains
       whole = self%relaxes_pressure
    end function granular_gives_whole_stress
 
-   !> The stress is all that is remembered.
+   !> The stress is the only state variable.
    pure subroutine granular_request(self, requests)
       class(law_granular_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests

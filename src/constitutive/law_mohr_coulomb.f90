@@ -150,7 +150,7 @@ contains
          /(4.0_wp*law%shear) - pressure*dilation)
    end subroutine flow
 
-   !> By how much two principal values of a deviator are outside the surface [Pa].
+   !> Excess of two principal values of a deviator over the yield surface [Pa].
    pure real(wp) function excess(law, greatest, least, pressure) result(outside)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: greatest               !! Greatest value of the deviator [Pa]
