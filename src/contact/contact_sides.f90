@@ -24,7 +24,7 @@ module contact_sides
    real(wp), parameter :: enough = 0.2_wp
    real(wp), parameter :: few = 1.0e-3_wp            !! Ignored fraction of a side
 
-   !> At which nodes of its cell a particle is on the other side.
+   !> Nodes of its cell at which a particle is on the other side.
    type :: lane_bits_t
       integer, allocatable :: other(:)               !! (particle) Bit lane - 1 for each node
    end type lane_bits_t
@@ -60,7 +60,7 @@ contains
       allocate (self%cut(all + all/16), self%split(nodes, all + all/16))
    end subroutine sides_reserve
 
-   !> Does a cell have a node whose sides have parted?
+   !> Does a cell have a node with separated sides?
    pure logical function is_cut(grid, cell, split) result(cut)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                    !! Cell of the tile, from 0
@@ -105,7 +105,8 @@ contains
       end do
    end subroutine sides_drop_cells
 
-   !> Weight of a node of the cell of a particle, and its place seen from that node.
+   !> Weight of a node of the cell of a particle, and the position of the particle relative to that
+   !! node.
    pure subroutine lane_place(grid, lane, local, weight, away)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: lane                    !! Number of a node of the cell
@@ -122,7 +123,7 @@ contains
       end do
    end subroutine lane_place
 
-   !> Intact volume of the particles of a tile, and all of their volume: the sums of (C.9).
+   !> Intact volume and total volume of the particles of a tile: the sums of (C.9).
    pure subroutine measure_intact(store, tile, volume)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -314,7 +315,8 @@ contains
       if (split) split = sums(3)/sums(1) > sums(4)/sums(2)
    end function is_split
 
-   !> Put the particles of a tile back to the first side at nodes whose sides have not parted.
+   !> Assign the particles of a tile to the first side again at nodes whose sides have not
+   !! separated.
    pure subroutine join_sides(grid, start, first, split, other)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: start(0:)               !! (0:cells) Particles before a cell

@@ -30,7 +30,7 @@ module ddmp_dual
 
    !> Integrals over one cell; in axisymmetry they depend on the radius of the cell.
    type :: dual_t
-      integer :: columns = 1                         !! Cells along x with integrals of their own
+      integer :: columns = 1                         !! Cells along x with different integrals
       integer :: surface = surface_fill              !! Rule of the weights, one of those above
       real(wp) :: enough = 0.5_wp                    !! Fill of a node that counts as full
       type(dual_operator_t) :: products                    !! D_ji as products
@@ -53,8 +53,8 @@ contains
       integer :: column, cell, j, direction, other, bit(3)
 
       self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
-      ! near the axis the volume of the particles of a node is not that of the node, and only
-      ! weights that follow it keep the node stress right
+      ! near the axis the volume of the particles of a node differs from that of the node, and the
+      ! node stress is correct only with weights of the particle volume
       self%enough = merge(1.0_wp, 0.5_wp, grid%axisymmetric)
       call self%products%start(grid)
       if (allocated(self%volume)) deallocate (self%volume)
@@ -72,8 +72,8 @@ contains
    end subroutine dual_start
 
    !> Weight of each cell of a tile: twice the least fill of its nodes, at most 1, and less where
-   !! the densities of its nodes are very different; or by another rule. Cells beyond the box count
-   !! nothing. Equations (M.12) and (M.13).
+   !! the densities of its nodes are very different; or by another rule. Cells beyond the box have
+   !! weight zero. Equations (M.12) and (M.13).
    pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight)
       class(dual_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -114,7 +114,7 @@ contains
       if (self%surface == surface_none) call fill_box(grid, node_volume, weight)
    end subroutine dual_cell_weights
 
-   !> Least of the values on the nodes of each cell, put on its first node.
+   !> Least of the values on the nodes of each cell, stored at its first node.
    pure subroutine least_around(grid, values)
       type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(inout) :: values(:) !! (node)
@@ -193,7 +193,7 @@ contains
          weight, velocity, patch)
    end subroutine dual_add_gradient
 
-   !> Which integrals a cell uses.
+   !> Index of the integrals of a cell.
    pure integer function column_of(self, grid, coordinate, cell) result(column)
       class(dual_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

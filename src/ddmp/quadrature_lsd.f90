@@ -11,7 +11,7 @@ module quadrature_lsd
 
    public :: quadrature_lsd_t
 
-   !> The gradient at one point, with a force that is right for uniform stress.
+   !> The gradient at one point, with a force that is exact for uniform stress.
    type, extends(quadrature_point_t) :: quadrature_lsd_t
    contains
       procedure :: differing => lsd_differing        !! The force is of stress differences

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Failure of porous metal: the damage is the greatest porosity so far over that without strength.
-!! Equation (D.12) of doc/theory/ductile.md.
+!> Failure of porous metal: the damage is the greatest porosity so far over the porosity at which
+!! the strength vanishes. Equation (D.12) of doc/theory/ductile.md.
 module damage_porosity
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -28,7 +28,7 @@ module damage_porosity
 
 contains
 
-   !> The law of strength declares the porosity without strength.
+   !> The law of strength declares the porosity at which the strength vanishes.
    subroutine porosity_declare(self, schema)
       class(damage_porosity_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema

@@ -2,8 +2,8 @@
 !> Base type of exact solutions: position, velocity and deformation gradient of each material point
 !! at any time, and the body force of a manufactured solution.
 !!
-!! A material point is identified by its reference position. Solutions are evaluated for one point a
-!! call, which costs far less than the sines in it.
+!! A material point is identified by its reference position. Solutions are evaluated for one point
+!! per call; the call costs far less than the sines in it.
 module exact_solution
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp

@@ -19,7 +19,7 @@ module library_controls
 
 contains
 
-   !> Names of the controls that a simulation has, one a line with its number of components.
+   !> Names of the controls of a simulation, one per line with its number of components.
    function control_names(simulation) result(text)
       type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable :: text
@@ -77,7 +77,7 @@ contains
       end if
    end function wall_name
 
-   !> Name of a load, by its place in the deck.
+   !> Name of a load, by its position in the deck.
    pure function load_name(place) result(name)
       integer, intent(in) :: place                   !! From 1
       character(len=:), allocatable :: name

@@ -107,9 +107,9 @@ contains
    end function scree_state
 
    !> A text, valid until the next call for this simulation: the message of the last error, folder
-   !! and case of the results, why the run ended; controls, one a line with its number of
-   !! components; the material of a store; its fields, one a line with name, unit, components, 1 for
-   !! integers, and 1 if writable.
+   !! and case of the results, why the run ended; controls, one per line with its number of
+   !! components; the material of a store; its fields, one per line with name, unit, components, 1
+   !! for integers, and 1 if writable.
    type(c_ptr) function scree_text(handle, what, index) bind(c) result(text)
       type(c_ptr), value, intent(in) :: handle
       integer(c_int), value, intent(in) :: what      !! One of the constants `text_`

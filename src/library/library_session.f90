@@ -193,7 +193,7 @@ contains
       code = self%note(error)
    end function session_finish
 
-   !> Give files and communicator back. A run that was not ended gets no summary. Collective.
+   !> Release files and communicator. An unfinished run gets no summary. Collective.
    subroutine session_close(self)
       class(library_session_t), intent(inout) :: self
       type(error_t), allocatable :: ignored
@@ -205,7 +205,7 @@ contains
       self%copied = .false.
    end subroutine session_close
 
-   !> Refuse a call for a run that has ended or could not begin.
+   !> Refuse a call for a run that has ended or could not start.
    subroutine session_refuse_ended(self, error)
       class(library_session_t), intent(in) :: self
       type(error_t), allocatable, intent(out) :: error

@@ -14,7 +14,7 @@ module material_effect_timers
 
    public :: stage_clock_t, divide_phase_time
 
-   integer(int64), parameter :: every = 32           !! Steps from one that is timed to the next
+   integer(int64), parameter :: every = 32           !! Steps between timed steps
 
    !> Samples of one thread.
    type :: stage_clock_t

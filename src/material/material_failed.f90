@@ -33,7 +33,7 @@ module material_failed
       procedure :: scatter => failed_law_scatter        !! Scatters them back
    end type failed_law_t
 
-   !> How particles of a material fail.
+   !> Failure of the particles of a material.
    type :: failure_t
       type(spall_t), allocatable :: spall            !! Limit of tension without failure
       type(fracture_t), allocatable :: fracture      !! Permanent failure
@@ -260,7 +260,7 @@ contains
       end do
    end subroutine remove_loose_deviator
 
-   !> Put the failed particles back into their range.
+   !> Copy the failed particles back to their range.
    pure subroutine failed_law_scatter(self, subset, state, deformation, first)
       class(failed_law_t), intent(in) :: self
       type(failed_subset_t), intent(in) :: subset          !! Failed particles

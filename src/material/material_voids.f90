@@ -163,7 +163,7 @@ contains
             + (gradient(i, 9) - mean)**2) + (gradient(i, 2) + gradient(i, 4))**2 &
             + (gradient(i, 3) + gradient(i, 7))**2 + (gradient(i, 6) + gradient(i, 8))**2)
          theta = solid_fraction(k)
-         ! Pressed grains climb over each other, until they are as loose as they can be.
+         ! Compressed grains dilate under shear down to the least solid fraction.
          solid_fraction(k) = merge(max(min(theta, voids%critical), &
             theta/(1.0_wp + voids%shearing*shear*(1.0_wp + 0.5_wp*voids%shearing*shear))), theta, &
             loose(i) > 0.5_wp .and. pressure(i) > 0.0_wp)
@@ -210,7 +210,7 @@ contains
       end do
    end subroutine move_fraction
 
-   !> Volume becomes that of the solid, for the models of the material.
+   !> Replace the volume by that of the solid, for the models of the material.
    pure subroutine voids_to_solid_volume(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -253,7 +253,7 @@ contains
             0.0_wp)
    end subroutine voids_to_total_volume
 
-   !> Let heated grains fill voids: B = expansion dT/dt. Equation (F.20).
+   !> Expand heated grains into voids: B = expansion dT/dt. Equation (F.20).
    pure subroutine expand_grains(first, last, expansion, temperature, old_temperature, &
       solid_fraction)
       integer, intent(in) :: first                   !! First particle of the range

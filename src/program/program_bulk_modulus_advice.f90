@@ -59,7 +59,7 @@ contains
       end associate
    end function bulk_modulus_advice
 
-   !> True if waves or initial stresses may determine the result: then the loads are not known here.
+   !> True if waves or initial stresses may determine the result: then the loads are unknown here.
    pure logical function has_wave_loads(simulation, bodies) result(state)
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)

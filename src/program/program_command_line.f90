@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The command line: options, their values, and the checks that they fit each other.
+!> The command line: options, their values, and the checks of their combinations.
 module program_command_line
    use base_clock, only: clock_seconds, is_clock
    use base_deck_override, only: removal_mark
@@ -389,7 +389,7 @@ contains
          "' must be an integer above 0")
    end subroutine read_count
 
-   !> Check that the options fit each other.
+   !> Check combinations of options.
    subroutine check_command(command, error)
       type(command_t), intent(inout) :: command          !! Content of the command line
       type(error_t), allocatable, intent(out) :: error   !! Missing or conflicting options

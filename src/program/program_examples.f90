@@ -35,7 +35,7 @@ contains
       home = folder_of(program_path())
       folder = join_path(home, share_folder//"/input")
       if (file_exists(folder//"/.")) return
-      ! the build tree has them here for any names of the folders of an installation
+      ! the build tree has them here, whatever the names of the installation folders
       folder = join_path(home, "../share/scree/input")
       if (file_exists(folder//"/.")) return
       call fail(error, exit_file, "the examples are not in the folder of this installation, '"// &
@@ -242,7 +242,7 @@ contains
          "  sbatch job.slurm       # on a cluster"//newline
    end function next_steps
 
-   !> True if the program was started by a path: then its bare name may not be found.
+   !> True if the program was started by a path: then its name alone may not be found.
    logical function started_by_path() result(by_path)
       character(len=:), allocatable :: word
       integer :: length

@@ -61,7 +61,7 @@ contains
       call read_cell(setup%deck, run%cell)
       call read_stages(setup%deck, run%cell, run%cell%law%friction, run%path)
       call read_limits(setup%deck, run%limits)
-      ! a thread with fewer grains waits longer for the others than it works
+      ! with fewer grains per thread, waiting takes longer than the work
       call omp_set_num_threads(max(1, min(most_threads, run%cell%grains%count &
          /(grains_per_thread*run%cell%communicator%size))))
       call describe_run(setup, run)

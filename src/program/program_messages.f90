@@ -16,7 +16,7 @@ module program_messages
    integer, parameter :: columns = 80               !! Width of explanations
    integer, parameter :: most_similar = 5           !! Messages that are suggested
 
-   !> A message as far as it is needed to find it.
+   !> Code and pattern of a message.
    type :: message_t
       character(len=:), allocatable :: code         !! Such as D209
       type(text_t), allocatable :: patterns(:)      !! Texts of the message
@@ -24,7 +24,7 @@ module program_messages
 
 contains
 
-   !> Add to each line that is a message its code in brackets.
+   !> Add the code in brackets to each line that is a message.
    subroutine add_codes(text, with_codes, hint)
       character(len=*), intent(in) :: text          !! One or more lines
       character(len=:), allocatable, intent(out) :: with_codes !! The same lines
@@ -69,7 +69,7 @@ contains
       call add_codes(line, text, hint)
    end function with_code
 
-   !> Code of a line; empty if it is no message.
+   !> Code of a line; empty if it is not a message.
    function message_code(line) result(code)
       character(len=*), intent(in) :: line          !! As printed
       character(len=:), allocatable :: code
@@ -286,7 +286,7 @@ contains
       text = buffer%content()
    end function explanation
 
-   !> Some lines as one.
+   !> Join lines into one.
    pure function joined_lines(lines, first, last) result(text)
       character(len=*), intent(in) :: lines(:)      !! Lines of a message
       integer, intent(in) :: first                  !! The first of them
@@ -347,7 +347,7 @@ contains
       call buffer%line(line)
    end subroutine add_wrapped
 
-   !> A text of Markdown with the words of links alone, and without marks of code.
+   !> A Markdown text as plain text: links as their words, and no code marks.
    pure function without_links(text) result(plain)
       character(len=*), intent(in) :: text          !! Such as [the deck](../guide/deck.md)
       character(len=:), allocatable :: plain

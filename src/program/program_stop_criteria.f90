@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Reasons to end a run: the end of its time or of its steps, wall time, signals, kinetic energy, or
-!! no material left.
+!! no remaining material.
 module program_stop_criteria
    use base_error, only: exit_again, exit_success
    use base_kinds, only: int64, wp

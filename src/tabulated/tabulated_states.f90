@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> A table of states: pressure and energy over density and temperature, and its values in between.
 !!
-!! All is linear in the density and in the temperature, so the energy of a density grows piecewise
+!! Values are bilinear in density and temperature, so the energy at a density increases piecewise
 !! linearly with the temperature and is inverted exactly. Equations (E.15) to (E.18) of
 !! doc/theory/equations_of_state.md.
 module tabulated_states
@@ -108,8 +108,8 @@ contains
       derivative = first + curvature*(2.0_wp*x(place) - x(middle) - x(middle - 1))
    end function slope
 
-   !> Inconsistency of a cell: how far rho**2 de/drho is from p - T dp/dT in its middle, over the
-   !! bulk modulus. The worst is kept. Equation (E.18).
+   !> Inconsistency of a cell: difference of rho**2 de/drho and p - T dp/dT in its middle, over the
+   !! bulk modulus. The greatest one is kept. Equation (E.18).
    pure subroutine note_inconsistency(self, i, j)
       class(state_table_t), intent(inout) :: self
       integer, intent(in) :: i                       !! Density below the cell
@@ -214,7 +214,7 @@ contains
    end function first_stride
 
    !> Pressure and square of the sound speed of states whose cells are known. Outside of the table
-   !! both are not numbers, at which a run stops and names the particle.
+   !! both are NaN, at which a run stops and names the particle.
    pure subroutine states_interpolate(self, lanes, offset, pressure, square)
       class(state_table_t), intent(in) :: self
       type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
