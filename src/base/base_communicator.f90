@@ -29,7 +29,7 @@ module base_communicator
    !> Messages in transit to a few ranks.
    type :: posted_t
       integer(int64), allocatable :: outgoing(:)      !! Their words, not changed until complete
-      type(mpi_request), allocatable, private :: sent(:) !! One request a message
+      type(mpi_request), allocatable, private :: sent(:) !! One request per message
       integer, private :: tag = 0                     !! Tag of the exchange
    end type posted_t
 
@@ -47,7 +47,7 @@ module base_communicator
       procedure :: release => communicator_release    !! Free that copy
       procedure :: finish => communicator_finish      !! Finish MPI
       procedure :: native => communicator_native      !! Handle for parallel HDF5
-      procedure :: barrier => communicator_barrier    !! Wait for all
+      procedure :: barrier => communicator_barrier    !! Barrier
       procedure :: minimum => communicator_minimum    !! Minimum over the ranks
       procedure :: maximum => communicator_maximum    !! Maximum over the ranks
       procedure :: maxima => communicator_maxima      !! Maxima, element by element
@@ -332,7 +332,7 @@ contains
    !! order; the order of the senders varies.
    subroutine communicator_send_rows(self, owner, rows, arrived)
       class(communicator_t), intent(inout) :: self
-      integer, contiguous, intent(in) :: owner(:)              !! (row) Rank that gets it
+      integer, contiguous, intent(in) :: owner(:)              !! (row) Receiving rank
       integer(int64), contiguous, intent(in) :: rows(:, :)     !! (word, row)
       integer(int64), allocatable, intent(out) :: arrived(:)   !! Words of the rows for this rank
       type(posted_t) :: posted
@@ -404,7 +404,7 @@ contains
       class(communicator_t), intent(inout) :: self
       type(posted_t), intent(inout) :: posted         !! From `post`
       integer(int64), allocatable, intent(inout) :: incoming(:) !! Grows as needed
-      integer, intent(out) :: words                   !! Words that arrived
+      integer, intent(out) :: words                   !! Received words
       type(mpi_request) :: consensus
       integer(int64) :: begin
       logical :: done, agreeing

@@ -97,7 +97,7 @@ contains
       type(deck_index_t), intent(in) :: index            !! Positions of groups and keys
       integer, intent(in) :: which                       !! Index of the group
       type(problems_t), intent(inout) :: problems        !! Collects errors
-      logical, intent(out) :: unused                     !! The command line turned it off
+      logical, intent(out) :: unused                     !! Switched off by the command line
       character(len=:), allocatable :: reason
       logical :: sure
 
@@ -192,7 +192,7 @@ contains
       type(condition_t), intent(in) :: condition         !! Expected value
       type(value_t), intent(in) :: value                 !! Actual value
       logical, intent(in) :: same_group                  !! Is it in the group of the key?
-      character(len=:), allocatable, intent(inout) :: reason !! Why the condition does not hold
+      character(len=:), allocatable, intent(inout) :: reason !! Reason why the condition is false
       character(len=:), allocatable :: place, word
       integer :: i
 

@@ -51,7 +51,7 @@ module base_schema
       character(len=:), allocatable :: target            !! Group whose names it refers to
       type(text_t), allocatable :: words(:)              !! Texts that are allowed, empty: any
       type(text_t), allocatable :: meanings(:)           !! Of presets: name and title, for hints
-      type(condition_t), allocatable :: owners(:)        !! All must hold so that it applies
+      type(condition_t), allocatable :: owners(:)        !! All must be true
    end type key_t
 
    !> One group.
@@ -77,7 +77,7 @@ module base_schema
       procedure :: logical => schema_logical             !! Declare a switch
       procedure :: text => schema_text                   !! Declare a key of texts
       procedure :: words => schema_words                 !! Allow more words for a key of texts
-      procedure :: extend_owner => schema_extend_owner   !! Let a key apply to one more word
+      procedure :: extend_owner => schema_extend_owner   !! Allow one more word for a key
       procedure :: require => schema_require             !! Keys that must be given
       procedure :: refer => schema_refer                 !! Names of which group a key refers to
       procedure :: explain_range => schema_explain_range !! Reason for the range
@@ -171,7 +171,7 @@ contains
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! Without quotes
-      character(len=*), intent(in), optional :: words    !! All that is allowed, blanks between
+      character(len=*), intent(in), optional :: words    !! Allowed words, separated by blanks
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       character(len=*), intent(in), optional :: unit     !! Of the value of a formula
       type(key_t) :: key

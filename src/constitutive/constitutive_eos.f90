@@ -29,7 +29,7 @@ module constitutive_eos
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => eos_find_gruneisen !! Grueneisen number times density
       procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
-      procedure :: gives_temperature => eos_gives_temperature !! True if the state has one by it
+      procedure :: gives_temperature => eos_gives_temperature !! True if it gives the temperature
       procedure :: find_temperature => eos_find_temperature !! Temperature, if it gives it
       procedure :: starts_with_energy => eos_starts_with_energy !! True if material has some at rest
       procedure :: start_energy => eos_start_energy  !! Energy of the reference state
@@ -161,7 +161,7 @@ contains
    !> Internal energy of the reference density [J/kg].
    pure real(wp) function eos_start_energy(self, temperature) result(energy)
       class(eos_t), intent(in) :: self
-      real(wp), optional, intent(in) :: temperature !! That of the reference without it [K]
+      real(wp), optional, intent(in) :: temperature !! Temperature of the reference [K]
 
       energy = 0.0_wp
    end function eos_start_energy

@@ -20,7 +20,7 @@ module constitutive_field_requests
    contains
       procedure :: add => requests_add                 !! Request a field
       procedure :: has => requests_has                 !! True if a field is requested
-      procedure :: bytes => requests_bytes             !! Bytes a particle of all fields
+      procedure :: bytes => requests_bytes             !! Bytes per particle of all fields
       procedure :: report => requests_report           !! Table for the user
    end type field_requests_t
 

@@ -24,7 +24,7 @@ module constitutive_hardening
    !! rate.
    type :: flow_lanes_t
       integer :: count = 0                           !! Lanes in use
-      integer :: place(most_lanes)                   !! Place of a lane in its group
+      integer :: place(most_lanes)                   !! Position of a lane in its group
       real(wp) :: trial(most_lanes)                  !! Equivalent trial stress, above 0 [Pa]
       real(wp) :: stiffness(most_lanes)              !! 3 G of the trial, above 0 [Pa]
       real(wp) :: fixed(most_lanes)                  !! Part of the yield stress that stays [Pa]

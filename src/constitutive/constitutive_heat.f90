@@ -12,7 +12,7 @@ module constitutive_heat
    !> Heating of a material.
    type :: heat_t
       real(wp) :: specific_heat = 0.0_wp             !! At constant volume [J/(kg K)]
-      real(wp) :: conductivity = 0.0_wp              !! Of heat; 0: none flows [W/(m K)]
+      real(wp) :: conductivity = 0.0_wp              !! Of heat; 0: no conduction [W/(m K)]
    end type heat_t
 
    !> Temperatures between which a material softens.

@@ -29,7 +29,7 @@ module damage_grady_kipp
       real(wp) :: flaws = 0.0_wp                     !! k [1/m3]
       real(wp) :: exponent = 1.0_wp                  !! m [1]
       real(wp) :: share = 0.4_wp                     !! Speed of cracks over that of sound [1]
-      logical :: scatters = .false.                  !! The weakest flaw is one's own
+      logical :: scatters = .false.                  !! The weakest flaw of a particle
    contains
       procedure :: declare => grady_kipp_declare     !! Declares its keys
       procedure :: needs_flow => grady_kipp_needs_flow !! Returns false

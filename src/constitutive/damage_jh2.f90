@@ -31,7 +31,7 @@ module damage_jh2
       real(wp) :: share = 0.0_wp !! beta, fraction of lost energy that makes pressure [1]
    contains
       procedure :: declare => damage_jh2_declare     !! Declares its keys
-      procedure :: fault => damage_jh2_fault         !! Without the law it is not known
+      procedure :: fault => damage_jh2_fault         !! Unknown without the law
       procedure :: leaves_strength => damage_jh2_leaves_strength !! Returns true
       procedure :: read => damage_jh2_read           !! Reads its keys
       procedure :: request => damage_jh2_request     !! Requests damage and bulking

@@ -24,7 +24,7 @@ module eos_p_alpha
    type, extends(eos_t) :: eos_p_alpha_t
       type(eos_mie_gruneisen_t) :: solid             !! Without pores
       real(wp) :: elastic = 0.0_wp                   !! pe, crushing begins [Pa]
-      real(wp) :: crushed = 0.0_wp                   !! pc, no pores are left [Pa]
+      real(wp) :: crushed = 0.0_wp                   !! pc, all pores closed [Pa]
    contains
       procedure :: declare => p_alpha_declare        !! Declares its keys
       procedure :: fault => p_alpha_fault            !! Keys that do not fit each other

@@ -27,7 +27,7 @@ module law_drucker_prager
       real(wp) :: dilation_slope = 0.0_wp            !! b [1]
    contains
       procedure :: declare => drucker_prager_declare !! Declares its keys
-      procedure :: fault => drucker_prager_fault     !! Angles that do not fit
+      procedure :: fault => drucker_prager_fault     !! Invalid combination of angles
       procedure :: read => drucker_prager_read       !! Reads its keys
       procedure :: set => drucker_prager_set         !! Cone from the angles
       procedure :: update => drucker_prager_update   !! Return to cone or apex

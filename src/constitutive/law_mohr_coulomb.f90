@@ -26,7 +26,7 @@ module law_mohr_coulomb
       real(wp) :: dilation = 0.0_wp                  !! Sine of the angle of dilation [1]
       real(wp) :: strength = 0.0_wp                  !! 2 c cos(phi) [Pa]
    contains
-      procedure :: fault => mohr_coulomb_fault       !! Angles that do not fit
+      procedure :: fault => mohr_coulomb_fault       !! Invalid combination of angles
       procedure :: read => mohr_coulomb_read         !! Reads its keys
       procedure :: set => mohr_coulomb_set           !! Surface from the angles
       procedure :: update => mohr_coulomb_update     !! Return to plane, edge or apex

@@ -21,7 +21,7 @@ module law_von_mises
    contains
       procedure :: declare => von_mises_declare      !! Declares its keys
       procedure :: read => von_mises_read            !! Reads its keys
-      procedure :: request => von_mises_request      !! Requests plastic strain if it hardens
+      procedure :: request => von_mises_request      !! Requests plastic strain for hardening
       procedure :: update => von_mises_update        !! Radial return
    end type law_von_mises_t
 

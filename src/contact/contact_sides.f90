@@ -37,7 +37,7 @@ module contact_sides
       real(wp), allocatable :: intact(:, :)          !! (node, own tile) Intact volume fraction [1]
       real(wp), allocatable :: slope(:, :, :)        !! (3, node, own tile) Its gradient [1/m]
       real(wp), allocatable :: axis(:, :, :)         !! (3, node, own tile) Axis of the sides [1]
-      logical, allocatable :: split(:, :)            !! (node, tile) Have its sides parted?
+      logical, allocatable :: split(:, :)            !! (node, tile) Are its sides separated?
       logical, allocatable :: cut(:)                 !! (tile) Is there such a node?
    contains
       procedure :: reserve => sides_reserve          !! Memory for a number of tiles
@@ -257,7 +257,7 @@ contains
       type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       integer, intent(in) :: first                   !! First particle of the tile
       real(wp), intent(in) :: slope(:, :)            !! (particle of the tile, 3) [1/m]
-      real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 where nothing parts [1]
+      real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 if not separated [1]
       integer, intent(inout) :: other(:)             !! (particle) Bits of the nodes
       integer :: cell, lane, node, p
 
@@ -281,7 +281,7 @@ contains
       type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
-      real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 where nothing parts [1]
+      real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 if not separated [1]
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
       real(wp), intent(inout) :: patch(:, :)         !! (row, node)
       real(wp) :: weight, away(3), local(3)

@@ -74,7 +74,7 @@ contains
    pure function velocity_at(store, particle, away) result(velocity)
       type(store_t), intent(in) :: store
       integer, intent(in) :: particle                !! Of the store
-      real(wp), intent(in) :: away(3)                !! The place, seen from the particle [m]
+      real(wp), intent(in) :: away(3)                !! Position relative to the particle [m]
       real(wp) :: velocity(3)
       integer :: l
 

@@ -28,13 +28,13 @@ module ductile_flow
       real(wp) :: q2 = 1.0_wp                        !! Of the pressure [1]
       real(wp) :: critical = 1.0_wp                  !! Porosity from which on voids join [1]
       real(wp) :: joining = 1.0_wp                   !! Growth of the weakening from there on [1]
-      real(wp) :: least = 1.0e-6_wp                  !! Pores do not close below it [1]
+      real(wp) :: least = 1.0e-6_wp                  !! Least porosity on closing [1]
    end type porous_t
 
    !> Particles of a group that flow.
    type :: pore_lanes_t
       integer :: count = 0                           !! Lanes in use
-      integer :: particle(most_lanes)                !! Place of a lane in its group
+      integer :: particle(most_lanes)                !! Position of a lane in its group
       real(wp) :: trial(most_lanes)                  !! Equivalent trial stress [Pa]
       real(wp) :: trial_pressure(most_lanes)         !! [Pa]
       real(wp) :: bulk(most_lanes)                   !! Growth of p with the volume gained [Pa]
@@ -57,7 +57,7 @@ module ductile_flow
       real(wp) :: last(most_lanes)                   !! Value before [1]
       real(wp) :: miss(most_lanes)                   !! Of the yield function at s [1]
       real(wp) :: last_miss(most_lanes)              !! At the value before [1]
-      real(wp) :: lower(most_lanes)                  !! s that is too small [1]
+      real(wp) :: lower(most_lanes)                  !! Lower bound of s [1]
       real(wp) :: upper(most_lanes)                  !! Upper bound of s, huge: unknown [1]
       real(wp) :: going(most_lanes)                  !! 1 if s is to be found, else 0
       real(wp) :: porosity(most_lanes)               !! After the step [1]
@@ -263,7 +263,7 @@ contains
    pure subroutine close_pores(porous, lanes, search)
       type(porous_t), intent(in) :: porous
       type(pore_lanes_t), intent(inout) :: lanes
-      type(search_t), intent(inout) :: search        !! With the miss at its first s
+      type(search_t), intent(inout) :: search        !! With the residual at its first s
       real(wp) :: remaining, share, lost, limit, increment, q1, least, shear, hardening
       logical :: bounded, closed
       integer :: l

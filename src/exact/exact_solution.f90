@@ -25,7 +25,7 @@ module exact_solution
       procedure :: declare => exact_declare          !! Declares its keys of &exact
       procedure :: read => exact_read                !! Reads the keys
       procedure :: law => exact_law                  !! Strength model of the solution
-      procedure :: fault => exact_fault              !! Why the scene cannot have it
+      procedure :: fault => exact_fault              !! Reason why the scene does not allow it
       procedure(place_i), deferred :: place          !! Position and velocity of a point
       procedure(gradient_i), deferred :: gradient    !! Deformation gradient of a point
       procedure :: forced => exact_forced            !! Is it a manufactured solution?

@@ -19,7 +19,7 @@ module explosive_sight
       logical, allocatable :: open(:)                !! (cell from 0) Can a detonation pass?
    contains
       procedure :: start => sight_map_start          !! From the content of the cells
-      procedure :: cell_of => sight_map_cell_of      !! Place of the cell of a point
+      procedure :: cell_of => sight_map_cell_of      !! Position of the cell of a point
       procedure :: is_open => sight_map_is_open      !! Is a cell open? True outside of the box
       procedure :: sees => sight_map_sees            !! Is a straight line open?
    end type sight_map_t

@@ -17,7 +17,7 @@ module grains_exchange
    !! ascending. Both ranks of a pair find the same lists.
    type :: halo_t
       integer, allocatable :: rank(:)                !! Ranks around
-      integer, allocatable :: give_start(:)          !! (rank + 1) First place in `give`
+      integer, allocatable :: give_start(:)          !! (rank + 1) First index in `give`
       integer, allocatable :: give(:)                !! Own rows
       integer, allocatable :: take_start(:)          !! (rank + 1) First index in `take`
       integer, allocatable :: take(:)                !! Rows of others

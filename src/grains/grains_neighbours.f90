@@ -13,13 +13,13 @@ module grains_neighbours
    !> Bins of the cell, with the grains of each.
    type :: bins_t
       integer :: number(3) = 1                       !! Bins along each edge
-      integer, allocatable :: start(:)               !! (bin + 1) First place in `row`
+      integer, allocatable :: start(:)               !! (bin + 1) First index in `row`
       integer, allocatable :: row(:)                 !! Rows, bin by bin
    end type bins_t
 
    !> Neighbours of the own rows, by identity.
    type :: neighbours_t
-      integer, allocatable :: start(:)               !! (own row + 1) First place in `row`
+      integer, allocatable :: start(:)               !! (own row + 1) First index in `row`
       integer, allocatable :: row(:)                 !! Row of the neighbour
       real(wp), allocatable :: shift(:, :)           !! (axis, neighbour) Edges added to it
    end type neighbours_t

@@ -40,10 +40,10 @@ module grains_pairs
       real(wp), allocatable :: shift(:, :)           !! (axis, pair) Edges added to the second
       real(wp), allocatable :: history(:, :)         !! (word, pair)
       real(wp), allocatable :: push(:, :)            !! (word, pair)
-      integer, allocatable :: start(:)               !! (own row + 1) First place in `incident`
+      integer, allocatable :: start(:)               !! (own row + 1) First index in `incident`
       integer, allocatable :: incident(:) !! Pairs of a row by the other's identity; < 0: as second
    contains
-      procedure :: allocate => pairs_allocate        !! Make room
+      procedure :: allocate => pairs_allocate        !! Reserve memory
       procedure :: touches => pairs_touches          !! Is a pair in contact?
    end type pairs_t
 

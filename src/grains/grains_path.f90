@@ -28,7 +28,7 @@ module grains_path
    type :: path_t
       type(stage_t), allocatable :: stages(:)
       integer :: now = 1                             !! Stage
-      integer(int64) :: start = 0                    !! Step at which it began
+      integer(int64) :: start = 0                    !! Step at its start
       real(wp) :: from_fraction = 0.0_wp             !! Volume fraction then
       real(wp) :: from_height = 0.0_wp               !! Greatest distance of faces then [m]
    contains

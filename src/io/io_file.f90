@@ -215,8 +215,8 @@ contains
    !! cannot reserve space are tolerated.
    subroutine reserve_file(path, bytes, error)
       character(len=*), intent(in) :: path               !! File
-      integer(int64), intent(in) :: bytes                !! Space it may need [byte]
-      type(error_t), allocatable, intent(out) :: error   !! There is not that much space
+      integer(int64), intent(in) :: bytes                !! Upper bound of its length [byte]
+      type(error_t), allocatable, intent(out) :: error   !! Not enough space
       character(len=24) :: megabytes
       integer(c_int) :: descriptor, reason, status
 
@@ -296,7 +296,7 @@ contains
    !> Create an empty file, which replaces an existing one.
    subroutine output_create(self, path, error)
       class(output_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: path               !! Where
+      character(len=*), intent(in) :: path               !! Path
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
       call self%close()
@@ -308,7 +308,7 @@ contains
    !> Open an existing file to append to it.
    subroutine output_append(self, path, error)
       class(output_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: path               !! Where
+      character(len=*), intent(in) :: path               !! Path
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
       call self%close()

@@ -37,10 +37,10 @@ module io_fragments
    !> All cells with particles, the same on all ranks.
    type :: map_t
       integer(int64), allocatable :: key(:)              !! (cell) Number in the box, ascending
-      real(wp), allocatable :: velocity(:, :)            !! (3, cell) If it matters [m/s]
+      real(wp), allocatable :: velocity(:, :)            !! (3, cell) If needed [m/s]
       integer, allocatable :: fragment(:)                !! (cell) From 1
       integer, allocatable :: number(:)                  !! (fragment) In the table, by mass
-      integer, allocatable :: image(:, :)                !! (3, cell) Boxes that it is moved by
+      integer, allocatable :: image(:, :)                !! (3, cell) Shift in periods
       type(key_table_t) :: table                         !! From key to cell
    end type map_t
 
@@ -112,7 +112,7 @@ contains
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(in) :: stores(:)
       type(fragments_t), intent(in) :: wanted            !! Definition of fragments
-      type(picks_t), allocatable, intent(out) :: picks(:) !! (store) Particles that count
+      type(picks_t), allocatable, intent(out) :: picks(:) !! (store) Selected particles
       type(cells_t), intent(out) :: cells                !! Cells of the fragments on this rank
       type(map_t), intent(out) :: map                    !! All cells with their fragments
       real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
@@ -224,7 +224,7 @@ contains
       integer, intent(in) :: cell                        !! From here
       integer, intent(in) :: way(3)                      !! -1, 0 or 1 along each direction
       integer, intent(out) :: next                       !! The other one
-      integer, intent(out) :: image(3)                   !! Boxes that it is moved by
+      integer, intent(out) :: image(3)                   !! Shift in periods
       integer :: place(3), direction
 
       next = 0

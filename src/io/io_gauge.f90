@@ -37,13 +37,13 @@ module io_gauge
    type :: gauge_t
       integer :: kind = at_point                         !! One of the constants above
       real(wp) :: point(3) = 0.0_wp                      !! Position, or initial position [m]
-      real(wp) :: radius = 0.0_wp                        !! Of the material that is seen [m]
+      real(wp) :: radius = 0.0_wp                        !! Of the observed material [m]
       real(wp) :: depth = 0.0_wp                         !! The same below a surface [m]
       integer :: axis = 1                                !! Normal of the surface, about
       real(wp) :: side = 1.0_wp                          !! 1: the upper side along it, -1: lower
       integer(int64) :: identity = -1_int64              !! Of the particle, -1 = not found yet
       type(mean_t), allocatable :: means(:)              !! Fields
-      type(pick_rule_t) :: rule                          !! Which particles can be seen
+      type(pick_rule_t) :: rule                          !! Visible particles
    end type gauge_t
 
 contains
@@ -172,7 +172,7 @@ contains
    !> Does a tile reach into the box around a point?
    pure logical function tile_near(grid, coordinate, centre, reach) result(near)
       type(grid_t), intent(in) :: grid
-      integer, intent(in) :: coordinate(3)               !! Place of the tile, from 0
+      integer, intent(in) :: coordinate(3)               !! Position of the tile, from 0
       real(wp), intent(in) :: centre(3)                  !! The point [m]
       real(wp), intent(in) :: reach(3)                   !! Half the edges of the box [m]
       real(wp) :: lower(3)

@@ -51,7 +51,7 @@ contains
       type(mean_t), intent(in) :: means(:)               !! Means to write
       type(snapshot_format_t), intent(in) :: format      !! How, and of which particles
       type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
-      type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
+      type(error_t), allocatable, intent(out) :: error   !! Not written; partial file removed
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
       type(box_t) :: box

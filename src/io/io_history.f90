@@ -20,7 +20,7 @@ module io_history
 
    !> A file of histories. Rank 0 writes; the values must be the same on all ranks.
    type :: history_t
-      integer, private :: key_place = 0                  !! Place of the column "step"
+      integer, private :: key_place = 0                  !! Index of the column "step"
       logical, allocatable, private :: whole(:)          !! (column) Is it of integers?
       type(output_units_t) :: units                      !! Units of the columns
       character(len=unit_length), allocatable, private :: unit(:) !! (column) Unit of SI
@@ -38,7 +38,7 @@ contains
    subroutine history_open(self, communicator, path, columns, resume_step, error)
       class(history_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
-      character(len=*), intent(in) :: path               !! Where
+      character(len=*), intent(in) :: path               !! Path
       character(len=*), intent(in) :: columns(:)         !! As "time [s]"; "step" holds the steps
       integer(int64), intent(in) :: resume_step          !! Later rows are cut away; < 0: all
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written, or other columns
@@ -81,7 +81,7 @@ contains
    subroutine cut_back(path, heading, key_place, resume_step, error)
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: heading            !! Expected first line
-      integer, intent(in) :: key_place                   !! Place of the column "step"
+      integer, intent(in) :: key_place                   !! Index of the column "step"
       integer(int64), intent(in) :: resume_step          !! Last step that stays
       type(error_t), allocatable, intent(out) :: error   !! Another heading, or not writable
       character(len=:), allocatable :: text
@@ -110,7 +110,7 @@ contains
    !> The step of a row; a row that cannot be read is dropped.
    pure function step_of(line, key_place) result(step)
       character(len=*), intent(in) :: line               !! A row
-      integer, intent(in) :: key_place                   !! Place of the column "step"
+      integer, intent(in) :: key_place                   !! Index of the column "step"
       integer(int64) :: step
       integer :: comma, first, place, status
 

@@ -50,7 +50,7 @@ contains
       character(len=*), intent(in) :: text               !! Content of the file
       character(len=*), intent(in) :: path               !! For messages
       type(point_list_t), intent(out) :: list
-      type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
+      type(error_t), allocatable, intent(out) :: error   !! A line is not valid
       type(text_t), allocatable :: words(:)
       integer, allocatable :: column(:)
       character(len=:), allocatable :: line, fault

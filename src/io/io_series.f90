@@ -18,7 +18,7 @@ module io_series
 
    !> A series of snapshots.
    type :: series_t
-      character(len=:), allocatable :: folder            !! Where the files are
+      character(len=:), allocatable :: folder            !! Folder of the files
       character(len=:), allocatable :: prefix            !! As "CASE_p"
       logical :: of_grids = .false.                      !! Fields on the grid: no index is written
       type(snapshot_info_t), allocatable, private :: steps(:) !! On rank 0 only
@@ -36,7 +36,7 @@ contains
    subroutine series_open(self, communicator, folder, prefix, next_number, note, error)
       class(series_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
-      character(len=*), intent(in) :: folder             !! Where the files are
+      character(len=*), intent(in) :: folder             !! Folder of the files
       character(len=*), intent(in) :: prefix             !! As "CASE_p"
       integer, intent(in) :: next_number                 !! Number of the next snapshot
       character(len=:), allocatable, intent(out) :: note !! Rank 0: omitted files, or empty

@@ -44,7 +44,7 @@ module io_snapshot
       character(len=:), allocatable :: git               !! Its revision
       character(len=:), allocatable :: compiler          !! Compiler and options of the program
       character(len=:), allocatable :: flags             !! How it was built
-      character(len=:), allocatable :: host              !! Where it ran
+      character(len=:), allocatable :: host              !! Host
       character(len=:), allocatable :: date              !! When the file was written
       character(len=:), allocatable :: case              !! Prefix of all files
       character(len=:), allocatable :: title             !! Line from the deck
@@ -79,7 +79,7 @@ contains
       character(len=*), intent(in) :: fields(:)          !! Fields to write, ["default"]
       type(snapshot_format_t), intent(in) :: format      !! Format of the file
       type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
-      type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
+      type(error_t), allocatable, intent(out) :: error   !! Not written; partial file removed
       type(labels_t), intent(in), optional :: labels(:)  !! (store) Fragments, 0 without them
       type(column_t), allocatable :: columns(:)
       type(picks_t), allocatable :: picks(:)
@@ -280,7 +280,7 @@ contains
    subroutine write_single(file, name, rows, reals)
       type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(wp), intent(in) :: reals(:, :)                !! (component, row)
       real(real32), allocatable :: numbers(:), singles(:, :)
       integer :: component, row

@@ -99,7 +99,7 @@ contains
       character(len=*), intent(in) :: text               !! Content of the file
       character(len=*), intent(in) :: path               !! For messages
       real(wp), allocatable, intent(out) :: corner(:, :, :) !! (3, corner, facet)
-      type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
+      type(error_t), allocatable, intent(out) :: error   !! A line is not valid
       type(text_t), allocatable :: words(:)
       character(len=:), allocatable :: line
       real(wp), allocatable :: corners_read(:, :, :)

@@ -116,7 +116,7 @@ contains
       real(wp), intent(in) :: given(:)                   !! As in the file
       integer, intent(in) :: dimensions                  !! Of the data
       real(wp), intent(inout) :: values(3)               !! Along x, y, z
-      logical, intent(out) :: fits                       !! There are as many as needed
+      logical, intent(out) :: fits                       !! The number is sufficient
 
       fits = .true.
       if (size(given) == 0) return
@@ -369,7 +369,7 @@ contains
 
    !> The numbers of a line; an empty list if it has anything else.
    subroutine numbers_of(text, values)
-      character(len=*), intent(in) :: text               !! Numbers with blanks between them
+      character(len=*), intent(in) :: text               !! Numbers separated by blanks
       real(wp), allocatable, intent(out) :: values(:)
       type(text_t), allocatable :: words(:)
       integer :: n

@@ -94,7 +94,7 @@ contains
       character(len=*), intent(in) :: path
       type(walls_t), intent(in) :: walls                 !! Walls to write
       type(snapshot_header_t), intent(in) :: header      !! Units and origin
-      type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
+      type(error_t), allocatable, intent(out) :: error   !! Not written; partial file removed
       type(hdf5_file_t) :: file
 
       call file%create(communicator, path, greatest_length(walls, header), error)

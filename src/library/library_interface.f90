@@ -40,7 +40,7 @@ module library_interface
       integer(c_int) :: rank = 0                     !! This rank, from 0
       integer(c_int) :: ranks = 1                    !! Number of ranks
       integer(c_int) :: running = 0                  !! 1 until `scree_finish` or an error
-      integer(c_int) :: finished = 0                 !! 1 = no step is left
+      integer(c_int) :: finished = 0                 !! 1 = the run is finished
       integer(c_int) :: began_messages = 0           !! 1 = this simulation started MPI
    end type state_t
 

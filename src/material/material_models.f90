@@ -45,7 +45,7 @@ module material_models
       procedure :: start => models_start             !! Initial state of particles
       procedure :: draw_strength => models_draw_strength       !! Random strength of particles
       procedure :: start_energy => models_start_energy !! Internal energy at the start
-      procedure :: starts_with_energy => models_starts_with_energy !! True if it has some then
+      procedure :: starts_with_energy => models_starts_with_energy !! True if it has energy then
       procedure :: is_gas_of_explosive => models_is_gas_of_explosive !! Products of a detonation
       procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
       procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress

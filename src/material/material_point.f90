@@ -28,7 +28,7 @@ module material_point
       type(material_state_t) :: state                       !! State
       type(deformation_t) :: deformation             !! Step
    contains
-      procedure :: start => point_start              !! Puts the point at rest
+      procedure :: start => point_start              !! Sets the point to rest
       procedure :: run => point_run                  !! Drives it along its path
       procedure :: header => point_header            !! Names of the columns
       procedure, private :: row => point_row         !! Its state as numbers
@@ -137,7 +137,7 @@ contains
       type(point_t), intent(inout) :: point
       class(chain_t), intent(in) :: chain
       real(wp), intent(in) :: gradient(9)            !! The other components [1]
-      integer, intent(in) :: components(:)           !! Which components are found
+      integer, intent(in) :: components(:)           !! Components to find
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(inout) :: lateral             !! Last and new value [1]
       type(material_state_t) :: before

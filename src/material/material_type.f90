@@ -16,7 +16,7 @@ module material_type
    !> One material: a chain of models that can be read from the deck.
    type, extends(chain_t) :: material_t
    contains
-      procedure :: read => material_read             !! Makes it from its &material
+      procedure :: read => material_read             !! Creates it from its &material
    end type material_t
 
 contains

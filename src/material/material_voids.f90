@@ -25,7 +25,7 @@ module material_voids
    !> Rules of the voids of a material.
    type :: voids_t
       logical :: opens = .true.                      !! Voids of loose material open and close
-      logical :: crushes = .false.                   !! Pressed grains close them permanently
+      logical :: crushes = .false.                   !! Compressed grains close them permanently
       logical :: loose = .false. !! All material is loose, not only failed material
       real(wp) :: start = 1.0_wp                     !! theta of the reference state [1]
       real(wp) :: critical = 1.0_wp                  !! theta from which on grains touch [1]
@@ -36,7 +36,7 @@ module material_voids
       !> Fraction of the dilatation of the material itself
       procedure :: choose_fraction => voids_choose_fraction
       procedure :: update_solid_fraction => voids_update_solid_fraction  !! Opens and closes voids
-      procedure :: to_solid_volume => voids_to_solid_volume !! Volume becomes that of the solid
+      procedure :: to_solid_volume => voids_to_solid_volume !! Sets the volume to that of the solid
       procedure :: to_total_volume => voids_to_total_volume              !! And back again
       procedure :: to_solid_volumes => voids_to_solid_volumes !! The same before and after the step
    end type voids_t

@@ -27,7 +27,7 @@ module mesh_boundary
       procedure :: hold_pressed => boundary_hold_pressed
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: insulate => boundary_insulate     !! No flux through boundaries
-      procedure :: held_at => boundary_held_at       !! Temperatures given to nodes
+      procedure :: held_at => boundary_held_at       !! Prescribed temperatures of nodes
       procedure :: raise => boundary_raise !! Multiply values of nodes on closed boundaries
       procedure :: see_gaps => boundary_see_gaps     !! Material that thins out towards a closed one
    end type boundary_t

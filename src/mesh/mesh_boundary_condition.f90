@@ -33,13 +33,13 @@ module mesh_boundary_condition
       procedure, nopass :: has_friction => no      !! Does it resist that motion?
       procedure, nopass :: absorbs_waves => no     !! Does it add forces?
       procedure, nopass :: acts_on_nodes => yes    !! Does it change velocities of nodes?
-      procedure, nopass :: suits_part => yes       !! May it hold on a part of a boundary?
-      procedure :: suits_region => condition_suits_region !! May it hold in a rigid region?
+      procedure, nopass :: suits_part => yes       !! Allowed on a part of a boundary?
+      procedure :: suits_region => condition_suits_region !! Allowed in a rigid region?
       procedure :: is_closed => condition_is_closed  !! Does it keep material in?
 
       procedure :: add_forces => condition_add_forces !! Add accelerations of nodes
       procedure :: constrain => condition_constrain  !! Set velocities, remove accelerations
-      procedure :: apply_friction => condition_apply_friction !! Slow nodes that forces press on it
+      procedure :: apply_friction => condition_apply_friction !! Apply friction to pressed nodes
       procedure :: hold_pressed => condition_hold_pressed !! Hold nodes that were pressed on it
    end type boundary_condition_t
 

@@ -17,7 +17,7 @@ module mesh_drive
    !> How the cell is driven.
    type :: drive_t
       real(wp) :: gradient(3, 3) = 0.0_wp            !! Given velocity gradient [1/s]
-      logical :: servo(3) = .false.                  !! Axes whose stress is held
+      logical :: servo(3) = .false.                  !! Axes with prescribed stress
       logical :: isotropic = .false.                 !! Same rate on all axes, mean pressure held
       real(wp) :: pressure = 0.0_wp                  !! Held [Pa]
       real(wp) :: servo_rate = 0.0_wp                !! Strain rate at an error of 1 [1/s]

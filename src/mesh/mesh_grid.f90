@@ -45,7 +45,7 @@ module mesh_grid
       procedure :: start => grid_start               !! Derive everything from corners and spacing
       procedure :: tile_extent => grid_tile_extent   !! Cells of one tile along each direction
       procedure :: tile_corner => grid_tile_corner   !! Lower corner of a tile
-      procedure :: node_position => grid_node_position !! Place of a node in its tile
+      procedure :: node_position => grid_node_position !! Position of a node in its tile
       procedure :: node_volume => grid_node_volume   !! Volume around each node of a tile
    end type grid_t
 

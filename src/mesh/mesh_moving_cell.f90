@@ -42,7 +42,7 @@ module mesh_moving_cell
       !> Stress times volume of material that carries internal energy, of other material, and mass
       !! times the squares of velocities, xx yy zz xy yz xz [J]
       real(wp) :: now(sums) = 0.0_wp
-      real(wp) :: former(sums) = 0.0_wp              !! The same a step before [J]
+      real(wp) :: former(sums) = 0.0_wp              !! Of the previous step [J]
    end type sums_t
 
    !> The cell.

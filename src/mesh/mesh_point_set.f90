@@ -11,7 +11,7 @@ module mesh_point_set
    type, abstract :: point_set_t
    contains
       procedure(contains_i), deferred :: contains    !! True if a point is inside
-      procedure(bounds_i), deferred :: bounds        !! A box around it
+      procedure(bounds_i), deferred :: bounds        !! Bounding box
    end type point_set_t
 
    abstract interface

@@ -16,7 +16,7 @@ module mesh_rigid
       integer :: coordinate(3) = -1                  !! The tile for which they were found
       logical :: moves = .false.                     !! Does a moving region overlap the tile?
       integer, allocatable :: node(:)                !! Nodes of the tile
-      integer, allocatable :: wall(:)                !! The region that holds each
+      integer, allocatable :: wall(:)                !! The region of each
       real(wp), allocatable :: normal(:, :)          !! (3, held) Out of it, 0 = the node sticks [1]
    end type held_t
 
@@ -78,7 +78,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      type(held_t), intent(inout) :: held            !! Those found before
+      type(held_t), intent(inout) :: held            !! In: previous nodes
       real(wp), parameter :: near = 4.0_wp           ! maximum search distance [cells]
       real(wp) :: low(3), high(3)
       logical :: moves, meets

@@ -121,7 +121,7 @@ contains
    pure subroutine cut_cell(set, lattice, inside, cell, piece, found)
       class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice
-      logical, intent(in) :: inside(0:, 0:, 0:)      !! Which of its points belong to the set
+      logical, intent(in) :: inside(0:, 0:, 0:)      !! Its points inside the set
       integer, intent(in) :: cell(3)                 !! First point of the cell
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Extended
       integer, intent(inout) :: found                !! Number of facets in it
@@ -171,7 +171,7 @@ contains
       class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice
       integer, contiguous, intent(in) :: corner(:, 0:) !! (3, corner) Its points
-      logical, intent(in) :: within(0:)              !! Which of them belong to the set
+      logical, intent(in) :: within(0:)              !! Points inside the set
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Extended
       integer, intent(inout) :: found                !! Number of facets in it
       real(wp) :: cut(3, 4), inner(3), outer(3)

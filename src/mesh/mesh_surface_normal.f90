@@ -192,9 +192,9 @@ contains
    pure real(wp) function surface_on(walls, grid, place, direction, inside, outside) result(way)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: place(3)               !! Where the line begins [m]
+      real(wp), intent(in) :: place(3)               !! Start of the line [m]
       real(wp), intent(in) :: direction(3)           !! Unit vector [1]
-      real(wp), intent(in) :: inside, outside        !! Two ways along it [m]
+      real(wp), intent(in) :: inside, outside        !! Two distances along it [m]
       real(wp) :: low, high
       integer :: n
 

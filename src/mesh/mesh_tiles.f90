@@ -20,7 +20,7 @@ module mesh_tiles
       integer :: own = 0                             !! Tiles with particles of this rank
       integer :: all = 0                             !! Own tiles and ghosts
       integer(int64), allocatable :: key(:)          !! (tile) Place on the curve, own ones ascend
-      integer, allocatable :: coordinate(:, :)       !! (3, tile) Place in the grid, from 0
+      integer, allocatable :: coordinate(:, :)       !! (3, tile) Position in the grid, from 0
       integer, allocatable :: neighbor(:, :)         !! (27, tile) Index of a neighbour, 0 = none
       integer(int64), allocatable :: border(:)       !! (0:ranks) r owns border(r) <= key < next
       integer(int64) :: version = 0                  !! Grows when own tiles or cuts change
@@ -158,7 +158,7 @@ contains
    !> Rank that owns a key.
    pure integer function tiles_owner(self, key) result(rank)
       class(tiles_t), intent(in) :: self
-      integer(int64), intent(in) :: key              !! Place on the curve
+      integer(int64), intent(in) :: key              !! Position on the curve
       integer :: low, high, middle
 
       low = 0

@@ -23,7 +23,7 @@ module mesh_wall
       real(wp) :: shift(3) = 0.0_wp                  !! Displacement of the region so far [m]
    contains
       procedure :: advance => wall_advance           !! Set position and velocity at a time
-      procedure :: displacement => wall_displacement !! Of a region since it began
+      procedure :: displacement => wall_displacement !! Of a region since its start
       procedure :: covers => wall_covers             !! Does it hold at a position now?
       procedure :: meets => wall_meets               !! Do its bounds overlap a box?
    end type wall_t

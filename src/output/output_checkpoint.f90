@@ -72,7 +72,7 @@ contains
       character(len=*), intent(in) :: file           !! Empty = the newest
       character(len=:), allocatable, intent(out) :: note !! Lines for the log
       type(changes_t), intent(out) :: changes        !! Keys that differ from those of the file
-      type(error_t), allocatable, intent(out) :: error !! None can be read, or of another deck
+      type(error_t), allocatable, intent(out) :: error !! None is readable, or of another deck
       character(len=:), allocatable :: path, passed
       type(state_t) :: state
       integer(int64), allocatable :: number(:)

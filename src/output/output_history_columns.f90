@@ -37,7 +37,7 @@ module output_history_columns
    !> The columns of a history, by their numbers in the list of all columns.
    type :: history_columns_t
       integer, allocatable :: chosen(:)              !! In their order in the file
-      logical :: further(size(further)) = .false.    !! Which of those not in the ledger
+      logical :: further(size(further)) = .false.    !! Index among those not in the ledger
    contains
       procedure :: headings => columns_headings      !! Names with units
    end type history_columns_t

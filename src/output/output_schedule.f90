@@ -75,7 +75,7 @@ contains
    subroutine read_schedule(group, time_end, schedule)
       type(group_t), intent(in) :: group             !! An &output
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      type(schedule_t), intent(out) :: schedule      !! When it is due
+      type(schedule_t), intent(out) :: schedule      !! Schedule
       integer :: count, steps
 
       call group%get("dt", schedule%interval)

@@ -41,7 +41,7 @@ module output_stream
       procedure :: read_default => stream_read_default !! Content in a run without &output
       procedure :: try_field => stream_try_field     !! Can a field be written?
       procedure :: offer_fragments => stream_offer_fragments !! Define the field `fragment`
-      procedure :: take_fragments => stream_take_fragments !! Use that definition
+      procedure :: take_fragments => stream_take_fragments !! Uses a given definition
       procedure :: full_snapshots => stream_full_snapshots !! Files with all particles
       procedure :: ledger_rows => stream_ledger_rows !! Rows that evaluate the ledger
       procedure :: counters => stream_counters       !! State for a checkpoint

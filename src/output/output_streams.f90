@@ -21,7 +21,7 @@ module output_streams
 
    !> All streams of a run.
    type :: outputs_t
-      character(len=:), allocatable :: folder        !! Where results go
+      character(len=:), allocatable :: folder        !! Folder and case of results
       character(len=:), allocatable :: case          !! Beginning of the names of all files
       type(stream_holder_t), allocatable :: streams(:) !! In the order of the deck
       type(snapshot_header_t) :: header              !! Description of the run for every snapshot

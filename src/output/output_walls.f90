@@ -133,7 +133,7 @@ contains
 
    !> The number of a wall in the file, with the time interval in which it exists.
    pure subroutine name_part(walls, source, begin, finish, wall)
-      type(walls_t), intent(inout) :: walls          !! Receive it if they lack it
+      type(walls_t), intent(inout) :: walls          !! Receives it if missing
       type(wall_t), intent(in) :: source             !! A part of a face, or a rigid region
       real(wp), intent(out) :: begin                 !! Start of the time interval [s]
       real(wp), intent(out) :: finish                !! End of the time interval [s]

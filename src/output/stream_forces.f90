@@ -29,7 +29,7 @@ module stream_forces
       type(text_t), allocatable :: name(:)           !! (shown) Names of the walls that are shown
       integer, allocatable :: wall(:)                !! (shown) Their indices
       real(wp), allocatable :: last(:, :)            !! (entry, shown) Sums at the last row
-      real(wp) :: last_time = -1.0_wp                !! Time of that row, below 0 = none [s]
+      real(wp) :: last_time = -1.0_wp                !! Time of that row, < 0 = none [s]
    contains
       procedure :: about => forces_about             !! For the help
       procedure :: ending => forces_ending           !! Suffix of file names

@@ -15,7 +15,7 @@ module particle_body
    type, abstract :: given_t
       logical :: clipped = .true. !! Are those outside the body's region dropped?
    contains
-      procedure(numbers_i), deferred :: numbers       !! Numbers that its particles may have
+      procedure(numbers_i), deferred :: numbers       !! Number of possible identities
       procedure(collect_i), deferred :: collect       !! The particles of a tile
    end type given_t
 
@@ -57,7 +57,7 @@ module particle_body
    !> A body to be filled with particles.
    type, extends(initial_state_t) :: body_t
       character(len=:), allocatable :: name           !! For messages and files
-      type(shape_holder_t) :: shape                   !! Region that it fills
+      type(shape_holder_t) :: shape                   !! Region of the body
       class(given_t), allocatable :: given            !! Its particles, if not on the lattice
       integer :: store = 1                            !! Index of its material
       integer :: per_cell(3) = 2                      !! Particles along each edge of a cell

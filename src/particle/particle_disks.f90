@@ -36,7 +36,7 @@ module particle_disks
       integer :: wanted = 1                           !! Target number of points of a block
       real(wp), allocatable :: frame(:, :)            !! (3, point) Pattern near the faces [cells]
    contains
-      procedure :: numbers => disks_numbers           !! Numbers that its particles may have
+      procedure :: numbers => disks_numbers           !! Number of possible identities
       procedure :: collect => disks_collect           !! The particles of a tile
    end type disks_t
 

@@ -34,8 +34,8 @@ module particle_facets
       integer, allocatable, private :: list(:)           !! Facets over each column
    contains
       procedure :: contains => facets_contains           !! True for a point inside
-      procedure :: bounds => facets_bounds               !! A box around it
-      procedure :: transform => facets_transform         !! Scale, turn and move
+      procedure :: bounds => facets_bounds               !! Bounding box
+      procedure :: transform => facets_transform         !! Scale, rotate and translate
       procedure :: volume => facets_volume               !! Volume that the facets enclose
       procedure :: faults => facets_faults               !! Defects of the surface
       procedure, private :: prepare => facets_prepare    !! Lattice and grid

@@ -71,7 +71,7 @@ contains
 
    !> Append a tile and its particles to a list, which grows as needed.
    pure subroutine append_pair(key, particles, pairs, filled)
-      integer(int64), intent(in) :: key               !! Place of the tile on the curve
+      integer(int64), intent(in) :: key               !! Position of the tile on the curve
       integer(int64), intent(in) :: particles         !! Particles in it
       integer(int64), allocatable, intent(inout) :: pairs(:, :) !! (entry, 2) The list
       integer, intent(inout) :: filled                !! Entries in use

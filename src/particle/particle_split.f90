@@ -24,7 +24,7 @@ module particle_split
       splitting_t
 
    integer, parameter, public :: root_bits = 40      !! Lower bits: the identity of the first whole
-   integer, parameter, public :: most_generations = 20 !! That the upper bits can hold
+   integer, parameter, public :: most_generations = 20 !! Limit of the upper bits
 
    !> Greatest fraction of the internal energy of a gas that a split may convert to kinetic energy:
    !! the pressure keeps its order of magnitude [1]

@@ -69,7 +69,7 @@ module particle_store
       integer :: words = 0                            !! Words of 8 bytes
    contains
       procedure :: scalar => counter_scalar           !! One word
-      procedure :: vector => counter_vector           !! One word a component
+      procedure :: vector => counter_vector           !! One word per component
       procedure :: whole => counter_whole             !! One word
    end type counter_t
 

@@ -18,7 +18,7 @@ module program_examples
 
    !> An example that was copied.
    type :: copied_t
-      character(len=:), allocatable :: folder        !! Where the copy is
+      character(len=:), allocatable :: folder        !! Folder of the copy
       character(len=:), allocatable :: deck          !! Name of its deck
       type(text_t), allocatable :: files(:)          !! Names of its files
       logical :: has_grains = .false.                !! Is the deck for scree --grains?
@@ -62,8 +62,8 @@ contains
 
    !> One line for each example: its name and the title of its README.
    subroutine examples_text(text, error)
-      character(len=:), allocatable, intent(out) :: text !! One line an example
-      type(error_t), allocatable, intent(out) :: error !! They cannot be found or read
+      character(len=:), allocatable, intent(out) :: text !! One line per example
+      type(error_t), allocatable, intent(out) :: error !! Not found or unreadable
       character(len=:), allocatable :: folder, readme
       type(text_t), allocatable :: names(:)
       integer :: n
@@ -86,7 +86,7 @@ contains
    !! the tools of the sources.
    subroutine copy_example(name, target_folder, copied, error)
       character(len=*), intent(in) :: name           !! Name of the example
-      character(len=*), intent(in) :: target_folder  !! Where to
+      character(len=*), intent(in) :: target_folder  !! Folder to create
       type(copied_t), intent(out) :: copied          !! Copied files
       type(error_t), allocatable, intent(out) :: error !! No such example, or not writable
       character(len=:), allocatable :: near, folder, text

@@ -23,7 +23,7 @@ module program_expected_steps
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, body) Corners of the boxes [m]
       real(wp), allocatable :: extent(:, :)          !! (3, body) With mirror images [m]
       real(wp), allocatable :: met(:)                !! (body) Time of its first impact [s]
-      logical, allocatable :: passes(:)              !! (body) Does it perforate its target?
+      logical, allocatable :: passes(:)              !! (body) Does it perforate the target?
    end type flight_t
 
    !> Impact of two bodies.

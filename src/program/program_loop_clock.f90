@@ -31,7 +31,7 @@ module program_loop_clock
       integer(int64) :: checkpoint_intervals = 0     !! Complete intervals of checkpoint_time
    contains
       procedure :: start => loop_clock_start         !! Start the clocks
-      procedure :: is_wall_limit_near => loop_clock_is_wall_limit_near !! Must the run end now?
+      procedure :: is_wall_limit_near => loop_clock_is_wall_limit_near !! Does the run end now?
       procedure :: is_checkpoint_due => loop_clock_is_checkpoint_due !! Write one now?
    end type loop_clock_t
 

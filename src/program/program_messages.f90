@@ -239,7 +239,7 @@ contains
 
    !> Letters of a pattern, wildcards apart, if its parts are in a line in their order; else 0.
    pure integer function fitting_letters(pattern, line) result(letters)
-      character(len=*), intent(in) :: pattern       !! Parts with wildcards between them
+      character(len=*), intent(in) :: pattern       !! Parts, separated by wildcards
       character(len=*), intent(in) :: line          !! As printed
       integer :: first, from, last, place
 

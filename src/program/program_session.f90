@@ -78,7 +78,7 @@ contains
    subroutine end_run(session, code, error)
       class(session_t), intent(inout) :: session
       integer, intent(out) :: code                   !! Exit code
-      type(error_t), allocatable, intent(out) :: error !! Why it failed
+      type(error_t), allocatable, intent(out) :: error !! Reason of the failure
       type(error_t), allocatable :: late
       type(group_t) :: group
       logical :: timing

@@ -151,7 +151,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body
       integer, intent(in) :: face                    !! 1 to 6
-      integer, intent(inout) :: beside(0:, 0:, 0:)   !! (x, y, z) Gets the material of the body
+      integer, intent(inout) :: beside(0:, 0:, 0:)   !! (x, y, z) Set to the material of the body
       real(wp), allocatable :: position(:, :)
       integer :: cell(3), x, y, z, n, normal
       real(wp) :: place(3)

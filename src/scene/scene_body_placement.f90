@@ -16,7 +16,7 @@ module scene_body_placement
    public :: check_elastic, check_placement, check_size
 
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
-   real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that a body may reach
+   real(wp), parameter :: most_tiles = 2.0e8_wp      !! Greatest number of tiles of a body
    real(wp), parameter :: most_identities = 4.0e18_wp !! 64-bit integers end at 9e18
    !> Impact speed over wave speed above which colliding bodies are strained by a quarter or more
    !! [1]
@@ -32,8 +32,8 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
-      real(wp), intent(in) :: most_points            !! More in one body need the user's word
-      logical, intent(in) :: force                   !! The user gave it
+      real(wp), intent(in) :: most_points            !! More need permission by the user
+      logical, intent(in) :: force                   !! Set by the user
       real(wp) :: identities, points, reach(3), low(3), high(3), tiles
       integer :: n
 

@@ -401,7 +401,7 @@ contains
 
    !> Name of a store: that of its material, followed by a number if several stores have it.
    pure function store_name(materials, index) result(name)
-      type(material_t), intent(in) :: materials(:)   !! One a store
+      type(material_t), intent(in) :: materials(:)   !! One per store
       integer, intent(in) :: index                   !! Index of the store
       character(len=:), allocatable :: name
       integer :: earlier, same

@@ -117,7 +117,7 @@ contains
    !! 1).
    pure function velocity_gradient(solution, point, dt) result(slopes)
       class(exact_t), intent(in) :: solution
-      real(wp), intent(in) :: point(3)               !! Place at rest [m]
+      real(wp), intent(in) :: point(3)               !! Position at rest [m]
       real(wp), intent(in) :: dt                     !! Over which F is compared, a step [s]
       real(wp) :: slopes(9), before(3, 3), after(3, 3), now(3, 3)
 

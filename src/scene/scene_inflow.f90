@@ -83,7 +83,7 @@ contains
       type(group_t), intent(in) :: group             !! The &inflow
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
-      logical, intent(inout) :: taken(:)             !! (body) Has it an inflow?
+      logical, intent(inout) :: taken(:)             !! (body) Has the body an inflow?
       type(inflow_t), intent(out) :: inflow
 
       if (.not. group%valid([character(len=9) :: "body", "velocity", "mass_rate", "t_off"])) return

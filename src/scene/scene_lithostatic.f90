@@ -124,7 +124,7 @@ contains
    pure real(wp) function mass_above(grid, bodies, own, place, up) result(mass)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
-      integer, intent(in) :: own                     !! Body at the place
+      integer, intent(in) :: own                     !! Body at the position
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(in) :: up(3)                  !! Direction of length one
       integer, parameter :: halvings = 40, parts = 4
@@ -177,7 +177,7 @@ contains
    subroutine press(bodies, material, pressure, first, store)
       type(body_t), intent(in) :: bodies(:)
       type(material_t), intent(in) :: material       !! That of the particles
-      real(wp), intent(in) :: pressure(:)            !! (particle of the tile) 0: it stays [Pa]
+      real(wp), intent(in) :: pressure(:)            !! (particle of the tile) 0: unchanged [Pa]
       integer, intent(in) :: first                   !! First particle of the tile
       type(store_t), intent(inout) :: store
       integer, parameter :: rounds = 12

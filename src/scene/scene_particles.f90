@@ -33,7 +33,7 @@ module scene_particles
    !> Counts of particles that the bodies will have, found before particles exist.
    type :: survey_t
       integer(int64) :: particles = 0                !! In all bodies
-      integer(int64) :: tiles = 0                    !! Tiles that hold some, on all ranks
+      integer(int64) :: tiles = 0                    !! Tiles with particles, on all ranks
       integer(int64), allocatable :: body(:)         !! (body) Particles
       !> (tile) Tiles with particles that this rank has counted, ascending. They can be anywhere in
       !! the domain; each tile is on the list of one rank.

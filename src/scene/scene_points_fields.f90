@@ -43,7 +43,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
-      type(error_t), allocatable, intent(out) :: error !! A file cannot be read any more
+      type(error_t), allocatable, intent(out) :: error !! A file has become unreadable
       type(putter_t) :: putter
       integer :: n
 

@@ -23,7 +23,7 @@ module scene_points_placing
       real(wp) :: translate(3) = 0.0_wp              !! Applied last [m]
       logical :: changes = .false.                   !! Are there a factor or angles?
    contains
-      procedure :: keeps => placing_keeps            !! Can a field be turned?
+      procedure :: keeps => placing_keeps            !! Can a field be rotated?
       procedure :: move => placing_move              !! Positions, volumes, velocities of a list
       procedure :: turn => placing_turn              !! Values of a field
    end type placing_t
@@ -62,7 +62,7 @@ contains
 
    !> False for boxes along the coordinates that are rotated by other than right angles.
    pure logical function placing_keeps(self, name) result(keeps)
-      class(placing_t), intent(in) :: self           !! Where points go
+      class(placing_t), intent(in) :: self           !! Placement of points
       character(len=*), intent(in) :: name
       real(wp), parameter :: little = 1.0e-12_wp
 
@@ -73,7 +73,7 @@ contains
 
    !> Move the points of a list to their positions.
    pure subroutine placing_move(self, grid, list)
-      class(placing_t), intent(in) :: self           !! Where points go
+      class(placing_t), intent(in) :: self           !! Placement of points
       type(grid_t), intent(in) :: grid               !! Active directions
       type(point_list_t), intent(inout) :: list      !! Changed
       real(wp) :: middle(3)
@@ -98,7 +98,7 @@ contains
 
    !> Scale and turn the values of a field.
    pure subroutine placing_turn(self, name, values)
-      class(placing_t), intent(in) :: self           !! Where points go
+      class(placing_t), intent(in) :: self           !! Placement of points
       character(len=*), intent(in) :: name
       real(wp), intent(inout) :: values(:, :)        !! (component, row)
       integer :: n, k

@@ -19,10 +19,10 @@ module scene_unit_warnings
       character(len=46) :: heavy                         !! Warning above the range
    end type usual_t
 
-   !> Limits: density of foam and osmium; sound speed of rubber foam and diamond; heat capacity of
-   !! lead and hydrogen; yield stress of gel and of whiskers; the shear modulus of metals increases
-   !! by a few per cent per gigapascal (D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys.
-   !! 51 (1980) 1498).
+   !> Limits are the density of foam and osmium; sound speed of rubber foam and diamond; heat
+   !! capacity of lead and hydrogen; yield stress of gel and of whiskers; the shear modulus of
+   !! metals increases by a few per cent per gigapascal (D. J. Steinberg, S. G. Cochran, M. W.
+   !! Guinan, J. Appl. Phys. 51 (1980) 1498).
    type(usual_t), parameter :: usual(5) = [ &
       usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene", &
       "is heavier than osmium"), &

@@ -51,7 +51,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run with empty stores
       type(body_t), intent(in) :: bodies(:)
-      integer(int64), intent(in) :: keys(:)          !! Tiles that hold particles
+      integer(int64), intent(in) :: keys(:)          !! Tiles with particles
       type(body_t), allocatable :: numbered(:)
       type(formula_t) :: formula(3)
       type(error_t), allocatable :: error
@@ -78,7 +78,7 @@ contains
       type(body_t), intent(in) :: bodies(:)          !! The bodies with their first identities
       integer, intent(in) :: body
       type(formula_t), intent(in) :: formula(3)      !! Of the components
-      integer(int64), intent(in) :: keys(:)          !! Tiles that hold particles
+      integer(int64), intent(in) :: keys(:)          !! Tiles with particles
       type(error_t), allocatable, intent(out) :: error !! There is one
       character(len=:), allocatable :: fault
       type(store_t) :: store
@@ -143,7 +143,7 @@ contains
    !> The velocity at a position; 0 along missing directions.
    subroutine evaluate(formula, active, point, velocity, fault)
       type(formula_t), intent(in) :: formula(3)      !! Of the components
-      logical, intent(in) :: active(3)               !! Which directions there are
+      logical, intent(in) :: active(3)               !! Active directions
       real(wp), intent(in) :: point(3)               !! [m]
       real(wp), intent(out) :: velocity(3)           !! [m/s]
       character(len=:), allocatable, intent(out) :: fault !! Not allocated if there is a value
@@ -163,7 +163,7 @@ contains
    !> Velocity gradient by differences over half a cell, component (k, l) at k + 3 (l - 1).
    subroutine find_slopes(formula, active, point, reach, slopes, fault)
       type(formula_t), intent(in) :: formula(3)      !! Of the components
-      logical, intent(in) :: active(3)               !! Which directions there are
+      logical, intent(in) :: active(3)               !! Active directions
       real(wp), intent(in) :: point(3)               !! [m]
       real(wp), intent(in) :: reach                  !! To either side [m]
       real(wp), intent(out) :: slopes(9)             !! [1/s]

@@ -21,7 +21,7 @@ module step_bounds
    character(len=10), parameter, public :: rule_names(rules) = [character(len=10) :: "signal", &
       "growth", "strain", "conduction", "deck", "end", "retry"]
 
-   integer, parameter, public :: fault_none = 0       !! All is well
+   integer, parameter, public :: fault_none = 0       !! No error
    integer, parameter, public :: fault_velocity = 1   !! Velocity is not a finite number
    integer, parameter, public :: fault_stress = 2     !! Stress is not a finite number
    integer, parameter, public :: fault_volume = 3     !! Volume is not a finite number

@@ -345,7 +345,7 @@ contains
       integer, intent(in) :: tile
       integer, intent(in) :: a, b                    !! From which field to which, a < b
       integer, intent(in) :: guess                   !! 1 to 3
-      real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 where they do not meet [1]
+      real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 without contact [1]
       integer :: node
 
       normal = 0.0_wp

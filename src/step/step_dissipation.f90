@@ -19,7 +19,7 @@ contains
    subroutine record_losses(ledger, material, state, deformation, count)
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       type(material_t), intent(in) :: material       !! Materials with dissipation
-      type(material_state_t), intent(in) :: state           !! Which fields there are
+      type(material_state_t), intent(in) :: state           !! Existing fields
       type(deformation_t), intent(in) :: deformation !! The step of the particles
       integer, intent(in) :: count                   !! Particles
       real(wp) :: losses(2)

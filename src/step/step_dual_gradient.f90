@@ -148,7 +148,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      integer, intent(in) :: slot                    !! Where its fields are
+      integer, intent(in) :: slot                    !! Index of its fields
 
       associate (nodes => field%nodes)
          call nodes%dual%share%assemble(simulation%space%grid, simulation%space%tiles, &
@@ -227,7 +227,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      integer, intent(in) :: slot                    !! Where its fields are
+      integer, intent(in) :: slot                    !! Index of its fields
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
       if (.not. (simulation%scheme%method%dual .and. simulation%scheme%method%stress == &

@@ -49,7 +49,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      integer, intent(in) :: slot                    !! Where its fields are
+      integer, intent(in) :: slot                    !! Index of its fields
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: reach            !! The worst of the tile
       real(wp) :: far, apart

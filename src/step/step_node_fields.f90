@@ -101,7 +101,7 @@ module step_node_fields
       real(wp), allocatable :: extra(:, :, :)
       real(wp), allocatable :: filtered(:, :, :)     !! (3) Sum of the series of velocities [m/s]
       real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
-      real(wp), allocatable :: loss(:, :, :)         !! (1) Kinetic energy that it loses [J/kg]
+      real(wp), allocatable :: loss(:, :, :)         !! (1) Lost kinetic energy [J/kg]
    contains
       procedure :: count => count_series
    end type series_nodes_t
@@ -113,7 +113,7 @@ module step_node_fields
       real(wp), allocatable :: mean(:, :, :)
       real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress [Pa]
       real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
-      real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
+      real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force [N]
    contains
       procedure :: count => count_stress
    end type stress_nodes_t

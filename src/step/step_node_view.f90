@@ -42,7 +42,7 @@ module step_node_view
       real(wp), allocatable :: after(:, :)           !! (3, node) Velocity after the step [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
-      real(wp), allocatable :: earlier(:, :)         !! (9, node) Of that before the step [1/s]
+      real(wp), allocatable :: earlier(:, :)         !! (9, node) Before the step [1/s]
       type(loss_view_t) :: loss                      !! Lost kinetic energy
       type(increments_t) :: increments               !! Increments and heat, if gathered at once
       logical :: at_once = .false.                   !! Is it?
@@ -51,7 +51,7 @@ module step_node_view
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
       logical :: slow = .false.                      !! Is no gradient that steep?
       logical :: moved = .false.                     !! Have the particles moved already?
-      integer :: slot = 0                            !! Where the fields of the tile are
+      integer :: slot = 0                            !! Index of the fields of the tile
    end type view_t
 
 contains

@@ -114,7 +114,7 @@ contains
    subroutine name_particle(simulation, identity, text)
       type(simulation_t), intent(in) :: simulation   !! Between two steps
       integer(int64), intent(in) :: identity         !! Identity
-      character(len=:), allocatable, intent(out) :: text !! Body, material and place
+      character(len=:), allocatable, intent(out) :: text !! Body, material and position
       type(found_t) :: found
 
       found%identity = identity

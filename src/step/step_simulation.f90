@@ -47,7 +47,7 @@ module step_simulation
       integer :: last_store = 0                      !! Last of its stores
       type(nodes_t) :: nodes                         !! Its node fields
       integer :: other = 0                           !! Field of the other side, if it has one
-      type(sides_t), allocatable :: sides            !! Which side particles are on
+      type(sides_t), allocatable :: sides            !! Sides of particles
    contains
       procedure :: count => count_field
    end type velocity_field_t
@@ -135,7 +135,7 @@ module step_simulation
    !> Load balance: greatest over mean work of the ranks in the steps that were measured.
    type :: load_t
       integer :: looks = 0                           !! Steps measured
-      integer :: cuts = 0                            !! Times that the curve was cut again
+      integer :: cuts = 0                            !! Number of repartitions of the curve
       integer(int64) :: sent = 0                     !! Tiles that this rank sent then
       integer(int64) :: listed = 0                   !! Longest list of tiles here at the start
       real(wp) :: last = 1.0_wp                      !! At the last look [1]
@@ -156,10 +156,10 @@ module step_simulation
    type :: space_t
       type(grid_t) :: grid
       type(boundary_t) :: boundary                   !! Six boundaries of the domain
-      type(rigid_t), allocatable :: rigid            !! Rigid regions that hold nodes
+      type(rigid_t), allocatable :: rigid            !! Rigid regions that constrain nodes
       type(tiles_t) :: tiles                         !! Tiles of this rank
       type(halo_t) :: halo                           !! Tiles that other ranks need
-      type(moving_cell_t), allocatable :: cell       !! Periodic cell that deforms, if it does
+      type(moving_cell_t), allocatable :: cell       !! Periodic cell, if it deforms
    contains
       procedure :: mesh_time => space_mesh_time      !! A time on the mesh
    end type space_t
@@ -231,7 +231,7 @@ module step_simulation
       type(space_t) :: space
       type(material_t), allocatable :: materials(:)
       type(store_t), allocatable :: stores(:)        !! (material) Particles, with contact more
-      type(velocity_field_t), allocatable :: fields(:) !! One without contact
+      type(velocity_field_t), allocatable :: fields(:) !! One field without contact
       type(scheme_t) :: scheme
       type(simulation_effects_t) :: effects
       type(clock_t) :: clock

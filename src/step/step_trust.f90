@@ -290,7 +290,7 @@ contains
    !> Warn of a speed or an energy without a physical cause, with the particle that has it.
    !! Collective.
    subroutine warn_of_bounds(simulation, look, log)
-      type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
+      type(simulation_t), intent(inout) :: simulation !! Set after the warning
       type(bounds_look_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=160) :: text
@@ -327,7 +327,7 @@ contains
 
    !> Warn of large gaps between neighbours, overlapping volumes, and noise. Collective.
    subroutine warn_of_shapes(simulation, look, log)
-      type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
+      type(simulation_t), intent(inout) :: simulation !! Set after the warning
       type(shapes_look_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=200) :: text

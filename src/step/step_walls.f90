@@ -406,8 +406,8 @@ contains
       type(space_t), intent(in) :: space
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) With walls, before [m/s]
-      real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) The same, held [m/s]
-      real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Set to 0 where walls hold
+      real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) The same, with walls [m/s]
+      real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Set to 0 where prescribed
       integer, intent(in), optional :: only          !! Wall that acts; default: all
 
       associate (coordinate => space%tiles%coordinate(:, tile))

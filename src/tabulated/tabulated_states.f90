@@ -52,7 +52,7 @@ contains
 
    !> Square of the sound speed at each node, and the inconsistency of each cell.
    pure subroutine states_complete(self)
-      class(state_table_t), intent(inout) :: self    !! With all else
+      class(state_table_t), intent(inout) :: self    !! Other data are set
       integer :: i, j, k, n
 
       n = size(self%temperature)

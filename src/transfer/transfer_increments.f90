@@ -122,8 +122,8 @@ contains
    !> The same for given directions.
    pure subroutine set_fields(self, axes, axis, low, high, dt, velocity, acceleration)
       class(increments_t), intent(inout) :: self
-      integer, intent(in) :: axes                            !! Active directions
-      integer, intent(in) :: axis(axes)                      !! Which they are
+      integer, intent(in) :: axes                            !! Number of active directions
+      integer, intent(in) :: axis(axes)                      !! Active directions
       integer, intent(in) :: low                             !! First node that particles use
       integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: dt                             !! Time over which the forces act [s]
@@ -159,7 +159,7 @@ contains
    pure subroutine set_rotation(axes, x, t, columns)
       integer, intent(in) :: axes                    !! Active directions
       real(wp), intent(in) :: x(3)                   !! Position in the tile along them [m]
-      real(wp), intent(in) :: t(3)                   !! Vector along them [m/s]
+      real(wp), intent(in) :: t(3)                   !! Vector along these directions [m/s]
       real(wp), intent(inout) :: columns(:)          !! Its moments [m2/s]
 
       select case (axes)
@@ -177,7 +177,7 @@ contains
    pure subroutine set_linear_field(axes, x, t, columns)
       integer, intent(in) :: axes                    !! Active directions
       real(wp), intent(in) :: x(3)                   !! Position in the tile along them [m]
-      real(wp), intent(in) :: t(3)                   !! Vector along them [m/s]
+      real(wp), intent(in) :: t(3)                   !! Vector along these directions [m/s]
       real(wp), intent(inout) :: columns(:)          !! (k, l) in k + axes (l - 1) [m2/s]
       integer :: k, l
 
