@@ -76,7 +76,7 @@ contains
       if (abs(left) > most) fault = "the result is too large"
    end subroutine apply_operator
 
-   !> Replace a base by its power.
+   !> Raise a base to a power, in place.
    pure subroutine raise_to_power(base, exponent, fault)
       real(wp), intent(inout) :: base                !! The base, then the power
       real(wp), intent(in) :: exponent               !! Exponent of the power

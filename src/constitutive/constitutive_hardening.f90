@@ -163,8 +163,8 @@ contains
    !! A lane has converged if its stress is right to the tolerance, or if the second derivative of
    !! the yield stress bounds the error after a step that is short compared with the increment. A
    !! step beyond the upper end of the bracket is replaced by bisection. A step beyond the lower end
-   !! is due to steep initial hardening far below; it is replaced by a much shorter bracket, because
-   !! steps from below do not pass the root.
+   !! is due to steep initial hardening far below; it shortens the bracket by a larger factor,
+   !! because steps from below do not pass the root.
    ! gate: long kernel because a step of Newton's method needs value, slope, curvature and bracket
    pure subroutine improve(filled, power, base, hardening, lanes)
       integer, intent(in) :: filled                  !! Lanes
@@ -203,7 +203,8 @@ contains
          upper = merge(lanes%upper(l), x, residual > 0.0_wp)
          change = residual/(lanes%stiffness(l) + slope)
          next = x + change
-         ! no kink between both; kinks are those of the greatest yield stress and of the rate
+         ! no kink between x and next: neither at the greatest yield stress nor that of the rate
+         ! factor
          margin = merge(lanes%greatest(l)*lanes%factor(l) - (limit + slope*change), residual, &
             at_rest < lanes%greatest(l))
          margin = min(margin, (x - rest)*(next - rest), short*x - abs(change), &

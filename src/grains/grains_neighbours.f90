@@ -29,7 +29,7 @@ contains
    !> Find the pairs of the own rows whose surfaces are less than `skin` apart.
    subroutine find_pairs(grains, box, skin, pairs)
       type(grains_t), intent(in) :: grains           !! Coordinates of all rows in [0, 1)
-      type(box_t), intent(in) :: box                 !! Higher than two such distances
+      type(box_t), intent(in) :: box                 !! Heights > 2 search distances
       real(wp), intent(in) :: skin                   !! [m]
       type(pairs_t), intent(inout) :: pairs          !! Gets the pairs, without histories
       type(bins_t) :: bins

@@ -38,7 +38,7 @@ module grains_output
 
 contains
 
-   !> Begin the files, or continue those of a previous run. Collective.
+   !> Create the files, or continue those of a previous run. Collective.
    subroutine output_open(self, cell, path, restarts, note, error)
       class(grains_output_t), intent(inout) :: self
       type(cell_t), intent(in) :: cell

@@ -166,7 +166,7 @@ contains
       end do
    end function in_order
 
-   !> The facet of the surface in a simplex, two facets where a tetrahedron is cut in a quadrangle.
+   !> The facet of the surface in a simplex, two facets if the cut of a tetrahedron is a quadrangle.
    pure subroutine cut_simplex(set, lattice, corner, within, piece, found)
       class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice

@@ -100,7 +100,7 @@ contains
          call deck%complain(body, "speed and direction belong together; give both, or velocity", &
             merge("speed    ", "direction", body%given("speed")))
       else if (body%given("speed")) then
-         ! an echo of the deck names the default, a velocity of zero
+         ! an echo of the deck contains the default, a velocity of zero
          call body%get("velocity", velocity)
          call body%get("direction", direction)
          if (any(abs(velocity) > 0.0_wp)) call deck%complain(body, &

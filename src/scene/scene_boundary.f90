@@ -115,7 +115,7 @@ contains
       end do
    end subroutine check_boundaries
 
-   !> Required keys of a wall, and contradictions.
+   !> Check required and contradictory keys of a wall.
    subroutine check_wall(deck, boundary, condition)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
@@ -150,7 +150,7 @@ contains
       if (boundary%given("region") .and. .not. suits) call deck%complain(boundary, &
          "a region cannot be type = '"//trim(condition%name)//"'; use "//fitting, "type")
       if (part .and. .not. condition%moves()) then
-         ! an echo of the deck names the default, a velocity of zero
+         ! an echo of the deck contains the default, a velocity of zero
          velocity = 0.0_wp
          if (boundary%given("velocity")) call boundary%get("velocity", velocity)
          if (any(abs(velocity) > 0.0_wp)) call deck%complain(boundary, "a face moves only with "// &

@@ -78,7 +78,7 @@ contains
       call deck%complain(group, "&cell needs "//key//" = "//list//", not '"//word//"'", key)
    end subroutine need
 
-   !> Read the cell and its stages. Grid, boundaries, method and effects are read.
+   !> Read the cell and its stages. Grid, boundaries, method and effects are already read.
    subroutine read_cell(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation

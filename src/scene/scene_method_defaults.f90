@@ -151,7 +151,7 @@ contains
       call group%get("stress_update", update)
       call group%get("unseen_strain", share)
       if (update == stress_names(stress_average)) return
-      ! a deck that the program has written has its default
+      ! a deck written by the program contains its default
       if (.not. abs(share - unseen_usual) > 0.0_wp) return
       call deck%complain(group, "unseen_strain needs stress_update = 'usavg', not '"//update// &
          "'; remove one of the two", "unseen_strain")

@@ -20,8 +20,8 @@ module step_node_fields
    !> Columns of the sums for differences of stress: those of the force, and force of unit stress
    integer, parameter, public :: difference_columns = dual_columns + 3
 
-   !> Nodes with less mass or volume than this are empty: below any fraction of any mass, and a
-   !! number
+   !> Nodes with less mass or volume than this are empty: below the contribution of any particle,
+   !! but with a finite inverse
    !> it divides stays finite.
    real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 

@@ -19,7 +19,7 @@ module step_pressure_relaxation
 
    public :: relaxes_pressure, normalised, relax_pressures
 
-   real(wp), parameter :: most = 0.05_wp             !! Of a volume or an energy in a step [1]
+   real(wp), parameter :: most = 0.05_wp             !! Relative change in a step [1]
    !> Fraction of a difference that decays in the time that a signal needs for a cell [1]
    real(wp), parameter :: pace = 0.2_wp
 

@@ -132,7 +132,7 @@ module step_simulation
       real(wp) :: present = -1.0_wp                  !! 1 = it has particles, -1 = not counted
    end type requests_t
 
-   !> Load balance: greatest over mean work of the ranks in the steps that were measured.
+   !> Load balance: ratio of the greatest to the mean work of the ranks, in the measured steps.
    type :: load_t
       integer :: looks = 0                           !! Steps measured
       integer :: cuts = 0                            !! Number of repartitions of the curve

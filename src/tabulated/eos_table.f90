@@ -101,7 +101,7 @@ contains
       end associate
    end subroutine table_take_file
 
-   !> Read the keys of the equation of state; the table is known.
+   !> Read the keys of the equation of state; the table is already read.
    pure subroutine table_read(self, group)
       class(eos_table_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
