@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Makes an error of one rank the error of all, so that all ranks stop together and none waits.
+!> Makes an error of one rank the error of all, so that all ranks stop together and no rank waits
+!! forever.
 module base_agreement
    use base_communicator, only: communicator_t
    use base_error, only: error_t, fail

@@ -10,7 +10,7 @@ contains
 
    !> True for hours:minutes:seconds with one to three digits of hours.
    pure logical function is_clock(text) result(valid)
-      character(len=*), intent(in) :: text               !! As given by the user
+      character(len=*), intent(in) :: text               !! Text of the user
       integer :: last
 
       last = len(text)

@@ -29,7 +29,7 @@ module base_communicator
    !> Messages in transit to a few ranks.
    type :: posted_t
       integer(int64), allocatable :: outgoing(:)      !! Their words, not changed until complete
-      type(mpi_request), allocatable, private :: sent(:) !! One request a message
+      type(mpi_request), allocatable, private :: sent(:) !! One request per message
       integer, private :: tag = 0                     !! Tag of the exchange
    end type posted_t
 
@@ -47,7 +47,7 @@ module base_communicator
       procedure :: release => communicator_release    !! Free that copy
       procedure :: finish => communicator_finish      !! Finish MPI
       procedure :: native => communicator_native      !! Handle for parallel HDF5
-      procedure :: barrier => communicator_barrier    !! Wait for all
+      procedure :: barrier => communicator_barrier    !! Barrier
       procedure :: minimum => communicator_minimum    !! Minimum over the ranks
       procedure :: maximum => communicator_maximum    !! Maximum over the ranks
       procedure :: maxima => communicator_maxima      !! Maxima, element by element
@@ -92,7 +92,7 @@ contains
       end do
    end subroutine prefer_romio
 
-   !> Use the communicator of a program that Scree is a part of, or of a test.
+   !> Use the communicator of a host program, or of a test.
    subroutine communicator_adopt(self, handle)
       class(communicator_t), intent(out) :: self
       integer, intent(in) :: handle                   !! Fortran handle of its MPI communicator
@@ -102,9 +102,9 @@ contains
       call mpi_comm_size(self%handle, self%size)
    end subroutine communicator_adopt
 
-   !> Use a copy of the communicator of a program that Scree is a part of: its messages are not
-   !! mixed with those of that program. A failure of MPI ends the process, as it does in the program
-   !! scree, whatever the other communicator does. Collective over the other communicator.
+   !> Use a copy of the communicator of a host program, so that messages of both are not mixed. An
+   !! MPI failure ends the process, as in the program scree, whatever the error handler of the other
+   !! communicator. Collective over the other communicator.
    subroutine communicator_duplicate(self, handle)
       class(communicator_t), intent(out) :: self
       integer, intent(in) :: handle                   !! Fortran handle of the other communicator
@@ -163,7 +163,7 @@ contains
       hints = none%mpi_val
    end subroutine communicator_native
 
-   !> Wait until all ranks are here.
+   !> Wait until all ranks have reached this call.
    subroutine communicator_barrier(self)
       class(communicator_t), intent(in) :: self
 
@@ -332,7 +332,7 @@ contains
    !! order; the order of the senders varies.
    subroutine communicator_send_rows(self, owner, rows, arrived)
       class(communicator_t), intent(inout) :: self
-      integer, contiguous, intent(in) :: owner(:)              !! (row) Rank that gets it
+      integer, contiguous, intent(in) :: owner(:)              !! (row) Receiving rank
       integer(int64), contiguous, intent(in) :: rows(:, :)     !! (word, row)
       integer(int64), allocatable, intent(out) :: arrived(:)   !! Words of the rows for this rank
       type(posted_t) :: posted
@@ -372,12 +372,12 @@ contains
       arrived = [arrived, incoming(:filled)]
    end subroutine communicator_send_rows
 
-   !> Send messages. Between this and `complete` other work is possible, but no other exchange.
+   !> Send messages. Before `complete` the rank may do other work, but no other exchange.
    !!
    !! Non-blocking consensus: T. Hoefler, C. Siebert, A. Lumsdaine, "Scalable communication
    !! protocols for dynamic sparse data exchange", PPoPP 2010. A synchronous message is delivered
-   !! once it is received; a rank whose messages are delivered enters a barrier, and when the
-   !! barrier is over all messages of all ranks are.
+   !! once it is received; a rank enters a non-blocking barrier when its messages are delivered, and
+   !! at the end of the barrier all messages of all ranks are delivered.
    subroutine communicator_post(self, destination, length, posted)
       class(communicator_t), intent(inout) :: self
       integer, contiguous, intent(in) :: destination(:)        !! Rank of each message
@@ -404,7 +404,7 @@ contains
       class(communicator_t), intent(inout) :: self
       type(posted_t), intent(inout) :: posted         !! From `post`
       integer(int64), allocatable, intent(inout) :: incoming(:) !! Grows as needed
-      integer, intent(out) :: words                   !! Words that arrived
+      integer, intent(out) :: words                   !! Received words
       type(mpi_request) :: consensus
       integer(int64) :: begin
       logical :: done, agreeing

@@ -71,8 +71,7 @@ contains
       sound = verdict == decimal_good .or. verdict == decimal_small
    end subroutine file_number
 
-   !> Read as many finite numbers as there are values from a line of such a file, no more and no
-   !! less.
+   !> Read exactly `size(values)` finite numbers from a line of such a file.
    subroutine file_numbers(line, values, sound)
       character(len=*), intent(in) :: line           !! With blanks between the numbers
       real(wp), intent(out) :: values(:)             !! As written, 0 from the first wrong one on

@@ -191,7 +191,7 @@ contains
       allocate (group%values(0))
    end function deck_group
 
-   !> Number of the group of a name among those of its kind, 0 if there is none.
+   !> Number of the group with a given name among those of its kind, 0 if there is none.
    pure integer function deck_named(self, name, title) result(place)
       class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! Kind, without &
@@ -207,7 +207,7 @@ contains
    subroutine complain_of_group(self, group, message, key)
       class(deck_t), intent(inout) :: self
       type(group_t), intent(in) :: group
-      character(len=*), intent(in) :: message            !! What is wrong and what to do
+      character(len=*), intent(in) :: message            !! Error and its remedy
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%problems%error(group%file(key), group%line(key), label_of(group)//": "//message)
@@ -218,7 +218,7 @@ contains
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Kind, without &
       integer, intent(in) :: place                       !! Index among the groups of its kind
-      character(len=*), intent(in) :: message            !! What is wrong and what to do
+      character(len=*), intent(in) :: message            !! Error and its remedy
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%complain(self%group(name, place), message, key)
@@ -228,7 +228,7 @@ contains
    subroutine warn_of_group(self, group, message, key)
       class(deck_t), intent(inout) :: self
       type(group_t), intent(in) :: group
-      character(len=*), intent(in) :: message            !! What may be wrong and what to do
+      character(len=*), intent(in) :: message            !! Possible error and its remedy
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%problems%warning(group%file(key), group%line(key), label_of(group)//": "//message)
@@ -239,7 +239,7 @@ contains
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Kind, without &
       integer, intent(in) :: place                       !! Index among the groups of its kind
-      character(len=*), intent(in) :: message            !! What may be wrong and what to do
+      character(len=*), intent(in) :: message            !! Possible error and its remedy
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%warn(self%group(name, place), message, key)
@@ -251,9 +251,8 @@ contains
       errors = self%problems%errors
    end function deck_errors
 
-   !> True without an error in the groups of a kind, or in one of them, and without keys that an
-   !! error elsewhere may have taken from them: then they can be checked further although other
-   !! groups have errors.
+   !> True if the groups of a kind, or one of them, have no error, and no error elsewhere can have
+   !! removed keys from them. Then they can be checked further although other groups have errors.
    pure logical function deck_sound(self, name, place) result(sound)
       class(deck_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! Kind, without &

@@ -46,7 +46,7 @@ contains
       end do
    end subroutine check_schema
 
-   !> Check all groups. Keys with an error of their own are taken as they were meant.
+   !> Check all groups. Keys with an error do not cause follow-up errors.
    subroutine check_groups(schema, groups, index, deck_file, problems)
       type(schema_t), intent(in) :: schema               !! Allowed values
       type(group_t), intent(inout) :: groups(:)          !! All groups; unused keys are dropped
@@ -73,7 +73,7 @@ contains
 
    !> A group that is not in the deck must not have required keys.
    subroutine check_absent(rule, deck_file, problems)
-      type(group_rule_t), intent(in) :: rule             !! What is allowed in it
+      type(group_rule_t), intent(in) :: rule             !! Allowed values
       character(len=*), intent(in) :: deck_file          !! Name of the deck
       type(problems_t), intent(inout) :: problems        !! Collects errors
       type(text_t), allocatable :: names(:)
@@ -97,7 +97,7 @@ contains
       type(deck_index_t), intent(in) :: index            !! Positions of groups and keys
       integer, intent(in) :: which                       !! Index of the group
       type(problems_t), intent(inout) :: problems        !! Collects errors
-      logical, intent(out) :: unused                     !! The command line turned it off
+      logical, intent(out) :: unused                     !! Switched off by the command line
       character(len=:), allocatable :: reason
       logical :: sure
 
@@ -115,7 +115,7 @@ contains
             call problems%error(value%file, value%line, label_of(group)//": "//key%name//" "// &
                reason)
          else if (key%required .and. reason == "" .and. value%count() == 0) then
-            ! a group that is not whole, or a preset that is not known, might have given it
+            ! an incomplete group or an unknown preset might have set it
             if (.not. group%broken .and. group%valid(["preset"])) call problems%error( &
                group%path, group%first_line, label_of(group)//": "//key%name// &
                " must be given ("//key%doc//")")
@@ -150,7 +150,7 @@ contains
       holds = reason == ""
    end function applies
 
-   !> Why a key means nothing in its group; empty if it does.
+   !> Why a key has no effect in its group; empty if it has one.
    subroutine weigh(schema, key, groups, index, which, reason, sure, commanded)
       type(schema_t), intent(in) :: schema               !! Allowed values
       type(key_t), intent(in) :: key
@@ -173,7 +173,7 @@ contains
             if (other == 0) cycle
             owner = schema%groups(rule)%find(condition%key)
             sure = sure .and. groups(other)%values(owner)%valid
-            ! a preset that is not known might have given it
+            ! an unknown preset might have set it
             if (.not. groups(other)%values(owner)%given) &
                sure = sure .and. groups(other)%valid(["preset"])
             call compare(schema%groups(rule)%keys(owner), condition, groups(other)%values(owner), &
@@ -192,7 +192,7 @@ contains
       type(condition_t), intent(in) :: condition         !! Expected value
       type(value_t), intent(in) :: value                 !! Actual value
       logical, intent(in) :: same_group                  !! Is it in the group of the key?
-      character(len=:), allocatable, intent(inout) :: reason !! Why the condition does not hold
+      character(len=:), allocatable, intent(inout) :: reason !! Reason why the condition is false
       character(len=:), allocatable :: place, word
       integer :: i
 

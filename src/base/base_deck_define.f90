@@ -24,7 +24,7 @@ module base_deck_define
    type :: definitions_t
       type(text_t), allocatable :: names(:)              !! In the order of the deck
       real(wp), allocatable :: values(:)                 !! Numbers in the units of the deck
-      integer, allocatable, private :: lines(:)          !! Where they are defined
+      integer, allocatable, private :: lines(:)          !! Position of the definition
       logical, allocatable, private :: faulty(:)         !! Is their value a reported error?
       integer, private :: system = 1                     !! Units of the deck
       type(text_t), allocatable, private :: later(:)     !! All names of the deck
@@ -204,7 +204,7 @@ contains
    subroutine definitions_resolve(self, label, file, piece, problems, within)
       class(definitions_t), intent(in) :: self
       character(len=*), intent(in) :: label              !! The group, for messages
-      character(len=*), intent(in) :: file               !! Where
+      character(len=*), intent(in) :: file               !! File
       type(piece_t), intent(inout) :: piece              !! As written
       type(problems_t), intent(inout) :: problems        !! Collects errors
       logical, intent(in), optional :: within            !! Also expressions within texts
@@ -242,7 +242,7 @@ contains
    subroutine resolve_texts(self, label, file, piece, problems)
       type(definitions_t), intent(in) :: self
       character(len=*), intent(in) :: label              !! The group, for messages
-      character(len=*), intent(in) :: file               !! Where
+      character(len=*), intent(in) :: file               !! File
       type(piece_t), intent(inout) :: piece              !! As written
       type(problems_t), intent(inout) :: problems        !! Collects errors
       character(len=:), allocatable :: fault
@@ -298,7 +298,8 @@ contains
          fault = fault//"; names are given by &define name = number /"
    end subroutine evaluate_expression
 
-   !> A number with all its digits; integers without a point, so that keys of integers take them.
+   !> A number with all its digits; integers without a decimal point, so that they are valid values
+   !! of integer keys.
    pure function decimal_text(value) result(text)
       real(wp), intent(in) :: value                      !! Number
       character(len=:), allocatable :: text

@@ -147,7 +147,7 @@ contains
       type(group_rule_t), intent(in) :: rule             !! Allowed values
       integer, intent(in) :: place                       !! Index of the key
       type(piece_t), intent(in) :: piece                 !! Part to write
-      character(len=*), intent(in) :: file               !! Where
+      character(len=*), intent(in) :: file               !! File
       integer, intent(in) :: system                      !! Units of the numbers
       type(problems_t), intent(inout) :: problems        !! Collects errors
       type(group_t), intent(inout) :: group              !! Gets the value

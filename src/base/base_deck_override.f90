@@ -20,7 +20,7 @@ module base_deck_override
 
 contains
 
-   !> Take one value of the command line into the groups.
+   !> Set one value of the command line in the groups.
    subroutine override(schema, text, definitions, system, problems, groups, filled)
       type(schema_t), intent(in) :: schema               !! Allowed values
       !> GROUP.KEY=VALUE, GROUP[NAME].KEY=VALUE, or, with a mark before it, the name of a key to
@@ -50,7 +50,7 @@ contains
          return
       end if
       if (group == "define") then
-         ! values of definitions have been taken with them
+         ! values of definitions are already replaced
          if (removes) call problems%error(command_line, 0, "&define: "//key// &
             " cannot be removed; --set gives it another value")
          return
@@ -123,7 +123,7 @@ contains
       value = trim(adjustl(text(equals + 1:)))
    end subroutine take_apart
 
-   !> Find the group that is meant; a group that may be given once is made if it is not there.
+   !> Find the selected group; a group of which a deck may have one is created if absent.
    subroutine choose(rule, choice, problems, groups, filled, which)
       type(group_rule_t), intent(in) :: rule             !! Allowed values
       character(len=*), intent(in) :: choice             !! Name or number in brackets, or empty

@@ -23,7 +23,7 @@ module base_deck_problems
       character(len=:), allocatable :: file              !! File and line
       integer :: line = 0                                !! Line of the file, 0 = none
       logical :: is_error = .true.                       !! Or else a warning
-      character(len=:), allocatable :: text              !! What is wrong and what to do
+      character(len=:), allocatable :: text              !! Error and its remedy
       character(len=:), allocatable :: common            !! Part of the text common to all copies
       integer :: copies = 1                              !! Number of copies with this message
    end type problem_t
@@ -36,7 +36,7 @@ module base_deck_problems
       type(problem_t), allocatable, private :: entries(:)
       type(repeated_t), allocatable, private :: repeated(:) !! Repeated bodies
    contains
-      procedure :: repeat => problems_repeat             !! Report copies of a body as one
+      procedure :: repeat => problems_repeat             !! Report errors of copies only once
       procedure :: error => problems_error               !! Record an error
       procedure :: warning => problems_warning           !! Record a warning
       procedure :: report => problems_report             !! All as text, in the order of the lines
@@ -51,7 +51,7 @@ contains
       class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
-      character(len=*), intent(in) :: text               !! What is wrong and what to do
+      character(len=*), intent(in) :: text               !! Error and its remedy
       logical :: joined
 
       call join_copies(self, file, line, .true., text, joined)
@@ -65,7 +65,7 @@ contains
       class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
-      character(len=*), intent(in) :: text               !! What is wrong and what to do
+      character(len=*), intent(in) :: text               !! Error and its remedy
       logical :: joined
 
       call join_copies(self, file, line, .false., text, joined)
@@ -159,7 +159,7 @@ contains
    pure subroutine take_copy_apart(repeated, text, which, label, rest)
       type(repeated_t), intent(in) :: repeated(:)        !! Repeated bodies
       character(len=*), intent(in) :: text               !! A message
-      integer, intent(out) :: which                      !! Which of them, 0 = none
+      integer, intent(out) :: which                      !! Index, 0 = none
       character(len=:), allocatable, intent(out) :: label !! Such as &body 'name'
       character(len=:), allocatable, intent(out) :: rest !! The message after the label
       character(len=9), parameter :: kinds(2) = ["&body '  ", "&region '"]
@@ -237,7 +237,7 @@ contains
       character(len=*), intent(in) :: file               !! File and line
       integer, intent(in) :: line                        !! Line of the file, 0 = none
       logical, intent(in) :: is_error                    !! Or else a warning
-      character(len=*), intent(in) :: text               !! What is wrong and what to do
+      character(len=*), intent(in) :: text               !! Error and its remedy
       type(problem_t), allocatable :: longer(:)
       character(len=:), allocatable :: label, rest
       integer :: filled, i, which
@@ -309,7 +309,7 @@ contains
       end if
    end subroutine add_entry
 
-   !> Order of the entries: by file, then by line, then as found. Merges ever longer runs.
+   !> Order of the entries: by file, then by line, then as found. Bottom-up merge sort.
    subroutine sort_problems(self, files, order)
       type(problems_t), intent(in) :: self
       type(text_t), intent(in) :: files(:)               !! The files in the order of reading
@@ -338,10 +338,10 @@ contains
    !> Merge the sorted runs from bounds(1) to bounds(2) - 1 and from there to bounds(3) - 1.
    subroutine merge_runs(entries, place, order, merged, bounds)
       type(problem_t), intent(in) :: entries(:)          !! All entries
-      integer, intent(in) :: place(:)                    !! Place of the file of each entry
+      integer, intent(in) :: place(:)                    !! Index of the file of each entry
       integer, intent(in) :: order(:)                    !! Entry by place, the runs sorted
       integer, intent(inout) :: merged(:)                !! The same, both runs sorted as one
-      integer, intent(in) :: bounds(3)                   !! Where the runs begin and end
+      integer, intent(in) :: bounds(3)                   !! Bounds of the runs
       integer :: i, left, right
       logical :: take_right
 

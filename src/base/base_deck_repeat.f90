@@ -16,7 +16,7 @@ module base_deck_repeat
 
    public :: repeat_groups
 
-   integer, parameter :: most_copies = 10000             !! More are taken for a mistake
+   integer, parameter :: most_copies = 10000             !! More are an error
 
 contains
 

@@ -22,11 +22,11 @@ module base_deck_value
       logical :: derived = .false.                       !! Derived from other keys
       integer :: line = 0                                !! Line of the key
       character(len=:), allocatable :: file              !! File of the key
-      logical, allocatable :: filled(:)                  !! (place) Has a value
-      real(wp), allocatable :: numbers(:)                !! (place) Of a key of numbers [SI]
-      integer, allocatable :: integers(:)                  !! (place) Of a key of integers
-      logical, allocatable :: switches(:)                !! (place) Of a switch
-      type(text_t), allocatable :: texts(:)              !! (place) Of a key of texts
+      logical, allocatable :: filled(:)                  !! (index) Has a value
+      real(wp), allocatable :: numbers(:)                !! (index) Of a key of numbers [SI]
+      integer, allocatable :: integers(:)                  !! (index) Of a key of integers
+      logical, allocatable :: switches(:)                !! (index) Of a switch
+      type(text_t), allocatable :: texts(:)              !! (index) Of a key of texts
    contains
       procedure :: count => value_count                  !! Number of values
    end type value_t
@@ -110,7 +110,7 @@ contains
       if (complaint(1:1) /= " ") complaint = points_at//complaint
    end subroutine convert
 
-   !> The error if there are more values than the key takes.
+   !> The error if there are more values than the key allows.
    function too_many(key, subscript, tokens, items) result(complaint)
       type(key_t), intent(in) :: key
       integer, intent(in) :: subscript                   !! First value to set, 0 = all

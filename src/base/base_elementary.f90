@@ -2,10 +2,10 @@
 !> Exponential function, natural logarithm and power of sums, products, quotients and bit operations
 !! alone, without branches.
 !!
-!! Loops over them become vectors, and the vector body, the remainder and a single number have the
-!! same bits. Those of the mathematics library differ between its scalar and its vector variants,
-!! and from one version to the next. Errors are at most 0.65 units in the last place of the
-!! exponential function, 0.9 of the logarithm and 0.8 of the power.
+!! Compilers vectorise loops over them, and the vector body, the remainder and a single number have
+!! the same bits. Those of the mathematics library differ between its scalar and its vector
+!! variants, and from one version to the next. Errors are at most 0.65 units in the last place of
+!! the exponential function, 0.9 of the logarithm and 0.8 of the power.
 !!
 !! Arguments are reduced to an interval around 1 or 0 by multiples of ln 2 in two parts (W. J. Cody,
 !! W. Waite, Software Manual for the Elementary Functions, 1980). There a polynomial approximates,
@@ -269,7 +269,7 @@ contains
       end do
    end subroutine take_logarithms
 
-   !> Powers with one exponent in place of their bases.
+   !> Powers with one exponent; they overwrite their bases.
    pure subroutine take_powers(count, exponent, x)
       integer, intent(in) :: count                         !! Numbers
       real(wp), intent(in) :: exponent                     !! Of all bases
@@ -286,9 +286,9 @@ contains
       end do
    end subroutine take_powers
 
-   !> Powers with one exponent in place of their bases, in less than half of the time: exp(y ln(x)),
-   !! with an error of about 1 + |y ln(x)| units in the last place. Of 0 it is 0 if the exponent is
-   !! above 0.01.
+   !> Powers with one exponent, which overwrite their bases, in less than half of the time: exp(y
+   !! ln(x)), with an error of about 1 + |y ln(x)| units in the last place. The power of 0 is 0 if
+   !! the exponent is above 0.01.
    pure subroutine take_fast_powers(count, exponent, x)
       integer, intent(in) :: count                         !! Numbers
       real(wp), intent(in) :: exponent                     !! Of all bases

@@ -15,7 +15,7 @@ module base_error
    integer, parameter, public :: exit_internal = 5     !! A defect of the program
    integer, parameter, public :: exit_again = 75       !! Stopped with a checkpoint: run again
 
-   !> An error. Not allocated means that there is none.
+   !> An error. Not allocated: no error.
    type :: error_t
       integer :: code = exit_internal                  !! Exit code of the program
       character(len=:), allocatable :: message         !! One or more lines for the user
@@ -27,7 +27,7 @@ contains
    pure subroutine fail(error, code, message)
       type(error_t), allocatable, intent(out) :: error !! Allocated on return
       integer, intent(in) :: code                      !! One of the exit codes above
-      character(len=*), intent(in) :: message          !! What is wrong and what to do
+      character(len=*), intent(in) :: message          !! Error and its remedy
 
       allocate (error)
       error%code = code

@@ -237,7 +237,7 @@ contains
    !> Parse the closing bracket of an opening one.
    subroutine close_bracket(parser, opening)
       type(parser_t), intent(inout) :: parser
-      integer, intent(in) :: opening                     !! Letter of the opening one
+      integer, intent(in) :: opening                     !! Position of the opening one
 
       if (parser%fault /= "") return
       if (next_letter(parser) == ")") then

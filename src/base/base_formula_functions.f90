@@ -76,7 +76,7 @@ contains
       if (abs(left) > most) fault = "the result is too large"
    end subroutine apply_operator
 
-   !> Replace a base by its power.
+   !> Raise a base to a power, in place.
    pure subroutine raise_to_power(base, exponent, fault)
       real(wp), intent(inout) :: base                !! The base, then the power
       real(wp), intent(in) :: exponent               !! Exponent of the power
@@ -108,7 +108,7 @@ contains
    pure subroutine apply_function(which, first, second, fault)
       integer, intent(in) :: which                   !! Index
       real(wp), intent(inout) :: first               !! First argument, then the value
-      real(wp), intent(in) :: second                 !! Second argument, if it takes two
+      real(wp), intent(in) :: second                 !! Second argument, if there are two
       character(len=:), allocatable, intent(inout) :: fault !! Allocated if there is no result
 
       select case (function_names(which))

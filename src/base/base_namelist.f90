@@ -314,7 +314,7 @@ contains
       end do
    end function as_written
 
-   !> A quoted text without its quotes; two quotes in it stand for one.
+   !> A quoted text without its quotes; a doubled quote in it is one quote.
    pure function unquoted_text(raw) result(text)
       character(len=*), intent(in) :: raw                !! With quotes
       character(len=:), allocatable :: text

@@ -52,7 +52,7 @@ contains
    !> A mark with the file and number of the next line.
    pure function file_mark(file, line) result(text)
       character(len=*), intent(in) :: file               !! Name of the file
-      integer, intent(in) :: line                        !! Line of the file that comes next
+      integer, intent(in) :: line                        !! Next line of the file
       character(len=:), allocatable :: text
 
       text = mark//number(line)//" "//file//newline
@@ -268,7 +268,7 @@ contains
    !> True for a slash within a unit: a letter or bracket follows at once, no blank is before it.
    pure logical function is_unit_slash(text, at) result(yes)
       character(len=*), intent(in) :: text               !! The whole text, a newline at its end
-      integer, intent(in) :: at                          !! Place of the slash, not the first
+      integer, intent(in) :: at                          !! Position of the slash, not the first
       character(len=*), parameter :: before = "0123456789.)"
 
       yes = text(at + 1:at + 1) == "(" .or. is_letter(text(at + 1:at + 1))

@@ -24,7 +24,7 @@ module base_preset
 
    !> One preset.
    type :: preset_t
-      character(len=:), allocatable :: group             !! Group it belongs to
+      character(len=:), allocatable :: group             !! Group of the key
       character(len=:), allocatable :: name              !! Name
       character(len=:), allocatable :: title             !! Title
       type(preset_entry_t), allocatable :: entries(:)    !! In the order of applying

@@ -37,7 +37,7 @@ module base_schema
 
    !> One key.
    type :: key_t
-      character(len=:), allocatable :: group             !! Group it belongs to
+      character(len=:), allocatable :: group             !! Group of the key
       character(len=:), allocatable :: name              !! As in the deck
       integer :: kind = kind_real                        !! One of the constants above
       integer :: number_of_values = 1                    !! Greatest number of values
@@ -51,7 +51,7 @@ module base_schema
       character(len=:), allocatable :: target            !! Group whose names it refers to
       type(text_t), allocatable :: words(:)              !! Texts that are allowed, empty: any
       type(text_t), allocatable :: meanings(:)           !! Of presets: name and title, for hints
-      type(condition_t), allocatable :: owners(:)        !! All must hold so that it applies
+      type(condition_t), allocatable :: owners(:)        !! All must be true
    end type key_t
 
    !> One group.
@@ -77,7 +77,7 @@ module base_schema
       procedure :: logical => schema_logical             !! Declare a switch
       procedure :: text => schema_text                   !! Declare a key of texts
       procedure :: words => schema_words                 !! Allow more words for a key of texts
-      procedure :: extend_owner => schema_extend_owner   !! Let a key apply to one more word
+      procedure :: extend_owner => schema_extend_owner   !! Allow one more word for a key
       procedure :: require => schema_require             !! Keys that must be given
       procedure :: refer => schema_refer                 !! Names of which group a key refers to
       procedure :: explain_range => schema_explain_range !! Reason for the range
@@ -114,7 +114,7 @@ contains
    !> Declare a key of numbers: name x for one, x(3) for three, x(:50) for up to fifty.
    subroutine schema_real(self, group, name, doc, unit, default, range, owner)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: unit     !! Of SI, or deg; without: 1
@@ -137,7 +137,7 @@ contains
    !> Declare a key of integers: name n for one, n(3) for three, n(:50) for up to fifty.
    subroutine schema_integer(self, group, name, doc, default, range, owner)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! As in the deck
@@ -152,7 +152,7 @@ contains
    !> Declare a switch.
    subroutine schema_logical(self, group, name, doc, default, owner)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! .true. or .false.
@@ -167,11 +167,11 @@ contains
    !! are formulas of the place.
    subroutine schema_text(self, group, name, doc, default, words, owner, unit)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! Without quotes
-      character(len=*), intent(in), optional :: words    !! All that is allowed, blanks between
+      character(len=*), intent(in), optional :: words    !! Allowed words, separated by blanks
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       character(len=*), intent(in), optional :: unit     !! Of the value of a formula
       type(key_t) :: key
@@ -190,7 +190,7 @@ contains
    subroutine schema_add(self, key, group, name, doc, default, range, owner)
       class(schema_t), intent(inout) :: self
       type(key_t), intent(inout) :: key                  !! Kind, unit and words are set
-      character(len=*), intent(in) :: group              !! Group it belongs to
+      character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: default  !! In SI

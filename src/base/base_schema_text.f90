@@ -20,7 +20,7 @@ contains
    !> Explain a key, written as KEY or GROUP.KEY, or a group.
    subroutine explain(schema, name, text, error)
       type(schema_t), intent(in) :: schema               !! Allowed values
-      character(len=*), intent(in) :: name               !! As the user wrote it
+      character(len=*), intent(in) :: name               !! Text of the user
       character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error   !! There is no such key
       type(text_t), allocatable :: names(:)

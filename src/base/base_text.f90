@@ -185,7 +185,7 @@ contains
 
    !> The closest word of a list, or an empty text if none is close.
    pure function closest(word, candidates) result(best)
-      character(len=*), intent(in) :: word               !! As the user wrote it
+      character(len=*), intent(in) :: word               !! Text of the user
       type(text_t), intent(in) :: candidates(:)          !! Valid words
       character(len=:), allocatable :: best
       integer :: changes, i, least
@@ -205,7 +205,7 @@ contains
    !> The first word of the text that has most words in common with another one, or an empty text:
    !! aluminium_6061 is closest to "al_6061_t6 aluminium 6061-T6".
    pure function closest_meaning(word, meanings) result(best)
-      character(len=*), intent(in) :: word               !! As the user wrote it
+      character(len=*), intent(in) :: word               !! Text of the user
       type(text_t), intent(in) :: meanings(:)            !! A name and what it means
       character(len=:), allocatable :: best
       type(text_t), allocatable :: parts(:), words(:)

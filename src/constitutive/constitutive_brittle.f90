@@ -49,7 +49,7 @@ contains
    elemental real(wp) function random_exponential(seed, identity) result(number)
       integer(int64), intent(in) :: seed             !! Seed of the random numbers
       integer(int64), intent(in) :: identity         !! Identity of the particle
-      ! Number of the draw of a particle; each effect has one of its own.
+      ! Index of the random number of a particle; each effect uses a different index.
       integer(int64), parameter :: draw = 7717_int64
 
       number = -logarithm(random_uniform(seed, identity, draw))

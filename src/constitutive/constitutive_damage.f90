@@ -96,7 +96,7 @@ contains
       takes = .false.
    end function damage_takes_scatter
 
-   !> True if the model needs a Weibull modulus: where strength scatters, or always.
+   !> True if the model needs a Weibull modulus: where strength scatters, or in any case.
    pure logical function damage_needs_weibull(self, scatter) result(needs)
       class(damage_t), intent(in) :: self
       logical, intent(in) :: scatter                           !! Switch size_scatter of &effects

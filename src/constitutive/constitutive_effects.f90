@@ -15,7 +15,7 @@ module constitutive_effects
       logical :: eos = .true. !! Pressure from an equation of state, else of the bulk modulus
       logical :: damage = .false.                    !! Particles fail permanently
       logical :: size_scatter = .false.              !! Their strength scatters
-      logical :: voids = .false.                     !! Volume is more than that of the material
+      logical :: voids = .false.                     !! Volume includes voids
       logical :: thermal = .false.                   !! Temperature follows the work
       logical :: melting = .false.                   !! No strength when melted
       logical :: viscosity = .true.                  !! Artificial viscosity of shocks

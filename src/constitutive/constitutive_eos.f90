@@ -15,12 +15,12 @@ module constitutive_eos
    !> An equation of state. The material holds none if the mean stress follows a rate form.
    type, abstract :: eos_t
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
-      real(wp) :: distension = 1.0_wp !! Of porous material at the start, solid over its density [1]
+      real(wp) :: distension = 1.0_wp !! Initial distension, solid density over density [1]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
    contains
       procedure :: declare => eos_declare            !! Declares its keys, if it has any
       procedure :: fault => eos_fault                !! Error in the combination of its keys
-      procedure :: take_file => eos_take_file        !! Takes the text of its file, if it has one
+      procedure :: take_file => eos_take_file        !! Receives the text of its file, if any
       procedure :: read => eos_read                  !! Reads its keys, if it has any
       procedure :: sets_bulk => eos_sets_bulk        !! True if its keys give the bulk modulus
       procedure :: has_pores => eos_has_pores        !! True if its material is porous
@@ -29,7 +29,7 @@ module constitutive_eos
       procedure(update_i), deferred :: update        !! Pressure and square of the sound speed
       procedure :: find_gruneisen => eos_find_gruneisen !! Grueneisen number times density
       procedure(stored_energy_i), deferred :: stored_energy !! Energy stored in the change of volume
-      procedure :: gives_temperature => eos_gives_temperature !! True if the state has one by it
+      procedure :: gives_temperature => eos_gives_temperature !! True if it gives the temperature
       procedure :: find_temperature => eos_find_temperature !! Temperature, if it gives it
       procedure :: starts_with_energy => eos_starts_with_energy !! True if material has some at rest
       procedure :: start_energy => eos_start_energy  !! Energy of the reference state
@@ -37,7 +37,7 @@ module constitutive_eos
       procedure :: fault_of_state => eos_fault_of_state !! Why a state has no pressure
       procedure :: detonates => eos_detonates        !! True for the products of an explosive
       procedure :: detonation => eos_detonation      !! Speed, and volume behind the front
-      !> Speed of the detonation that its constants have
+      !> Detonation speed of its constants
       procedure :: chapman_jouguet_speed => eos_chapman_jouguet_speed
    end type eos_t
 
@@ -49,7 +49,7 @@ module constitutive_eos
          class(field_requests_t), intent(inout) :: requests
       end subroutine request_i
 
-      !> The square of the bulk sound speed [m2/s2] is left in the wave speed.
+      !> The wave speed returns the square of the bulk sound speed [m2/s2].
       pure subroutine update_i(self, state, deformation, first, last)
          import :: deformation_t, eos_t, material_state_t
          implicit none
@@ -97,7 +97,7 @@ contains
       text = ""
    end function eos_fault
 
-   !> Take the text of the file that belongs to the equation of state, before its keys are read.
+   !> Receive the text of the file of the equation of state, before its keys are read.
    subroutine eos_take_file(self, text, path, group, fault, doubt)
       class(eos_t), intent(inout) :: self
       character(len=*), intent(in) :: text                     !! Content of the file
@@ -124,8 +124,8 @@ contains
       has = .false.
    end function eos_has_pores
 
-   !> Grueneisen number times density at the middle of the step, for the temperature. It is 0 where
-   !! the pressure does not depend on energy.
+   !> Grueneisen parameter times density at the middle of the step, for the temperature. It is 0
+   !! where the pressure does not depend on energy.
    pure subroutine eos_find_gruneisen(self, state, deformation, first, last)
       class(eos_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                     !! State of the store
@@ -136,7 +136,7 @@ contains
       deformation%gruneisen(:last - first + 1) = 0.0_wp
    end subroutine eos_find_gruneisen
 
-   !> True if density and energy have a temperature by the equation of state itself.
+   !> True if the equation of state gives the temperature of density and energy.
    pure logical function eos_gives_temperature(self) result(gives)
       class(eos_t), intent(in) :: self
 
@@ -161,7 +161,7 @@ contains
    !> Internal energy of the reference density [J/kg].
    pure real(wp) function eos_start_energy(self, temperature) result(energy)
       class(eos_t), intent(in) :: self
-      real(wp), optional, intent(in) :: temperature !! That of the reference without it [K]
+      real(wp), optional, intent(in) :: temperature !! Temperature of the reference [K]
 
       energy = 0.0_wp
    end function eos_start_energy

@@ -20,7 +20,7 @@ module constitutive_field_requests
    contains
       procedure :: add => requests_add                 !! Request a field
       procedure :: has => requests_has                 !! True if a field is requested
-      procedure :: bytes => requests_bytes             !! Bytes a particle of all fields
+      procedure :: bytes => requests_bytes             !! Bytes per particle of all fields
       procedure :: report => requests_report           !! Table for the user
    end type field_requests_t
 
@@ -73,7 +73,7 @@ contains
       if (allocated(self%entries)) bytes = sum(self%entries%bytes)
    end function requests_bytes
 
-   !> One line a field: name, bytes a particle, the models that request it.
+   !> One line per field: name, bytes per particle, the models that request it.
    pure function requests_report(self) result(text)
       class(field_requests_t), intent(in) :: self
       character(len=:), allocatable :: text

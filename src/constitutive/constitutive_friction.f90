@@ -2,9 +2,9 @@
 !> Common parts of laws whose strength grows with the pressure.
 !!
 !! The pressure is that of the equation of state and follows the density: material that has
-!! separated
-!! supports no stress until it has its density again. With an angle of dilation shear increases the
-!! volume permanently; this volume is carried and taken out of the pressure.
+!! separated supports no stress until it has its density again. With an angle of dilation, shear
+!! increases the volume permanently; this volume is a state variable and does not enter the
+!! pressure.
 module constitutive_friction
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -38,7 +38,7 @@ module constitutive_friction
    contains
       procedure :: follows_density => frictional_follows_density !! Its pressure does
       procedure :: request => frictional_request     !! Requests the volume gained by shear
-      !> Shear, where material holds together
+      !> Shear, where not separated
       procedure :: add_wave_speed => frictional_add_wave_speed
       procedure :: least_pressure => frictional_least_pressure !! That of the apex
    end type frictional_t

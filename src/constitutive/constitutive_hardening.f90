@@ -2,8 +2,8 @@
 !> Radial return to a yield stress that hardens with a power of the plastic strain, for groups of
 !! particles that are the lanes of vectors.
 !!
-!! Newton's method takes all lanes of a group until the last one has its plastic increment. A
-!! converged lane is not changed, so that its bits do not depend on its neighbours.
+!! Newton's method iterates all lanes of a group until the last one has converged. Converged lanes
+!! do not change, so their bits do not depend on their neighbours.
 module constitutive_hardening
    use base_elementary, only: take_fast_powers, take_logarithms
    use base_kinds, only: wp
@@ -16,7 +16,7 @@ module constitutive_hardening
    integer, parameter :: most_lanes = 64             !! Particles of a group
    integer, parameter :: width = 8                   !! Lanes are filled up to a multiple of it
 
-   !> Floor of strains in divisors; two such divisions must not overflow in a lane that is done.
+   !> Floor of strains in divisors; two such divisions must not overflow in a converged lane.
    real(wp), parameter :: least_strain = 1.0e-100_wp
 
    !> Particles of a group that may flow. The yield stress of an increment x is
@@ -24,7 +24,7 @@ module constitutive_hardening
    !! rate.
    type :: flow_lanes_t
       integer :: count = 0                           !! Lanes in use
-      integer :: place(most_lanes)                   !! Place of a lane in its group
+      integer :: place(most_lanes)                   !! Position of a lane in its group
       real(wp) :: trial(most_lanes)                  !! Equivalent trial stress, above 0 [Pa]
       real(wp) :: stiffness(most_lanes)              !! 3 G of the trial, above 0 [Pa]
       real(wp) :: fixed(most_lanes)                  !! Part of the yield stress that stays [Pa]
@@ -37,7 +37,7 @@ module constitutive_hardening
       real(wp) :: upper(most_lanes)                  !! Increment that is too large [1]
       real(wp) :: factor(most_lanes)                 !! Of the rate [1]
       real(wp) :: tilt(most_lanes)                   !! Its derivative to the increment [1]
-      real(wp) :: going(most_lanes) !! 1 if the increment is still to be found, else 0
+      real(wp) :: going(most_lanes) !! 1 until the lane has converged, then 0
    end type flow_lanes_t
 
    !> Constants of hardening, the same for all lanes.
@@ -108,7 +108,7 @@ contains
       end do
    end subroutine raise
 
-   !> Lanes that flow, with the increment of a yield stress that grows as at its start.
+   !> Lanes that flow, with the increment for linear hardening at the initial slope.
    pure subroutine start_lanes(filled, power, hardening, lanes)
       integer, intent(in) :: filled                  !! Lanes
       type(hardening_power_t), intent(in) :: power
@@ -158,13 +158,13 @@ contains
       end do
    end subroutine find_rate_factor
 
-   !> One step of Newton's method in the lanes that are not done.
+   !> One step of Newton's method in the lanes that have not converged.
    !!
-   !! A lane is done if its stress is right to the tolerance, or if the second derivative of the
-   !! yield stress allows no larger error after a step that is short beside the increment. A step
-   !! out
-   !! of the bracket upwards halves the bracket. One downwards comes from a steep start of hardening
-   !! far below and shortens it much more, as steps from below do not pass the root.
+   !! A lane has converged if its stress is right to the tolerance, or if the second derivative of
+   !! the yield stress bounds the error after a step that is short compared with the increment. A
+   !! step beyond the upper end of the bracket is replaced by bisection. A step beyond the lower end
+   !! is due to steep initial hardening far below; it shortens the bracket by a larger factor,
+   !! because steps from below do not pass the root.
    ! gate: long kernel because a step of Newton's method needs value, slope, curvature and bracket
    pure subroutine improve(filled, power, base, hardening, lanes)
       integer, intent(in) :: filled                  !! Lanes
@@ -178,7 +178,8 @@ contains
       real(wp) :: enough, lower, upper, margin, right, smooth
       integer :: l
 
-      ! Constants that a choice would load lane by lane keep a loop from becoming a vector.
+      ! Constants in a conditional expression would be loaded lane by lane and prevent
+      ! vectorisation.
       exponent = power%exponent
       growth = power%growth
       rest = power%rest
@@ -202,7 +203,8 @@ contains
          upper = merge(lanes%upper(l), x, residual > 0.0_wp)
          change = residual/(lanes%stiffness(l) + slope)
          next = x + change
-         ! no kink between both: those of the greatest yield stress and of the rate
+         ! no kink between x and next: neither at the greatest yield stress nor that of the rate
+         ! factor
          margin = merge(lanes%greatest(l)*lanes%factor(l) - (limit + slope*change), residual, &
             at_rest < lanes%greatest(l))
          margin = min(margin, (x - rest)*(next - rest), short*x - abs(change), &

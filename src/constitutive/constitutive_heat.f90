@@ -12,7 +12,7 @@ module constitutive_heat
    !> Heating of a material.
    type :: heat_t
       real(wp) :: specific_heat = 0.0_wp             !! At constant volume [J/(kg K)]
-      real(wp) :: conductivity = 0.0_wp              !! Of heat; 0: none flows [W/(m K)]
+      real(wp) :: conductivity = 0.0_wp              !! Of heat; 0: no conduction [W/(m K)]
    end type heat_t
 
    !> Temperatures between which a material softens.
@@ -35,11 +35,11 @@ contains
    !> Temperature after the step.
    !!
    !! From T ds = c_v dT + T Gamma rho c_v dv: at constant entropy dT = -T Gamma rho dv, with Gamma
-   !! rho of the middle of the step. Where Gamma rho is constant this is exactly
-   !! T exp(Gamma rho (v - v')), where Gamma is, as in a gas, it is T (v/v')**Gamma to third order.
-   !! To it the heat of the work of plastic flow and of artificial viscosity is added. Where the
-   !! material is at the least pressure it supports, voids open or close and the material itself
-   !! keeps its volume and temperature. Equations (A.12) and (A.13) of doc/theory/matter.md.
+   !! rho at the middle of the step. For constant Gamma rho this is exactly T exp(Gamma rho (v -
+   !! v')); for constant Gamma, as in a gas, it is T (v/v')**Gamma to third order. The heat of
+   !! plastic work and of artificial viscosity is added. Where the material is at its least
+   !! pressure, voids open or close and the material itself keeps its volume and temperature.
+   !! Equations (A.12) and (A.13) of doc/theory/matter.md.
    ! gate: long kernel because heat has many sources
    pure subroutine heat_particles(first, last, specific_heat, plastic_share, gruneisen, mass, &
       volume, old_volume, pressure, pressure_floor, plastic_work, viscous_work, temperature)
@@ -64,13 +64,13 @@ contains
       viscous = 1.0_wp/specific_heat
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         ! 1 above the floor and 0 on it; a merge here would keep the loop from vectorising.
+         ! 1 above the floor and 0 on it; a merge here would prevent vectorisation.
          closed = 0.5_wp - sign(0.5_wp, pressure_floor(i) - pressure(i))
          inverse = 1.0_wp/mass(k)
          compression = closed*(old_volume(i) - volume(k))*gruneisen(i)*inverse
          ! The exponential function, by its positive Pade approximant of order (2, 2).
          growth = 1.0_wp + compression/(1.0_wp - compression*(0.5_wp - twelfth*compression))
-         ! Artificial viscosity lags by a step and can take heat where material turns to expansion.
+         ! Artificial viscosity lags by a step and can remove heat where material begins to expand.
          temperature(k) = max(0.0_wp, temperature(k)*growth &
             + (plastic*plastic_work(i) + viscous*viscous_work(i))*inverse)
       end do

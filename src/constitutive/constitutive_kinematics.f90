@@ -42,10 +42,9 @@ contains
          g(7) = gradient(i, 7)
          g(8) = gradient(i, 8)
          g(9) = gradient(i, 9)
-         ! The adjugate B of G gives that of A and its determinant, and no product of matrices is
-         ! left:
-         ! G A^-1 = (G - B/2 + (tr B/2 + det G/4) I)/det A. Unlike in 2 (I - A^-1) small gradients
-         ! lose no digits.
+         ! The adjugate B of G gives that of A and its determinant, so no product of matrices
+         ! remains: G A^-1 = (G - B/2 + (tr B/2 + det G/4) I)/det A. Unlike in 2 (I - A^-1) small
+         ! gradients lose no digits.
          b(1) = g(5)*g(9) - g(8)*g(6)
          b(2) = g(8)*g(3) - g(2)*g(9)
          b(3) = g(2)*g(6) - g(5)*g(3)
@@ -57,8 +56,8 @@ contains
          b(9) = g(1)*g(5) - g(4)*g(2)
          cube = 0.25_wp*(g(1)*b(1) + g(4)*b(2) + g(7)*b(3))
          minors = 0.5_wp*(b(1) + b(5) + b(9)) + cube
-         ! An inverting gradient has no middle; bounded, it stays finite and the next time step
-         ! limits it.
+         ! For an inverting gradient the middle of the step is undefined; bounds keep the result
+         ! finite, and the next time step limits it.
          inverse = 1.0_wp/max(1.0_wp + 0.5_wp*(g(1) + g(5) + g(9) + minors), 0.05_wp)
          gradient(i, 1) = (g(1) - 0.5_wp*b(1) + minors)*inverse
          gradient(i, 2) = (g(2) - 0.5_wp*b(2))*inverse
@@ -217,13 +216,13 @@ contains
       end do
    end subroutine deform
 
-   !> Turn the gradient C that is referred to the middle of the step into dt L, where L is the
-   !! velocity gradient that is constant over the step and makes the same motion, and take the
-   !! volume and the mean from the stress.
+   !> Convert the gradient C, which refers to the middle of the step, to dt L with the constant
+   !! velocity gradient L of the same motion, update the volume, and move the mean stress into
+   !! `pressure`.
    !!
    !! From exp(dt L) = I + G follows dt L = 2 artanh(C/2) = C + C**3/12 + C**5/80 + C**7/448 +
-   !! C**9/2304 + ... The next term is C**11/11264; in turns of 50 steps a stress lags by 1e-14.
-   !! Equation (Y.17).
+   !! C**9/2304 + ... The next term is C**11/11264; for a full turn in 50 steps the stress lags by
+   !! 1e-14. Equation (Y.17).
    pure subroutine follow_motion(first, last, gradient, volume, stress, old_volume, dilatation, &
       pressure)
       integer, intent(in) :: first                   !! First particle of the range
@@ -275,8 +274,8 @@ contains
    !! The rotation is that of T. J. R. Hughes, J. Winget, "Finite rotation effects in numerical
    !! integration of rate constitutive equations arising in large-deformation analysis", Int. J.
    !! Numer. Meth. Eng. 15 (1980) 1862, in closed form and orthogonal to round-off. Half of the
-   !! strain is added before the rotation and half after it, which makes the step of second order.
-   !! On return the stress is a deviator and the pressure is the old mean pressure with its viscous
+   !! strain is added before the rotation and half after it, so the step is of second order. On
+   !! return the stress is a deviator and the pressure is the old mean pressure with its viscous
    !! part. Equation (A.2).
    pure subroutine predict_deviator(first, last, plane, shear, gradient, volume, stress, &
       old_volume, dilatation, pressure)
@@ -336,7 +335,7 @@ contains
       end do
    end subroutine predict_deviator
 
-   !> The same where y is a direction of its own: gradients and stresses with one index y are zero,
+   !> The same if y is decoupled: gradients and stresses with one index y are zero,
    !! and rotations are about y.
    ! gate: long kernel because it is the step of all fields of a particle
    pure subroutine predict_plane(first, last, shear, gradient, volume, stress, old_volume, &
@@ -369,8 +368,8 @@ contains
          sxx = stress(k, 1) - mean + dxx
          szz = stress(k, 3) - mean + dzz
          sxz = stress(k, 6) + dxz
-         ! cosine and sine of the turn from z to x, by the tangent of its half; the mean of xx and
-         ! zz stays
+         ! cosine and sine of the rotation from z to x, by the tangent of its half; the mean of xx
+         ! and zz does not change
          turn = 0.5_wp*(gradient(i, 7) - gradient(i, 3))
          half = 1.0_wp + 0.25_wp*turn*turn
          inverse = 1.0_wp/(half*divisor)
@@ -392,8 +391,8 @@ contains
       end do
    end subroutine predict_plane
 
-   !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) that belongs to the
-   !! spin increment W with axial vector w. Equation (A.3).
+   !> Rotate a symmetric tensor by the rotation Q = I + (W + W W/2)/(1 + w w/4) of the spin
+   !! increment W with axial vector w. Equation (A.3).
    ! gate: long kernel because a tensor in registers is six numbers
    pure subroutine rotate(a, wx, wy, wz, sxx, syy, szz, sxy, syz, sxz)
       real(wp), intent(in) :: a                      !! 1/(1 + w w/4) [1]

@@ -32,7 +32,7 @@ module constitutive_law
       procedure :: has_shear => law_has_shear        !! True if it has a shear modulus
       procedure :: needs_eos => law_needs_eos        !! True if it needs an equation of state
       procedure :: supports_voids => law_supports_voids !! True if its material may be porous
-      procedure :: grows_pores => law_grows_pores    !! True if it has pores of its own
+      procedure :: grows_pores => law_grows_pores    !! True if the law has pores
       procedure :: initial_porosity => law_initial_porosity !! Porosity of the reference state
       procedure :: softens_by_damage => law_softens_by_damage !! True if damage lowers its strength
       procedure :: uses_jc_rate => law_uses_jc_rate  !! True if it reads the key jc_rate
@@ -43,7 +43,7 @@ module constitutive_law
       procedure :: predict_trial => law_predict_trial !! Trial deviator of the step
       procedure(update_i), deferred :: update        !! Corrects the trial deviator
       procedure :: add_wave_speed => law_add_wave_speed !! Contribution to the squared wave speed
-      !> Wave speed that its viscosity adds
+      !> Wave speed added by its viscosity
       procedure :: add_viscous_speed => law_add_viscous_speed
       procedure :: stored_energy => law_stored_energy !! Energy stored in a particle
       procedure :: least_pressure => law_least_pressure !! Least pressure it supports
@@ -87,8 +87,7 @@ contains
       type(effects_t), intent(in) :: effects
    end subroutine law_read
 
-   !> Read the words that decide which other models the material has, before the deck is known to be
-   !! right.
+   !> Read the words that decide which other models the material has, before the deck is checked.
    pure subroutine law_read_mode(self, group)
       class(law_t), intent(inout) :: self
       type(group_t), intent(in) :: group                       !! &material
@@ -128,14 +127,14 @@ contains
       follows = .false.
    end function law_follows_density
 
-   !> True if the law has the size and density of grains, and so their inertial number.
+   !> True if the law has the size and density of grains, which give the inertial number.
    pure logical function law_has_grains(self) result(has)
       class(law_t), intent(in) :: self
 
       has = .false.
    end function law_has_grains
 
-   !> True if the law needs an equation of state of its own kind.
+   !> True if the law needs an equation of state of a special kind.
    pure logical function law_needs_eos(self) result(needs)
       class(law_t), intent(in) :: self
 
@@ -177,7 +176,8 @@ contains
       uses = .false.
    end function law_uses_jc_rate
 
-   !> True if the law flows: it takes energy, and damage by plastic strain can follow it.
+   !> True if the law flows plastically: it dissipates energy, and damage by plastic strain is
+   !! possible.
    pure logical function law_is_plastic(self) result(plastic)
       class(law_t), intent(in) :: self
 
@@ -262,10 +262,10 @@ contains
       end do
    end subroutine equivalent_stress
 
-   !> Trial deviator times strain increment, s* : e. With it laws find the work that the mean of the
-   !! stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for the
-   !! rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. The stress after the step alone would
-   !! take energy from grains that had no stress on contact.
+   !> Trial deviator times strain increment, s* : e. From it laws compute the work that the mean of
+   !! the stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for
+   !! the rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. With the stress after the step
+   !! alone, grains without stress would lose energy on contact.
    pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -283,7 +283,7 @@ contains
       end do
    end subroutine strain_trial
 
-   !> Work a volume that a radial return does on the plastic strain: that of the mean of the
+   !> Work per volume of a radial return on the plastic strain: that of the mean of the
    !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the energy balance is
    !! of
    !! second order. It is not negative: softening material under a rotating load would gain

@@ -10,7 +10,7 @@ module constitutive_principal
 contains
 
    !> Principal values in falling order, and their axes, by the rotations of C. G. J. Jacobi, which
-   !! leave axes orthogonal to round-off however close the values are.
+   !! keep the axes orthogonal to round-off even for nearly equal values.
    pure subroutine principal(tensor, values, axes)
       real(wp), intent(in) :: tensor(6)              !! xx, yy, zz, xy, yz, xz
       real(wp), intent(out) :: values(3)             !! The greatest first
@@ -49,7 +49,7 @@ contains
       end do
    end subroutine principal
 
-   !> One rotation in the plane of two axes that makes their component remove_failed_stress (W. H.
+   !> One rotation in the plane of two axes that makes their component zero (W. H.
    !! Press and
    !> others, "Numerical Recipes", section 11.1).
    pure subroutine turn(a, axes, p, q)
@@ -62,7 +62,7 @@ contains
       if (.not. abs(a(p, q)) > 0.0_wp) return
       ratio = 0.5_wp*(a(q, q) - a(p, p))/a(p, q)
       t = 1.0_wp/(abs(ratio) + sqrt(ratio**2 + 1.0_wp))
-      ! Its square can be too great for a number; then the angle is small.
+      ! Its square can overflow; then the angle is small.
       if (abs(ratio) > 1.0e100_wp) t = 0.5_wp/abs(ratio)
       t = sign(t, ratio)
       c = 1.0_wp/sqrt(t**2 + 1.0_wp)

@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Kernels of a stress that rotates, grows elastically and relaxes at once, exact for a velocity
+!> Kernels of a stress that rotates, grows elastically and relaxes simultaneously, exact for a
+!! velocity
 !> gradient that is constant over the step.
 !!
 !! With x from 0 to 1 along the step, the spin increment W, the relaxation k = dt/tau and the strain
 !! increment D the deviator follows ds/dx = W s - s W - k s + 2 G D'. In a frame whose third axis is
 !! that of the rotation by the angle w, the combinations s33, s13 + i s23 and (s11 - s22)/2 + i s12
-!! follow dz/dx = -(k - i m w) z + g with m = 0, 1, 2 each by itself, and the solution is
+!! follow dz/dx = -(k - i m w) z + g with m = 0, 1, 2 independently, and the solution is
 !! z(1) = exp(-y) z(0) + g f1(y) with y = k - i m w and f1(y) = (1 - exp(-y))/y. The integral of z
 !! over the step, which gives the work, is z(0) f1(y) + g f2(y) with f2(y) = (1 - f1(y))/y.
 !! Equations (Y.18) and (Y.19) of doc/theory/strength.md.
@@ -112,8 +113,8 @@ contains
       total = e(1)**2 + e(2)**2 + e(3)**2 + 2.0_wp*(e(4)**2 + e(5)**2 + e(6)**2)
    end function square
 
-   !> Right-handed frame whose third axis is that of the rotation (T. Duff and others, J. Comput.
-   !! Graphics Tech. 6 (2017) 1), and z without rotation.
+   !> Right-handed frame with the axis of rotation as third axis, or z without rotation (T. Duff and
+   !! others, J. Comput. Graphics Tech. 6 (2017) 1).
    pure subroutine make_frame(w, angle, frame)
       real(wp), intent(in) :: w(3)                   !! Rotation vector [1]
       real(wp), intent(in) :: angle                  !! Its length [1]
@@ -189,8 +190,8 @@ contains
    end subroutine advance
 
    !> exp(-y), f1(y) = (1 - exp(-y))/y and f2(y) = (1 - f1(y))/y, by their series where the
-   !! differences would lose digits. So many terms are taken that the first one left out is below
-   !! round-off: most steps turn and relax by less than a thousandth.
+   !! differences would lose digits. The series is cut where the next term is below round-off: most
+   !! steps turn and relax by less than a thousandth.
    pure subroutine functions(y, decay, f1, f2)
       complex(wp), intent(in) :: y                   !! Real part not below 0 [1]
       complex(wp), intent(out) :: decay              !! exp(-y)

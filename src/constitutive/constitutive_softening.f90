@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Tensile strength that falls while a crack opens, so that the crack takes the same energy per area
-!! for every cell size: crack bands (Z. P. Bazant, B. H. Oh, Mater. Struct. 16 (1983) 155).
+!> Tensile strength that falls while a crack opens, so that the crack dissipates the same energy per
+!! area for every cell size: crack bands (Z. P. Bazant, B. H. Oh, Mater. Struct. 16 (1983) 155).
 !!
 !! A crack opens in a band as wide as a cell, L in the direction of the greatest principal stress.
 !! With the elastic strain e of the material without cracks, D e is the opening of cracks
@@ -9,13 +9,13 @@
 !!    (1 - D) s = f (1 - D e/e_u),        e_u = 2 Gf/(f L)   (linear), or
 !!    (1 - D) s = f exp(-D e/e_u),        e_u = Gf/(f L)     (exponential).
 !!
-!! The integral of f over the opening is Gf for any state to the sides. D never falls, so material
+!! The integral of f over the opening is Gf for any lateral stress. D never falls, so material
 !! unloads to the origin. It weakens the positive principal stresses alone (J. Lemaitre, R.
 !! Desmorat, "Engineering Damage Mechanics", 2005, on cracks that close): a closed crack supports
 !! pressure.
 !!
-!! Particles carry the stress that acts. The one without cracks comes from it by division, before
-!! the trial of a step, so that no particle carries a second stress. Equations (F.8), (F.9) and
+!! Particles carry the stress reduced by cracks. Division gives the stress without cracks before the
+!! trial stress of a step, so that no particle stores a second stress. Equations (F.8), (F.9) and
 !! (F.10) of doc/theory/failure.md.
 module constitutive_softening
    use base_deck_group, only: group_t
@@ -32,13 +32,13 @@ module constitutive_softening
 
    public :: declare_softening, crack_damage, softening_fault, softening_t
 
-   !> How the strength of a material falls.
+   !> Softening of the strength of a material.
    type :: softening_t
       real(wp) :: energy = 0.0_wp                    !! Gf, of a crack per area [J/m2]
       real(wp) :: strength = 0.0_wp                  !! Principal stress that opens cracks [Pa]
       real(wp) :: limit = 0.0_wp !! Principal strain; 0 with a stress criterion [1]
-      !> Width of the band that opens across an edge of the grid, set by the scene: one cell where
-      !! the gradient of a cell is that of its own nodes, more where gradients are smoother [cells]
+      !> Width of the band that opens across an edge of the grid, set by the scene: one cell if the
+      !! gradient of a cell uses its own nodes only, more for smoother gradients [cells]
       real(wp) :: width = 1.0_wp
       logical :: exponential = .false.               !! The curve; else linear
       real(wp) :: shear = 0.0_wp                     !! Shear modulus of the material [Pa]
@@ -48,8 +48,8 @@ module constitutive_softening
       procedure :: band_fault => softening_band_fault !! Error in the cell size
       !> Stress without cracks, before the trial
       procedure :: restore_uncracked_stress => softening_restore_stress
-      procedure :: open_cracks => softening_open_cracks !! Lets cracks open, and stress that acts
-      !> Energy that the stress that acts hides
+      procedure :: open_cracks => softening_open_cracks !! Opens cracks and reduces the stress
+      !> Elastic energy not in the reduced stress
       procedure :: hidden_energy => softening_hidden_energy
    end type softening_t
 
@@ -110,10 +110,9 @@ contains
          "cracks take either an energy or a time"
    end function softening_fault
 
-   !> Error in moduli and cell size; empty if there is none. In too large a cell the stress
-   !! falls while the cell itself springs back, and it releases more energy than the crack takes.
-   !! The limit is that of uniaxial stress and cracks in any direction of the scene. Equation
-   !! (F.11).
+   !> Error in moduli and cell size; empty if none. If the cell is too large, its elastic energy
+   !! exceeds the energy that the crack dissipates, so the stress would snap back. The limit is that
+   !! of uniaxial stress and cracks in any direction of the scene. Equation (F.11).
    pure function softening_band_fault(self, spacing, dimensions) result(text)
       class(softening_t), intent(in) :: self
       real(wp), intent(in) :: spacing                !! Cell size [m]
@@ -140,7 +139,7 @@ contains
       real(wp), intent(in) :: band_strain            !! e_u [1]
       real(wp), intent(in) :: stress                 !! s, without cracks, at least f [Pa]
       real(wp), intent(in) :: strain                 !! e, without cracks, above 0 [1]
-      ! A crack that supports so little of the strength is open.
+      ! Strength fraction below which a crack is fully open.
       real(wp), parameter :: least = 0.005_wp
       integer, parameter :: most_steps = 50
       real(wp) :: opening, slope, change
@@ -230,7 +229,7 @@ contains
    pure subroutine crack(softening, factor, spacing, volume, stress, particle, pressure, damage, &
       plastic_work)
       type(softening_t), intent(in) :: softening
-      real(wp), intent(in) :: factor                     !! Strength of its own [1]
+      real(wp), intent(in) :: factor                     !! Strength factor of the particle [1]
       real(wp), intent(in) :: spacing                    !! Cell size [m]
       real(wp), intent(in) :: volume                     !! [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :) !! Deviator (store, 6) [Pa]
@@ -258,7 +257,7 @@ contains
       plastic_work = plastic_work + (grown - damage)*volume &
          *0.5_wp*sum(max(values, 0.0_wp)*strain)
       damage = grown
-      ! Failed particles lose all of it to the law of failed material.
+      ! The law of failed material sets the stress of failed particles.
       values = merge((1.0_wp - damage)*values, values, values > 0.0_wp)
       mean = sum(values)/3.0_wp
       stress(particle, :) = compose(values - mean, axes)
@@ -266,7 +265,7 @@ contains
    end subroutine crack
 
    !> Energy [J] of a particle with cracks beyond that of the deviator and, if the pressure is not
-   !! that of an equation of state, the pressure that act.
+   !! that of an equation of state, the reduced pressure.
    pure real(wp) function softening_hidden_energy(self, state, particle, of_pressure) result(energy)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store

@@ -22,7 +22,7 @@ module constitutive_state
       real(wp), allocatable :: bulking(:)            !! Pressure gained by fracture [Pa]
    end type brittle_state_t
 
-   !> Fields that only outputs use.
+   !> Fields for outputs only.
    type :: recorded_state_t
       real(wp), allocatable :: equivalent_strain(:)  !! Sum of sqrt(2/3 e:e) [1]
       real(wp), allocatable :: inertial_number(:)    !! Of flowing grains [1]
@@ -83,8 +83,8 @@ module constitutive_state
    end type void_scratch_t
 
    !> Changes of the particles of one tile in one time step; scratch space. The transfer sets the
-   !! gradient, the material the other arrays. Index 1 belongs to the first particle of the range,
-   !! not of the store.
+   !! gradient, the material the other arrays. Index 1 is the first particle of the range, not of
+   !! the store.
    type :: deformation_t
       !> Plane motion: gradients and stresses with one index y are zero.
       logical :: plane = .false.
@@ -109,7 +109,7 @@ module constitutive_state
 
 contains
 
-   !> Show every allocated field to a worker, always in the same order.
+   !> Pass every allocated field to a worker, always in the same order.
    subroutine material_walk(self, worker)
       class(material_state_t), intent(inout) :: self
       class(field_worker_t), intent(inout) :: worker !! Work on each field
@@ -148,7 +148,7 @@ contains
    end subroutine material_walk
 
    !> Length of scratch arrays for a number of particles. It is not that number itself: columns
-   !! whose length is a power of two would all fall into the same few sets of the cache.
+   !! whose length is a power of two would map to few cache sets.
    pure integer function padded_length(particles) result(length)
       integer, intent(in) :: particles               !! Capacity
 

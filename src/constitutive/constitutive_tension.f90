@@ -11,7 +11,7 @@ module constitutive_tension
       remove_melted_deviator, fracture_t, drop_loose_pressure, spall_t, add_shear_speed, &
       add_intact_shear_speed
 
-   !> Tension cut-off that leaves no trace.
+   !> Tension cut-off without failure.
    type :: spall_t
       real(wp) :: strength = huge(1.0_wp)            !! Greatest tension [Pa]
    end type spall_t
@@ -25,7 +25,7 @@ module constitutive_tension
 
 contains
 
-   !> Take the deviator from failed particles.
+   !> Set the deviator of failed particles to zero.
    pure subroutine remove_failed_deviator(first, last, failed, stress)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -47,7 +47,7 @@ contains
       end do
    end subroutine remove_failed_deviator
 
-   !> Take the deviator from melted particles.
+   !> Set the deviator of melted particles to zero.
    pure subroutine remove_melted_deviator(first, last, melting, temperature, stress)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -91,7 +91,7 @@ contains
       end do
    end subroutine cut_tension
 
-   !> Particles that fail now; in most steps of most tiles none does.
+   !> Particles that fail now; usually there are none.
    pure real(wp) function breaking(first, last, strength, pressure, damage, failed) &
       result(number)
       integer, intent(in) :: first                   !! First particle of the range
@@ -133,10 +133,9 @@ contains
       end do
    end subroutine drop_failed_tension
 
-   !> Let particles fail whose damage or tension is complete, and make rubble of the failed ones.
-   !! The elastic energy that a particle loses on failing is recorded as plastic work. Equations
-   !! (A.7)
-   !! and (A.8) of doc/theory/matter.md.
+   !> Fail particles with complete damage or with tension at the limit, and turn failed particles
+   !! into rubble. The elastic energy that a particle loses on failing is recorded as plastic work.
+   !! Equations (A.7) and (A.8) of doc/theory/matter.md.
    ! gate: long kernel because failure changes all parts of the stress
    pure subroutine fail_as_rubble(first, last, strength, shear, bulk, volume, stress, pressure, &
       pressure_floor, damage, failed, plastic_work)
@@ -171,8 +170,8 @@ contains
       call drop_failed_tension(first, last, strength, failed, pressure, pressure_floor)
    end subroutine fail_as_rubble
 
-   !> Let particles fail as above, but leave the deviator to the law of failed material. Of the
-   !! elastic energy only that of the tension is lost.
+   !> Fail particles as above, but without changing the deviator, which the law of failed material
+   !! updates. Of the elastic energy only that of the tension is lost.
    pure subroutine fail_with_strength(first, last, strength, bulk, volume, pressure, &
       pressure_floor, damage, failed, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range
@@ -201,7 +200,7 @@ contains
    end subroutine fail_with_strength
 
    !> Without equation of state the mean stress does not depend on voids: rubble less dense than the
-   !! material supports no pressure, and no signal faster than that of the material runs through it.
+   !! material supports no pressure, and its wave speed is at most that of the material.
    pure subroutine drop_loose_pressure(first, last, density, bulk, mass, volume, failed, pressure, &
       wave_speed)
       integer, intent(in) :: first                   !! First particle of the range

@@ -29,7 +29,7 @@ module damage_grady_kipp
       real(wp) :: flaws = 0.0_wp                     !! k [1/m3]
       real(wp) :: exponent = 1.0_wp                  !! m [1]
       real(wp) :: share = 0.4_wp                     !! Speed of cracks over that of sound [1]
-      logical :: scatters = .false.                  !! The weakest flaw is one's own
+      logical :: scatters = .false.                  !! The weakest flaw of a particle
    contains
       procedure :: declare => grady_kipp_declare     !! Declares its keys
       procedure :: needs_flow => grady_kipp_needs_flow !! Returns false
@@ -38,7 +38,7 @@ module damage_grady_kipp
       procedure :: read => grady_kipp_read           !! Reads its keys
       procedure :: request => grady_kipp_request     !! Requests damage and scatter
       procedure :: draw_strength => grady_kipp_draw_strength !! The weakest flaw
-      procedure :: update => grady_kipp_update       !! Lets flaws grow
+      procedure :: update => grady_kipp_update       !! Grows the flaws
    end type damage_grady_kipp_t
 
 contains
@@ -100,7 +100,7 @@ contains
       if (self%scatters) call requests%add("scatter", "size_scatter", 1)
    end subroutine grady_kipp_request
 
-   !> Flaws that the mean counts when the weakest one of a particle grows.
+   !> Mean number of flaws when the weakest one of a particle grows.
    pure subroutine grady_kipp_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(damage_grady_kipp_t), intent(in) :: self
       integer(int64), intent(in) :: seed                   !! Seed of the random numbers

@@ -28,14 +28,14 @@ module damage_jh2
       type(jh2_t) :: constants                       !! Constants of strength
       real(wp) :: factor = 0.0_wp                    !! D1 [1]
       real(wp) :: exponent = 1.0_wp                  !! D2 [1]
-      real(wp) :: share = 0.0_wp !! beta, of the lost energy that makes pressure [1]
+      real(wp) :: share = 0.0_wp !! beta, fraction of lost energy that makes pressure [1]
    contains
       procedure :: declare => damage_jh2_declare     !! Declares its keys
-      procedure :: fault => damage_jh2_fault         !! Without the law it is not known
+      procedure :: fault => damage_jh2_fault         !! Unknown without the law
       procedure :: leaves_strength => damage_jh2_leaves_strength !! Returns true
       procedure :: read => damage_jh2_read           !! Reads its keys
       procedure :: request => damage_jh2_request     !! Requests damage and bulking
-      procedure :: update => damage_jh2_update       !! Lets the damage grow
+      procedure :: update => damage_jh2_update       !! Increases the damage
    end type damage_jh2_t
 
 contains
@@ -91,7 +91,7 @@ contains
       call group%get("jh2_beta", self%share)
    end subroutine damage_jh2_read
 
-   !> Damage, and pressure where fracture makes some.
+   !> Damage, and the pressure due to fracture.
    pure subroutine damage_jh2_request(self, requests)
       class(damage_jh2_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -111,7 +111,7 @@ contains
       integer :: count
 
       count = last - first + 1
-      ! Of use in the bulking: the damage before, and the rate of the strength.
+      ! Data for the bulking: the damage before the step, and the rate factor of the strength.
       deformation%strength%old_damage(:count) = state%damage(first:last)
       call grow(self, first, last, deformation%pressure, deformation%plastic_increment, &
          state%damage)
@@ -146,7 +146,7 @@ contains
       end do
    end subroutine grow
 
-   !> Pressure dp that the energy dU = (Y**2(D) - Y**2(D'))/(6 G) lost from the shear makes: of
+   !> Pressure dp that the energy dU = (Y**2(D) - Y**2(D'))/(6 G) lost from the shear makes; in
    !! compressed material dp' = -K mu + sqrt((K mu + dp)**2 + 2 beta K dU), mu = rho/rho0 - 1.
    !! Equation (F.16).
    pure subroutine gain_pressure(model, first, last, old_damage, rate, damage, mass, volume, &

@@ -23,7 +23,7 @@ module damage_johnson_cook
    !> Bounds of the triaxiality: the fit ends at 1.5, and below -10 the exponential would overflow.
    real(wp), parameter :: least_triaxiality = -10.0_wp, most_triaxiality = 1.5_wp
 
-   !> Particles of a group, and their multiple that fills vectors.
+   !> Particles of a group, a multiple of the vector length.
    integer, parameter :: most_lanes = 64, width = 8
 
    !> Damage model of Johnson and Cook. Without rate dependence the fourth coefficient is 0.
@@ -36,7 +36,7 @@ module damage_johnson_cook
       procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! Returns true
       procedure :: read => johnson_cook_read         !! Reads its keys
       procedure :: request => johnson_cook_request   !! Requests damage and temperature
-      procedure :: update => johnson_cook_update     !! Lets the damage grow
+      procedure :: update => johnson_cook_update     !! Increases the damage
       procedure :: failure_strain => johnson_cook_failure_strain !! Strain to failure of a state
    end type damage_johnson_cook_t
 

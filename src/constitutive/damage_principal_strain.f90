@@ -86,7 +86,7 @@ contains
       call read_weibull(group, self%weibull)
    end subroutine principal_read
 
-   !> Damage, and a strength of its own for each particle.
+   !> Damage, and a separate strength for each particle.
    pure subroutine principal_request(self, requests)
       class(damage_principal_strain_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -110,8 +110,8 @@ contains
          first, last, mass, scatter)
    end subroutine principal_draw_strength
 
-   !> Let overloaded particles fail. Few are near their strength, and only these are treated one
-   !! by one.
+   !> Fail overloaded particles. Few particles are near their strength, and only these are processed
+   !! one by one.
    pure subroutine principal_update(self, state, deformation, first, last, dt)
       class(damage_principal_strain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -166,8 +166,8 @@ contains
       end do
    end subroutine overload
 
-   !> Strain over its limit. Where it is below 1, and was before, a bound that it does not exceed
-   !! will do. Equation (F.3).
+   !> Strain over its limit. Where it is below 1, and was below 1 before, an upper bound is
+   !! sufficient. Equation (F.3).
    pure subroutine find_load(model, first, last, pressure, scratch, stress, overload)
       class(damage_principal_strain_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range

@@ -23,7 +23,8 @@ module damage_principal_stress
    !> Failure by principal stress.
    type, extends(damage_t) :: damage_principal_stress_t
       real(wp) :: strength = huge(1.0_wp)            !! Greatest principal stress [Pa]
-      !> Greatest shear stress; none still is a number when a particle is stronger by chance [Pa]
+      !> Greatest shear stress; the default for no limit does not overflow when multiplied by random
+      !! factors [Pa]
       real(wp) :: crushing = sqrt(huge(1.0_wp))
       type(delay_t) :: delay                         !! Time from load to failure
       type(weibull_t), allocatable :: weibull        !! Only if strength scatters
@@ -86,7 +87,7 @@ contains
       type(effects_t), intent(in) :: effects
 
       call group%get("failure_stress", self%strength)
-      ! Then cracks open by tension, and this model is left with compression.
+      ! With cracks that open by tension, this model applies to compression only.
       if (group%given("fracture_energy")) self%strength = sqrt(huge(1.0_wp))
       if (group%given("failure_shear")) call group%get("failure_shear", self%crushing)
       call self%delay%read(group)
@@ -95,7 +96,7 @@ contains
       call read_weibull(group, self%weibull)
    end subroutine principal_read
 
-   !> Damage, and a strength of its own for each particle.
+   !> Damage, and a separate strength for each particle.
    pure subroutine principal_request(self, requests)
       class(damage_principal_stress_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -119,8 +120,8 @@ contains
          first, last, mass, scatter)
    end subroutine principal_draw_strength
 
-   !> Let overloaded particles fail. Few are near their strength, and only these are treated one
-   !! by one.
+   !> Fail overloaded particles. Few particles are near their strength, and only these are processed
+   !! one by one.
    pure subroutine principal_update(self, state, deformation, first, last, dt)
       class(damage_principal_stress_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -173,8 +174,8 @@ contains
       end do
    end subroutine overload
 
-   !> Load over strength, the greater one of tension and shear. Where it is below 1, and was before,
-   !! a bound that it does not exceed will do. Equation (F.3).
+   !> Load over strength, the greater one of tension and shear. Where it is below 1, and was below 1
+   !! before, an upper bound is sufficient. Equation (F.3).
    pure subroutine find_load(model, first, last, pressure, scratch, stress, overload)
       class(damage_principal_stress_t), intent(in) :: model
       integer, intent(in) :: first                         !! First particle of the range

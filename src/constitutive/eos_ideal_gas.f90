@@ -49,7 +49,7 @@ contains
       self%bulk = 0.0_wp
    end subroutine ideal_gas_read
 
-   !> The stiffness of a gas is that of its energy.
+   !> The bulk modulus of a gas follows from its energy.
    pure logical function ideal_gas_sets_bulk(self) result(sets)
       class(eos_ideal_gas_t), intent(in) :: self
 
@@ -76,8 +76,8 @@ contains
          deformation%pressure, deformation%wave_speed)
    end subroutine ideal_gas_update
 
-   !> Kernel of the above, c**2 = gamma p/rho. Work along a path of finite steps can take more
-   !! energy than a particle of cold gas has; it then supports no pressure.
+   !> Kernel of the above, c**2 = gamma p/rho. In finite steps the work of a particle of cold gas
+   !! can exceed its energy; its pressure is then zero.
    pure subroutine gas_pressure(first, last, heat_ratio, mass, volume, energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -98,7 +98,7 @@ contains
       end do
    end subroutine gas_pressure
 
-   !> Grueneisen number gamma - 1 times density at the middle of the step. Equation (A.13) of
+   !> Grueneisen parameter gamma - 1 times density at the middle of the step. Equation (A.13) of
    !! doc/theory/matter.md.
    pure subroutine ideal_gas_find_gruneisen(self, state, deformation, first, last)
       class(eos_ideal_gas_t), intent(in) :: self

@@ -2,7 +2,7 @@
 !> Pressure of brittle material after Johnson and Holmquist (JH-2), see constitutive_jh2: with
 !! mu = rho/rho0 - 1 it is K1 mu + K2 mu**2 + K3 mu**3 in compression and K1 mu in tension.
 !!
-!! Pressure from bulking is added by the chain, in tension too, so that the sum has no jump.
+!! The material update adds the pressure from bulking, in tension too, so that the sum has no jump.
 !! Equation (F.15) of doc/theory/failure.md.
 module eos_jh2
    use base_deck_group, only: group_t
@@ -48,7 +48,7 @@ contains
       call schema%require("material", "jh2_k1")
    end subroutine jh2_declare
 
-   !> The pressure must grow with the density, or there is no sound speed.
+   !> The pressure must increase with the density, otherwise the sound speed is not real.
    pure function jh2_fault(self, group) result(text)
       class(eos_jh2_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material

@@ -4,7 +4,7 @@
 !! With y = rho/rho0, eta = 1 - 1/y and K = rho0 c0**2, in compression (y > 1) p = pH (1 - Gamma0
 !! eta/2) + Gamma0 rho0 e with pH = K eta/(1 - s eta)**2. In expansion (y < 1) the cold material has
 !! the energy c0**2 (1 - y)**2/2 and the pressure K y**2 (y - 1), and heat above it adds Gamma rho
-!! heat, where Gamma goes from Gamma0 to its value in the vapour. Equations (E.5), (E.6),
+!! heat, where Gamma changes from Gamma0 to its value in the vapour. Equations (E.5), (E.6),
 !! (E.7) and (E.8) of doc/theory/equations_of_state.md.
 module eos_mie_gruneisen
    use base_deck_group, only: group_t
@@ -24,8 +24,8 @@ module eos_mie_gruneisen
    !> Lower bound of the sound speed, relative to c0. The square of it is negative in cold material
    !! expanded beyond its greatest tension, which is unstable (spinodal).
    real(wp), parameter :: least_sound = 0.1_wp
-   !> Grueneisen number of vapour, at most 2 Gamma0. It is the least for which expanded material
-   !! without tension has a sound speed (for Gamma0 >= 1/2).
+   !> Grueneisen parameter of vapour, at most 2 Gamma0. It is the least value for which the sound
+   !! speed of expanded material without tension is real (for Gamma0 >= 1/2).
    real(wp), parameter :: gamma_of_vapour = 1.0_wp
 
    !> Equation of state of Mie and Grueneisen.
@@ -118,7 +118,7 @@ contains
    end subroutine mie_gruneisen_update
 
    !> Kernel of the above.
-   ! gate: long kernel because it takes the constants one by one, as the function of a state does
+   ! gate: long kernel because the constants are separate arguments, as in the function of a state
    pure subroutine pressure_of_state(first, last, density, sound, slope, gamma, mass, volume, &
       energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
@@ -181,7 +181,7 @@ contains
       square = max(least_sound**2*stiff, square)
    end subroutine mie_gruneisen_state
 
-   !> Grueneisen number times density at the middle of the step. Equation (E.7).
+   !> Grueneisen parameter times density at the middle of the step. Equation (E.7).
    pure subroutine mie_gruneisen_find_gruneisen(self, state, deformation, first, last)
       class(eos_mie_gruneisen_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

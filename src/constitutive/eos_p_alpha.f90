@@ -5,8 +5,8 @@
 !! The distension alpha is the density of the solid over that of the material, and p = ps(alpha rho,
 !! e)/alpha with the pressure ps of the solid, here that of Mie and Grueneisen. Up to the elastic
 !! limit alpha is constant; beyond it the pressure follows the curve alpha = 1 + (alpha0 - 1) ((pc -
-!! p)/(pc - pe))**2 to the pressure pc that leaves no pores. Crushing is permanent. Equations (E.12)
-!! and (E.13) of doc/theory/equations_of_state.md.
+!! p)/(pc - pe))**2 to the pressure pc at which all pores are closed. Crushing is permanent.
+!! Equations (E.12) and (E.13) of doc/theory/equations_of_state.md.
 module eos_p_alpha
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -24,7 +24,7 @@ module eos_p_alpha
    type, extends(eos_t) :: eos_p_alpha_t
       type(eos_mie_gruneisen_t) :: solid             !! Without pores
       real(wp) :: elastic = 0.0_wp                   !! pe, crushing begins [Pa]
-      real(wp) :: crushed = 0.0_wp                   !! pc, no pores are left [Pa]
+      real(wp) :: crushed = 0.0_wp                   !! pc, all pores closed [Pa]
    contains
       procedure :: declare => p_alpha_declare        !! Declares its keys
       procedure :: fault => p_alpha_fault            !! Keys that do not fit each other
@@ -56,7 +56,8 @@ contains
       call schema%require("material", "pa_solid pa_pe pa_pc")
    end subroutine p_alpha_declare
 
-   !> Porous material is less dense than solid, and crushing must begin before it ends.
+   !> Porous material is less dense than solid, and crushing must begin at a lower pressure than it
+   !! ends.
    pure function p_alpha_fault(self, group) result(text)
       class(eos_p_alpha_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
@@ -131,7 +132,7 @@ contains
       call requests%add("distension", "equation of state p_alpha", 1)
    end subroutine p_alpha_request
 
-   !> Pressure and square of the sound speed, that at constant distension: no wave is faster.
+   !> Pressure and square of the sound speed at constant distension, the greatest wave speed.
    pure subroutine p_alpha_update(self, state, deformation, first, last)
       class(eos_p_alpha_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
@@ -154,9 +155,9 @@ contains
       end do
    end subroutine p_alpha_update
 
-   !> Distension after the step: p(alpha) = ps(alpha rho, e)/alpha meets the curve of crushing
-   !! between the old distension and 1. The first grows with alpha and the second falls, so there is
-   !! one root; regula falsi after G. Dahlquist and A. Bjoerck ("Illinois").
+   !> Distension after the step: intersection of p(alpha) = ps(alpha rho, e)/alpha with the crush
+   !! curve between the old distension and 1. The first increases with alpha and the second
+   !! decreases, so there is one root; regula falsi after G. Dahlquist and A. Bjoerck ("Illinois").
    pure subroutine crush(eos, density, energy, alpha)
       type(eos_p_alpha_t), intent(in) :: eos         !! Constants
       real(wp), intent(in) :: density                !! [kg/m3]
@@ -196,7 +197,7 @@ contains
       end do
    end subroutine crush
 
-   !> Pressure at a distension, above that of the curve of crushing [Pa].
+   !> Pressure at a distension, above that of the crush curve [Pa].
    pure real(wp) function excess(eos, density, energy, alpha) result(above)
       type(eos_p_alpha_t), intent(in) :: eos         !! Constants
       real(wp), intent(in) :: density                !! [kg/m3]

@@ -80,7 +80,7 @@ contains
 
       do concurrent (i=1:last - first + 1)
          k = first - 1 + i
-         ! Rest gives exactly 1, and so no pressure.
+         ! At rest the result is exactly 1, so the pressure is exactly 0.
          wave_speed(i) = 1.0_wp + (mass(k) - density*volume(k))/(density*volume(k))
          pressure(i) = wave_speed(i)
       end do

@@ -6,7 +6,7 @@
 !! p = (a + b/w) rho e + A mu + B mu**2, where for mu < 0 the last two are A/2 eta (eta**2 - 1);
 !! expanded, for mu < 0 and e >= e_cv, with x = 1/eta - 1, p = a rho e + (b rho e/w + A mu exp(-beta
 !! x)) exp(-alpha x**2); between the two energies linear in e from one to the other. The published
-!! form has A mu for all mu < 0: tension that does not end as the density goes to 0. Equations
+!! form has A mu for all mu < 0: its tension does not vanish as the density tends to 0. Equations
 !! (E.9), (E.10) and (E.11) of doc/theory/equations_of_state.md.
 module eos_tillotson
    use base_deck_group, only: group_t
@@ -207,8 +207,8 @@ contains
       dense(3) = merge((eos%a + eos%b*part*part)*density, 0.0_wp, given >= 0.0_wp)
    end subroutine find_dense_state
 
-   !> Grueneisen number (a + b/w**2) of condensed material times density at the middle of the step.
-   !! In vapour b/w**2 is small.
+   !> Grueneisen parameter (a + b/w**2) of condensed material times density at the middle of the
+   !! step. In vapour b/w**2 is small.
    pure subroutine tillotson_find_gruneisen(self, state, deformation, first, last)
       class(eos_tillotson_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

@@ -27,7 +27,7 @@ module law_drucker_prager
       real(wp) :: dilation_slope = 0.0_wp            !! b [1]
    contains
       procedure :: declare => drucker_prager_declare !! Declares its keys
-      procedure :: fault => drucker_prager_fault     !! Angles that do not fit
+      procedure :: fault => drucker_prager_fault     !! Invalid combination of angles
       procedure :: read => drucker_prager_read       !! Reads its keys
       procedure :: set => drucker_prager_set         !! Cone from the angles
       procedure :: update => drucker_prager_update   !! Return to cone or apex
@@ -70,7 +70,7 @@ contains
       call self%set(angles, where_cone)
    end subroutine drucker_prager_read
 
-   !> Cone that belongs to the angles. All that friction takes becomes heat.
+   !> Cone of the angles. All frictional work becomes heat.
    pure subroutine drucker_prager_set(self, angles, where_cone)
       class(law_drucker_prager_t), intent(inout) :: self
       type(angles_t), intent(in) :: angles

@@ -27,7 +27,7 @@ contains
       plastic = .false.
    end function elastic_is_plastic
 
-   !> An elastic particle remembers nothing but its stress.
+   !> An elastic particle has no state variables but its stress.
    pure subroutine elastic_request(self, requests)
       class(law_elastic_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests

@@ -6,8 +6,8 @@
 !!
 !! with the spin W and the rate of strain D, and 1/tau = 1/gr_tau + rate/gr_gamma_c, where the rate
 !! is sqrt(2 D' : D'). With gr_gamma_c alone the stress does not depend on the rate and does not
-!! relax at rest. In mode total the whole stress relaxes, in mode deviator the pressure is left to
-!! the equation of state. Equations (Y.15) and (Y.16) of doc/theory/strength.md.
+!! relax at rest. In mode total the whole stress relaxes, in mode deviator the equation of state
+!! gives the pressure. Equations (Y.15) and (Y.16) of doc/theory/strength.md.
 module law_granular
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -27,8 +27,8 @@ module law_granular
 
    !> Law of stress relaxation.
    type, extends(law_t) :: law_granular_t
-      real(wp) :: relaxation_rate = 0.0_wp           !! 1/gr_tau, 0 if there is none [1/s]
-      real(wp) :: inverse_contact_strain = 0.0_wp    !! 1/gr_gamma_c, 0 if there is none [1]
+      real(wp) :: relaxation_rate = 0.0_wp           !! 1/gr_tau, 0 if unset [1/s]
+      real(wp) :: inverse_contact_strain = 0.0_wp    !! 1/gr_gamma_c, 0 if unset [1]
       logical :: relaxes_pressure = .false.          !! Mode total
    contains
       procedure :: declare => granular_declare       !! Declares its keys
@@ -84,7 +84,7 @@ contains
          text = "strength_model = 'granular' needs gr_tau [s], gr_gamma_c or both"
    end function granular_fault
 
-   !> Read the keys of the law. All that relaxation takes becomes heat.
+   !> Read the keys of the law. All energy lost by relaxation becomes heat.
    pure subroutine granular_read(self, group, effects)
       class(law_granular_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
@@ -109,7 +109,7 @@ contains
       whole = self%relaxes_pressure
    end function granular_gives_whole_stress
 
-   !> The stress is all that is remembered.
+   !> The stress is the only state variable.
    pure subroutine granular_request(self, requests)
       class(law_granular_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -166,7 +166,7 @@ contains
          + self%bulk*state%volume(first:last)/state%mass(first:last)
    end subroutine granular_add_wave_speed
 
-   !> Energy of the contacts that live.
+   !> Energy of the active contacts.
    pure real(wp) function granular_stored_energy(self, state, particle) result(energy)
       class(law_granular_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store

@@ -83,14 +83,15 @@ contains
       supports = .false.
    end function law_jh2_supports_voids
 
-   !> Its strength goes from intact to fractured with the damage.
+   !> Its strength decreases from intact to fractured with the damage.
    pure logical function law_jh2_softens_by_damage(self) result(softens)
       class(law_jh2_t), intent(in) :: self
 
       softens = .true.
    end function law_jh2_softens_by_damage
 
-   !> Pressure that fracture made is no function of the density, so that the energy is carried.
+   !> The pressure made by fracture is not a function of the density, so particles carry their
+   !! energy.
    pure subroutine law_jh2_request(self, requests)
       class(law_jh2_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -176,9 +177,8 @@ contains
       end do
    end subroutine find_increments
 
-   !> Shear modulus in the square of the wave speed, also of fractured material. It does not grow
-   !! with
-   !! the volume, or a cloud of fragments would shorten the time step.
+   !> Shear modulus in the square of the wave speed, also of fractured material. It does not
+   !! increase with the volume, otherwise a cloud of fragments would shorten the time step.
    pure subroutine law_jh2_add_wave_speed(self, state, deformation, first, last)
       class(law_jh2_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

@@ -142,7 +142,8 @@ contains
       bound = merge(law%yield, 0.0_wp, law%softening_exponent >= 1.0_wp)
    end function least_yield
 
-   !> Particles whose trial stress is above a bound of the yield stress. In most tiles none is.
+   !> Particles whose trial stress is above a bound of the yield stress. In most tiles there are
+   !! none.
    pure real(wp) function may_flow(law, count, homologous, trial) result(number)
       class(law_johnson_cook_t), intent(in) :: law
       integer, intent(in) :: count                   !! Particles of the range

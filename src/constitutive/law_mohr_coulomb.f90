@@ -26,7 +26,7 @@ module law_mohr_coulomb
       real(wp) :: dilation = 0.0_wp                  !! Sine of the angle of dilation [1]
       real(wp) :: strength = 0.0_wp                  !! 2 c cos(phi) [Pa]
    contains
-      procedure :: fault => mohr_coulomb_fault       !! Angles that do not fit
+      procedure :: fault => mohr_coulomb_fault       !! Invalid combination of angles
       procedure :: read => mohr_coulomb_read         !! Reads its keys
       procedure :: set => mohr_coulomb_set           !! Surface from the angles
       procedure :: update => mohr_coulomb_update     !! Return to plane, edge or apex
@@ -55,7 +55,7 @@ contains
       call self%set(angles)
    end subroutine mohr_coulomb_read
 
-   !> Surface that belongs to the angles. All that friction takes becomes heat.
+   !> Yield surface of the angles. All frictional work becomes heat.
    pure subroutine mohr_coulomb_set(self, angles)
       class(law_mohr_coulomb_t), intent(inout) :: self
       type(angles_t), intent(in) :: angles
@@ -114,7 +114,7 @@ contains
          call add_dilation(first, last, deformation%strength%dilation, state%plastic_dilation)
    end subroutine mohr_coulomb_update
 
-   !> One particle: deviator and pressure after the flow, and what the flow took.
+   !> One particle: deviator and pressure after the flow, and the plastic work.
    !!
    !! The work is that of the mean of the stresses before and after the step on the plastic strain,
    !! (s + s') : (s* - s')/(4 G), with s = s* - 2 G e but for the rotation.
@@ -150,7 +150,7 @@ contains
          /(4.0_wp*law%shear) - pressure*dilation)
    end subroutine flow
 
-   !> By how much two principal values of a deviator are outside the surface [Pa].
+   !> Excess of two principal values of a deviator over the yield surface [Pa].
    pure real(wp) function excess(law, greatest, least, pressure) result(outside)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: greatest               !! Greatest value of the deviator [Pa]
@@ -200,7 +200,7 @@ contains
       end associate
    end subroutine return_principal
 
-   !> Shrink a deviator that round-off left outside the surface.
+   !> Shrink a deviator that is outside the surface due to round-off.
    pure subroutine draw_in(law, pressure, values)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: pressure               !! [Pa]

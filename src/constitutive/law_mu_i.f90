@@ -73,7 +73,7 @@ contains
       if (fast < slow) text = "mu_2 must not be below mu_s"
    end function mu_i_fault
 
-   !> Read the keys of the law. All that friction takes becomes heat.
+   !> Read the keys of the law. All frictional work becomes heat.
    pure subroutine mu_i_read(self, group, effects)
       class(law_mu_i_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
@@ -126,7 +126,7 @@ contains
       real(wp), contiguous, intent(in) :: pressure(:)          !! After the step (range) [Pa]
       real(wp), contiguous, intent(in) :: plastic_increment(:) !! (range) [1]
       real(wp), contiguous, intent(inout) :: number(:)         !! (store) [1]
-      ! A state that is set above its strength flows at once, in no time; files hold such numbers.
+      ! An initial state above the strength, as files may contain, flows in a step of zero length.
       real(wp), parameter :: root = sqrt(3.0_wp), most = 1.0e30_wp
       integer :: i
 
@@ -136,11 +136,11 @@ contains
       end do
    end subroutine note_inertial_number
 
-   !> Kernel of the above. The shear stress t after the step, t' before the flow, solves
-   !! t' - t = G dt rate and t = c + mu(I) p at once: with a = G dt I0/d sqrt(p/rho_s) and the
-   !! strengths l = c + mu_s p of slow and h = c + mu_2 p of fast flow it is the smaller root of
-   !! t**2 - (h + t' + a) t + h t' + l a = 0 (Dunatunga and Kamrin, there, without c). In tension
-   !! the friction is mu_s, up to the apex at p = -c/mu_s. Equation (Y.26).
+   !> Kernel of the above. The shear stress t after the step, t' before the flow, solves both t' - t
+   !! = G dt rate and t = c + mu(I) p: with a = G dt I0/d sqrt(p/rho_s) and the strengths l = c +
+   !! mu_s p of slow and h = c + mu_2 p of fast flow it is the smaller root of t**2 - (h + t' + a) t
+   !! + h t' + l a = 0 (Dunatunga and Kamrin, as above, without c). In tension the friction is mu_s,
+   !! up to the apex at p = -c/mu_s. Equation (Y.26).
    pure subroutine return_to_flow(first, last, law, dt, volume, stress, pressure, &
       plastic_increment, plastic_work)
       integer, intent(in) :: first                   !! First particle of the range

@@ -52,7 +52,7 @@ contains
       plastic = .false.
    end function neo_hookean_is_plastic
 
-   !> A particle remembers how it is deformed.
+   !> The deformation is a state variable of a particle.
    pure subroutine neo_hookean_request(self, requests)
       class(law_neo_hookean_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests

@@ -45,7 +45,7 @@ contains
       call schema%require("material", "viscosity")
    end subroutine newtonian_declare
 
-   !> Read the key of the law. All that viscosity takes becomes heat.
+   !> Read the key of the law. All viscous work becomes heat.
    pure subroutine newtonian_read(self, group, effects)
       class(law_newtonian_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
@@ -62,14 +62,14 @@ contains
       has = .false.
    end function newtonian_has_shear
 
-   !> The stress keeps nothing from step to step, so the pressure cannot be found from it.
+   !> The stress is not a state variable, so it does not give the pressure of the previous step.
    pure logical function newtonian_follows_density(self) result(follows)
       class(law_newtonian_t), intent(in) :: self
 
       follows = .true.
    end function newtonian_follows_density
 
-   !> A fluid remembers nothing.
+   !> A fluid has no state variables.
    pure subroutine newtonian_request(self, requests)
       class(law_newtonian_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -87,7 +87,7 @@ contains
          deformation%dilatation)
    end subroutine newtonian_predict_trial
 
-   !> Viscous stress, and the work that it takes.
+   !> Viscous stress and viscous work.
    pure subroutine newtonian_update(self, state, deformation, first, last, dt)
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -137,7 +137,7 @@ contains
       end do
    end subroutine shear_stress
 
-   !> Shear travels by diffusion, not as a wave.
+   !> Shear diffuses and has no wave speed.
    pure subroutine newtonian_add_wave_speed(self, state, deformation, first, last)
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store
@@ -147,8 +147,8 @@ contains
    end subroutine newtonian_add_wave_speed
 
    !> Explicit steps with a viscosity eta along a wave, here 4/3 of that of shear, are stable up to
-   !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Both together
-   !! are not less than the wave speed found before plus 2 Q. Equation (Y.14).
+   !! h/(Q + sqrt(Q**2 + c**2)) with Q = eta/(rho h), as for the artificial viscosity. Together both
+   !! are at least the previous wave speed plus 2 Q. Equation (Y.14).
    pure subroutine newtonian_add_viscous_speed(self, state, deformation, first, last, spacing)
       class(law_newtonian_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

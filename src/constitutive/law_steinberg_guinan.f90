@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Metals at high rates after D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys. 51 (1980)
-!! 1498: shear modulus and yield stress grow with pressure, fall with temperature, and
-!! remove_failed_stress at
+!! 1498: shear modulus and yield stress grow with pressure, fall with temperature, and vanish at
 !! melting.
 !!
 !!    G/G0 = 1 + A p/eta**(1/3) - B (T - 300 K),     eta = rho/rho0
@@ -100,7 +99,7 @@ contains
          "scg_a scg_gamma")
    end subroutine steinberg_guinan_declare
 
-   !> A modulus that doubles within 1 MPa was given per Mbar.
+   !> A modulus that doubles within 1 MPa is probably given per Mbar.
    pure function steinberg_guinan_fault(self, group, eos) result(text)
       class(law_steinberg_guinan_t), intent(in) :: self
       type(group_t), intent(in) :: group             !! &material
@@ -335,7 +334,8 @@ contains
             lanes%count = l
             lanes%place(l) = n
             lanes%trial(l) = plastic_increment(i)
-            ! material that freezes has the modulus after the step: its trial had almost none
+            ! freezing material uses the modulus after the step, because that of its trial is almost
+            ! zero
             modulus = max(ratio(i), least_modulus)
             if (trial_ratio(i) > least_modulus) modulus = trial_ratio(i)
             lanes%stiffness(l) = 3.0_wp*law%shear*modulus

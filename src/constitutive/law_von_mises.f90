@@ -21,7 +21,7 @@ module law_von_mises
    contains
       procedure :: declare => von_mises_declare      !! Declares its keys
       procedure :: read => von_mises_read            !! Reads its keys
-      procedure :: request => von_mises_request      !! Requests plastic strain if it hardens
+      procedure :: request => von_mises_request      !! Requests plastic strain for hardening
       procedure :: update => von_mises_update        !! Radial return
    end type law_von_mises_t
 
@@ -53,7 +53,7 @@ contains
       call group%get("hardening", self%hardening)
    end subroutine von_mises_read
 
-   !> Perfect plasticity needs no memory, hardening needs the plastic strain.
+   !> Perfect plasticity has no state variables; hardening needs the plastic strain.
    pure subroutine von_mises_request(self, requests)
       class(law_von_mises_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests

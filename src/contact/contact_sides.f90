@@ -2,7 +2,7 @@
 !> The two sides of failed material in a body that has contact with itself.
 !!
 !! A particle belongs to one of two sides at each node: by the sign of its gradient of intact volume
-!! along the axis of the node, so that material on either side of a crack gets velocities of its own
+!! along the axis of the node, so that the two sides of a crack have separate velocities
 !! (M. A. Homel, E. B. Herbold, Int. J. Numer. Meth. Engng 109 (2017) 1013). The node has two
 !! velocities only where failed material lies between its sides. Section "Failed material" of
 !! doc/theory/contact.md.
@@ -19,12 +19,12 @@ module contact_sides
 
    integer, parameter, public :: product_rows = 11   !! Rows of sums that give the axis
    integer, parameter, public :: part_rows = 4       !! Rows of sums of both sides
-   !> Share of the volume of a node that is failed or void from which on its sides may part: a row
-   !! of particles in a cell of two rows has a fourth of the node half a cell away
+   !> Least failed or void fraction of the volume of a node for its sides to separate. In a cell
+   !! with two rows of particles one row has a fourth of the volume of a node half a cell away
    real(wp), parameter :: enough = 0.2_wp
-   real(wp), parameter :: few = 1.0e-3_wp            !! Share of a side that does not count
+   real(wp), parameter :: few = 1.0e-3_wp            !! Ignored fraction of a side
 
-   !> At which nodes of its cell a particle is on the other side.
+   !> Nodes of its cell at which a particle is on the other side.
    type :: lane_bits_t
       integer, allocatable :: other(:)               !! (particle) Bit lane - 1 for each node
    end type lane_bits_t
@@ -37,7 +37,7 @@ module contact_sides
       real(wp), allocatable :: intact(:, :)          !! (node, own tile) Intact volume fraction [1]
       real(wp), allocatable :: slope(:, :, :)        !! (3, node, own tile) Its gradient [1/m]
       real(wp), allocatable :: axis(:, :, :)         !! (3, node, own tile) Axis of the sides [1]
-      logical, allocatable :: split(:, :)            !! (node, tile) Have its sides parted?
+      logical, allocatable :: split(:, :)            !! (node, tile) Are its sides separated?
       logical, allocatable :: cut(:)                 !! (tile) Is there such a node?
    contains
       procedure :: reserve => sides_reserve          !! Memory for a number of tiles
@@ -60,7 +60,7 @@ contains
       allocate (self%cut(all + all/16), self%split(nodes, all + all/16))
    end subroutine sides_reserve
 
-   !> Does a cell have a node whose sides have parted?
+   !> Does a cell have a node with separated sides?
    pure logical function is_cut(grid, cell, split) result(cut)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                    !! Cell of the tile, from 0
@@ -105,7 +105,8 @@ contains
       end do
    end subroutine sides_drop_cells
 
-   !> Weight of a node of the cell of a particle, and its place seen from that node.
+   !> Weight of a node of the cell of a particle, and the position of the particle relative to that
+   !! node.
    pure subroutine lane_place(grid, lane, local, weight, away)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: lane                    !! Number of a node of the cell
@@ -122,7 +123,7 @@ contains
       end do
    end subroutine lane_place
 
-   !> Intact volume of the particles of a tile, and all of their volume: the sums of (C.9).
+   !> Intact volume and total volume of the particles of a tile: the sums of (C.9).
    pure subroutine measure_intact(store, tile, volume)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
@@ -151,7 +152,7 @@ contains
    end function measure_failed
 
    !> Contribution of the cells of a tile to the gradient of the intact fraction at their nodes:
-   !! differences along the edges that meet there and have material at both ends, and the number of
+   !! differences along the edges that end there and have material at both ends, and the number of
    !! these edges. Equation (C.10).
    pure subroutine add_cell_slopes(grid, intact, patch)
       type(grid_t), intent(in) :: grid
@@ -227,7 +228,7 @@ contains
       if (axis(maxloc(abs(axis), dim=1)) < 0.0_wp) axis = -axis
    end function find_axis
 
-   !> Rotation of Jacobi that takes one pair of elements from a symmetric matrix.
+   !> Jacobi rotation that makes one pair of elements of a symmetric matrix zero.
    pure subroutine rotate(i, j, a, v)
       integer, intent(in) :: i, j                    !! Row and column
       real(wp), intent(inout) :: a(3, 3)             !! Updated
@@ -256,7 +257,7 @@ contains
       type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       integer, intent(in) :: first                   !! First particle of the tile
       real(wp), intent(in) :: slope(:, :)            !! (particle of the tile, 3) [1/m]
-      real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 where nothing parts [1]
+      real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 if not separated [1]
       integer, intent(inout) :: other(:)             !! (particle) Bits of the nodes
       integer :: cell, lane, node, p
 
@@ -280,7 +281,7 @@ contains
       type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
-      real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 where nothing parts [1]
+      real(wp), intent(in) :: axis(:, :)             !! (3, node) 0 if not separated [1]
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
       real(wp), intent(inout) :: patch(:, :)         !! (row, node)
       real(wp) :: weight, away(3), local(3)
@@ -314,7 +315,8 @@ contains
       if (split) split = sums(3)/sums(1) > sums(4)/sums(2)
    end function is_split
 
-   !> Put the particles of a tile back to the first side at nodes whose sides have not parted.
+   !> Assign the particles of a tile to the first side again at nodes whose sides have not
+   !! separated.
    pure subroutine join_sides(grid, start, first, split, other)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: start(0:)               !! (0:cells) Particles before a cell

@@ -33,7 +33,7 @@ contains
       end do
    end function lane_gradient
 
-   !> Mass, momentum and force of the particles of a tile on its parted nodes, for both sides.
+   !> Mass, momentum and force of the particles of a tile on its separated nodes, for both sides.
    !! Columns 1 mass, 2-4 momentum, 5-7 force, 8 volume if the patch has it. Equation (C.14).
    pure subroutine scatter_sides(grid, shape, store, tile, other, split, patches)
       type(grid_t), intent(in) :: grid
@@ -74,7 +74,7 @@ contains
    pure function velocity_at(store, particle, away) result(velocity)
       type(store_t), intent(in) :: store
       integer, intent(in) :: particle                !! Of the store
-      real(wp), intent(in) :: away(3)                !! The place, seen from the particle [m]
+      real(wp), intent(in) :: away(3)                !! Position relative to the particle [m]
       real(wp) :: velocity(3)
       integer :: l
 
@@ -173,7 +173,7 @@ contains
       end do
    end subroutine add_other_gradient
 
-   !> Outward areas of one side on the parted nodes of a tile, (C.1) for its particles.
+   !> Outward areas of one side on the separated nodes of a tile, (C.1) for its particles.
    pure subroutine add_side_areas(grid, shape, store, tile, other, split, side, area)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape        !! Particles of the tile, located
@@ -205,7 +205,7 @@ contains
       end do
    end subroutine add_side_areas
 
-   !> How far the particles of one side reach along the normals of the parted nodes of a tile: one
+   !> Extent of the particles of one side along the normals of the separated nodes of a tile: one
    !! side of (C.2).
    ! gate: long kernel because the widths of particles are found elsewhere
    pure subroutine find_side_reach(grid, shape, first, other, split, side, half, normal, reach)

@@ -11,7 +11,7 @@ module ddmp_alpha
 
    public :: find_alpha, find_blend, mean_alpha
 
-   integer, parameter, public :: alpha_split = 1     !! One bubble a direction, for its derivative
+   integer, parameter, public :: alpha_split = 1     !! One bubble per direction, for its derivative
    integer, parameter, public :: alpha_product = 2   !! Product of the bubbles, for all derivatives
    integer, parameter, public :: alpha_squared = 3   !! Square of that product
    character(len=14), parameter, public :: alpha_names(3) = [character(len=14) :: "split", &
@@ -86,7 +86,7 @@ contains
    !> Local coordinate along each direction for mapping stress to the nodes and gradients from them:
    !! 3 x**2 - 2 x**3 instead of x.
    !!
-   !! With it the modified gradient has no kink either where a particle changes its cell: the
+   !! With it the modified gradient also has no kink where a particle changes its cell: the
    !! bubbles of neighbouring cells cancel there, and only a linear interpolation of the node
    !! gradient would leave a kink. Conservation holds, because the functions still sum to one and
    !! force and strain use the same functions. Equation (M.11).

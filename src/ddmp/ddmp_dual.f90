@@ -3,15 +3,15 @@
 !!
 !! With D_ji = sum_c w_c integral_c S_j grad S_i and V_j = sum_c w_c integral_c S_j the force of the
 !! stress on the nodes is - sum_j sigma_j . D_ji and the gradient on the nodes sum_i u_i D_ji / V_j
-!! (D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379). The same D, V and
-!! alpha serve both, so the power of the force is that of the stress. Each cell satisfies
-!! sum_i D_ji = 0 and sum_i x_i D_ji = V_j for itself; hence momentum is kept and linear fields
-!! are exact for any weights w_c >= 0. The weight is twice the least fill of the nodes of the cell,
-!! at most 1: a cell with an empty node takes no part, so no force falls on a node without mass, and
-!! the fill may vary around one inside of a body without any effect. Nor is it above four times the
-!! least density of the nodes over the greatest: a node of light material beside heavy material has
-!! too little mass for the stress of the latter and would be unstable at any useful time step.
-!! Equations (M.3) and (M.14) of doc/theory/method.md.
+!! (D. Z. Zhang, X. Ma, P. T. Giguere, J. Comput. Phys. 230 (2011) 6379). Both use the same D, V and
+!! alpha, so the power of the force is that of the stress. Each cell satisfies sum_i D_ji = 0 and
+!! sum_i x_i D_ji = V_j separately; so momentum is conserved and linear fields are exact for any
+!! weights w_c >= 0. The weight is twice the least fill of the nodes of the cell, at most 1: a cell
+!! with an empty node has weight zero, so a node without mass gets no force, and small variations of
+!! the fill around 1 inside a body have no effect. The weight is also at most four times the least
+!! density of the nodes over the greatest: a node of light material next to heavy material has too
+!! little mass for the stress of the latter and would be unstable at any useful time step. Equations
+!! (M.3) and (M.14) of doc/theory/method.md.
 module ddmp_dual
    use base_kinds, only: wp
    use ddmp_operator, only: add_dual_force, add_dual_gradient, dual_operator_t
@@ -30,7 +30,7 @@ module ddmp_dual
 
    !> Integrals over one cell; in axisymmetry they depend on the radius of the cell.
    type :: dual_t
-      integer :: columns = 1                         !! Cells along x with integrals of their own
+      integer :: columns = 1                         !! Cells along x with different integrals
       integer :: surface = surface_fill              !! Rule of the weights, one of those above
       real(wp) :: enough = 0.5_wp                    !! Fill of a node that counts as full
       type(dual_operator_t) :: products                    !! D_ji as products
@@ -53,8 +53,8 @@ contains
       integer :: column, cell, j, direction, other, bit(3)
 
       self%columns = merge(grid%cells(1), 1, grid%axisymmetric)
-      ! near the axis the volume of the particles of a node is not that of the node, and only
-      ! weights that follow it keep the node stress right
+      ! near the axis the volume of the particles of a node differs from that of the node, and the
+      ! node stress is correct only with weights of the particle volume
       self%enough = merge(1.0_wp, 0.5_wp, grid%axisymmetric)
       call self%products%start(grid)
       if (allocated(self%volume)) deallocate (self%volume)
@@ -72,8 +72,8 @@ contains
    end subroutine dual_start
 
    !> Weight of each cell of a tile: twice the least fill of its nodes, at most 1, and less where
-   !! the densities of its nodes are very different; or by another rule. Cells beyond the box count
-   !! nothing. Equations (M.12) and (M.13).
+   !! the densities of its nodes are very different; or by another rule. Cells beyond the box have
+   !! weight zero. Equations (M.12) and (M.13).
    pure subroutine dual_cell_weights(self, grid, total, row, node_volume, weight)
       class(dual_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -98,7 +98,8 @@ contains
             ! the least of these is minus the greatest density
             heavy(node) = merge(min(0.0_wp, -density), 0.0_wp, node_volume(node) > 0.0_wp)
          end do
-         ! row by row along each direction, the eight nodes of a cell meet on its first node
+         ! least value along each direction in turn: the first node of a cell gets that of its eight
+         ! nodes
          call least_around(grid, least)
          call least_around(grid, light)
          call least_around(grid, heavy)
@@ -113,7 +114,7 @@ contains
       if (self%surface == surface_none) call fill_box(grid, node_volume, weight)
    end subroutine dual_cell_weights
 
-   !> Least of the values on the nodes of each cell, put on its first node.
+   !> Least of the values on the nodes of each cell, stored at its first node.
    pure subroutine least_around(grid, values)
       type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(inout) :: values(:) !! (node)
@@ -192,7 +193,7 @@ contains
          weight, velocity, patch)
    end subroutine dual_add_gradient
 
-   !> Which integrals a cell uses.
+   !> Index of the integrals of a cell.
    pure integer function column_of(self, grid, coordinate, cell) result(column)
       class(dual_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -1,15 +1,15 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The integrals of the dual gradient as products of functions of one coordinate each, for all cells
-!! of a tile at once.
+!! of a tile together.
 !!
 !! D_ji of a cell is a derivative along one direction times integrals along the three, so it is
-!! applied direction by direction: a dozen additions a component of a cell instead of 64 products.
-!! A tile is one row of numbers, three components a node, and the next node along a direction is a
-!! fixed distance in that row. Numbers that belong to no cell's first node have the weight zero.
-!! In a plane and on a line vectors have no component along y, so a node has two numbers, and
-!! integrals of products are those along a single other direction. In space all cells have the same
-!! integrals: those of products are 2 or 1 times h/6, so that sums take their place, and what is
-!! left is one factor that goes into the weights. Equation (M.3) of doc/theory/method.md.
+!! applied direction by direction: a dozen additions per component and cell instead of 64 products.
+!! A tile is a one-dimensional array with three components per node, and the next node along a
+!! direction has a constant offset. Elements that are not at the first node of a cell have weight
+!! zero. In two and one dimensions vectors have no component along y, so a node has two elements,
+!! and integrals of products are those along the single other direction. In three dimensions all
+!! cells have the same integrals: those of products are 2 or 1 times h/6, so sums replace them, with
+!! one common factor in the weights. Equation (M.3) of doc/theory/method.md.
 module ddmp_operator
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -21,15 +21,15 @@ module ddmp_operator
    integer, parameter :: parts = 3                   !! Components of a vector
    integer, parameter :: plane = 2                   !! The same in a plane, along x and z
 
-   !> Functions of one coordinate on the nodes of a tile, as rows of numbers, for a plane or a line.
-   !! In axisymmetry those along x depend on the radius and thus on the tile.
+   !> Functions of one coordinate on the nodes of a tile, as one-dimensional arrays, for a plane or
+   !! a line. In axisymmetry those along x depend on the radius and thus on the tile.
    type :: dual_operator_t
       integer :: parts = parts                       !! Components of a vector that count
-      integer :: numbers = 0                         !! So many a node
+      integer :: numbers = 0                         !! Elements per node
       integer :: shift(3) = 0                        !! (direction) Numbers to the next node
-      !> (number, lower or upper node, direction, tile along x) Integral of a function [m]
+      !> (element, lower or upper node, direction, tile along x) Integral of a function [m]
       real(wp), allocatable :: line(:, :, :, :)
-      !> (number, both lower / mixed / both upper, direction, tile along x) Of a product [m]
+      !> (element, both lower / mixed / both upper, direction, tile along x) Of a product [m]
       real(wp), allocatable :: mass(:, :, :, :)
       real(wp) :: factor = 0.0_wp                    !! Depth of missing directions over the spacing
       real(wp) :: share = 0.0_wp                     !! In space: (h/6)**2 h/2 1/h [m2]
@@ -78,15 +78,15 @@ contains
       end do
    end subroutine operator_start
 
-   !> Weights of cells as rows of numbers, on their first nodes, and the numbers between which there
-   !! are some: only the part of a sparse tile that has material is used.
+   !> Weights of cells as a one-dimensional array, at their first nodes, and the range of elements
+   !! with weights: only the part of a sparse tile with material is used.
    pure subroutine lay_weights(grid, parts, weight, row, low, high)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: parts                   !! Numbers a node, two or three
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(inout) :: row(:)  !! (number)
       integer, intent(out) :: low                    !! First number of a cell with a weight
-      integer, intent(out) :: high                   !! Last one; below the first if there is none
+      integer, intent(out) :: high                   !! Last one; below the first if none
       integer :: cell, at
 
       row = 0.0_wp
@@ -190,8 +190,8 @@ contains
       end do
    end subroutine gradient_space
 
-   !> Three components of the tensors of some nodes as a row of numbers. Four are copied at a time,
-   !! because the fourth is written over by the next node.
+   !> Three components of the tensors of some nodes as a one-dimensional array. Four are copied at a
+   !! time, and the next node overwrites the fourth.
    pure subroutine pack_column(first, last, before, nodes, tensor, field)
       integer, intent(in) :: first                   !! First node
       integer, intent(in) :: last                    !! Last index
@@ -212,7 +212,7 @@ contains
       end do
    end subroutine pack_column
 
-   !> Add to each number that of the next node along a direction.
+   !> Add to each element that of the next node along a direction.
    pure subroutine add_next(low, high, shift, numbers, field)
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
@@ -252,7 +252,7 @@ contains
       real(wp), contiguous, intent(in) :: weight(0:) !! (cell) Weights
       real(wp), contiguous, intent(in) :: stress(:, :) !! (9, node) (k, l) in row k + 3 (l - 1) [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (3, node) [N]
-      ! one piece of memory: getting it costs as much as a loop over the tile
+      ! one allocation: each costs as much as a loop over the tile
       real(wp) :: work(self%numbers, 5)
       integer :: low, high, l, last, node
 
@@ -419,8 +419,8 @@ contains
    end subroutine add_difference
 
    !> Integrals of products with both functions along two directions, times the weights of cells,
-   !! summed over the cells around, in space. The sums end with zeros as far as the next node along
-   !! the third direction, and begin with such.
+   !! summed over the cells around, in space. The sums begin and end with zeros over the distance of
+   !! the next node along the third direction.
    ! gate: long kernel because directions are given by their shifts
    pure subroutine apply_mass(numbers, pad, low, high, one, other, third, weight, field, sums)
       integer, intent(in) :: numbers                 !! Of the tile
@@ -480,7 +480,7 @@ contains
          sums(n) = weight(n)*(mass(n, 1)*field(n) + mass(n, 2)*field(n + shift))
       end do
       sums(high + 1:high + shift) = 0.0_wp
-      ! without another field in between, for which memory would have to be got
+      ! without an intermediate field, which would have to be allocated
       !$omp simd
       do n = low, high
          sums(n + shift) = sums(n + shift) &

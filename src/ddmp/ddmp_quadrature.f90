@@ -29,7 +29,7 @@ module ddmp_quadrature
    end type quadrature_t
 
    abstract interface
-      !> Shape data of the particles of a tile. The basis comes first.
+      !> Shape data of the particles of a tile. Those of the basis are computed before.
       pure subroutine locate_i(self, grid, coordinate, store, tile, shape)
          import :: grid_t, shape_data_t, quadrature_t, store_t
          implicit none
@@ -78,8 +78,8 @@ contains
       margin = 0
    end function quadrature_margin
 
-   !> True if the mean stress of the nodes is taken out of the particles and integrated exactly on
-   !! the grid instead.
+   !> True if the mean stress of the nodes is subtracted from the particles and integrated exactly
+   !! on the grid.
    pure logical function quadrature_controlled(self) result(controlled)
       class(quadrature_t), intent(in) :: self
 

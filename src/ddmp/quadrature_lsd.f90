@@ -2,8 +2,8 @@
 !> The modified gradient at the particle, with the local stress difference: the error of the force
 !! of a uniform stress for the given particle positions is subtracted from the force of each node,
 !! with the mean stress there (A. Perez, M. Barclay, D. Z. Zhang, J. Comput. Phys. (2023) 112681).
-!! Momentum is not conserved exactly, as each node has a mean stress of its own. Equation (Q.4) of
-!! doc/theory/quadratures.md.
+!! Momentum is not conserved exactly, because the mean stress differs from node to node. Equation
+!! (Q.4) of doc/theory/quadratures.md.
 module quadrature_lsd
    use quadrature_point, only: quadrature_point_t
    implicit none
@@ -11,7 +11,7 @@ module quadrature_lsd
 
    public :: quadrature_lsd_t
 
-   !> The gradient at one point, with a force that is right for uniform stress.
+   !> The gradient at one point, with a force that is exact for uniform stress.
    type, extends(quadrature_point_t) :: quadrature_lsd_t
    contains
       procedure :: differing => lsd_differing        !! The force is of stress differences

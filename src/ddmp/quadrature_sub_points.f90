@@ -36,7 +36,7 @@ module quadrature_sub_points
 
 contains
 
-   !> Boxes reach into the cells next to that of the particle.
+   !> Boxes extend into the cells next to that of the particle.
    pure integer function sub_margin(self) result(margin)
       class(quadrature_sub_points_t), intent(in) :: self
 
@@ -82,7 +82,7 @@ contains
    end subroutine sub_locate
 
    !> Means along one direction for the particles of a cell. Sub-points beyond the box of the grid,
-   !! or more than a cell away, are put on the border.
+   !! or more than a cell away, are moved to the border.
    ! gate: long kernel because a cell is given by its range and place
    pure subroutine mean_cell(rule, grid, direction, cell, first, from, to, extent, shape)
       class(quadrature_sub_points_t), intent(in) :: rule     !! alpha and blend
@@ -105,7 +105,7 @@ contains
          do n = 1, points
             x = shape%local(p, direction) + half*(2.0_wp*part*(real(n, wp) - 0.5_wp) - 1.0_wp)
             x = min(max(x, low), high)
-            ! a point on the upper border belongs to the cell below it
+            ! a point on the upper border counts as in the cell below it
             k = min(floor(x), int(high) - 1)
             y = x - real(k, wp)
             alpha = 4.0_wp*rule%alpha_centre*y*(1.0_wp - y)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Failure of porous metal: the damage is the greatest porosity so far over that without strength.
-!! Equation (D.12) of doc/theory/ductile.md.
+!> Failure of porous metal: the damage is the greatest porosity so far over the porosity at which
+!! the strength vanishes. Equation (D.12) of doc/theory/ductile.md.
 module damage_porosity
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -19,7 +19,7 @@ module damage_porosity
    type, extends(damage_t) :: damage_porosity_t
       real(wp) :: final = 1.0_wp                     !! Porosity of failure [1]
    contains
-      procedure :: declare => porosity_declare       !! It has no keys of its own
+      procedure :: declare => porosity_declare       !! No keys
       procedure :: fault => porosity_fault           !! A law without pores
       procedure :: read => porosity_read             !! Reads the porosity of failure
       procedure :: request => porosity_request       !! Requests damage
@@ -28,7 +28,7 @@ module damage_porosity
 
 contains
 
-   !> The law of strength declares the porosity without strength.
+   !> The law of strength declares the porosity at which the strength vanishes.
    subroutine porosity_declare(self, schema)
       class(damage_porosity_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema

@@ -3,7 +3,7 @@
 !! lanes of vectors. Equations (D.1) to (D.7) of doc/theory/ductile.md.
 !!
 !! The flow is described by one unknown s >= 0; pressure, deviator, porosity and strength follow
-!! from it in closed form. A converged lane is not changed, so that its bits do not depend on its
+!! from it in closed form. Converged lanes do not change, so their bits do not depend on their
 !! neighbours.
 module ductile_flow
    use base_elementary, only: take_exponentials, take_logarithms
@@ -28,19 +28,19 @@ module ductile_flow
       real(wp) :: q2 = 1.0_wp                        !! Of the pressure [1]
       real(wp) :: critical = 1.0_wp                  !! Porosity from which on voids join [1]
       real(wp) :: joining = 1.0_wp                   !! Growth of the weakening from there on [1]
-      real(wp) :: least = 1.0e-6_wp                  !! Pores do not close below it [1]
+      real(wp) :: least = 1.0e-6_wp                  !! Least porosity on closing [1]
    end type porous_t
 
    !> Particles of a group that flow.
    type :: pore_lanes_t
       integer :: count = 0                           !! Lanes in use
-      integer :: particle(most_lanes)                !! Place of a lane in its group
+      integer :: particle(most_lanes)                !! Position of a lane in its group
       real(wp) :: trial(most_lanes)                  !! Equivalent trial stress [Pa]
       real(wp) :: trial_pressure(most_lanes)         !! [Pa]
       real(wp) :: bulk(most_lanes)                   !! Growth of p with the volume gained [Pa]
       real(wp) :: porosity(most_lanes)               !! Before the step in, after it out [1]
       real(wp) :: strength(most_lanes)               !! Of the matrix before the step [Pa]
-      !> New pores for a unit of strain; 0 where there are none, as their volume cannot grow [1]
+      !> New pores per unit of strain; 0 without pores, because their volume cannot grow [1]
       real(wp) :: making(most_lanes)
       real(wp) :: making_later(most_lanes)           !! Those that count from the next step on [1]
       real(wp) :: scaling(most_lanes)                !! Of the deviator (out) [1]
@@ -57,16 +57,16 @@ module ductile_flow
       real(wp) :: last(most_lanes)                   !! Value before [1]
       real(wp) :: miss(most_lanes)                   !! Of the yield function at s [1]
       real(wp) :: last_miss(most_lanes)              !! At the value before [1]
-      real(wp) :: lower(most_lanes)                  !! s that is too small [1]
-      real(wp) :: upper(most_lanes)                  !! s that is too large, huge: none known [1]
+      real(wp) :: lower(most_lanes)                  !! Lower bound of s [1]
+      real(wp) :: upper(most_lanes)                  !! Upper bound of s, huge: unknown [1]
       real(wp) :: going(most_lanes)                  !! 1 if s is to be found, else 0
       real(wp) :: porosity(most_lanes)               !! After the step [1]
    end type search_t
 
 contains
 
-   !> Porosity that weakens, f*. From the critical one on voids join and it grows faster. Equation
-   !! (D.2).
+   !> Effective porosity f*. Above the critical porosity voids coalesce and it increases faster.
+   !! Equation (D.2).
    elemental real(wp) function effective(porosity, critical, joining, most) result(weakening)
       real(wp), intent(in) :: porosity               !! [1]
       real(wp), intent(in) :: critical               !! [1]
@@ -76,7 +76,7 @@ contains
       weakening = min(most, porosity + (joining - 1.0_wp)*max(porosity - critical, 0.0_wp))
    end function effective
 
-   !> How far trial stresses of a group are beyond the yield surface: the sum of its terms that load
+   !> Excess of the trial stresses of a group over the yield surface: the sum of its terms that load
    !! over those that resist, less 1. Equation (D.1).
    pure subroutine find_excess(porous, count, lanes, excess)
       type(porous_t), intent(in) :: porous
@@ -160,7 +160,7 @@ contains
          steepness = (12.0_wp*shear*square/sinh_over + 2.0_wp*q1*search%start(l)*argument**2 &
             *sinh_over*factor*search%start(l)*lanes%bulk(l))/excess
          search%unit(l) = miss(l)/max(steepness, tiny(1.0_wp))
-         ! Volume to lose until pores are closed, and the flow that takes it.
+         ! Volume to lose until pores are closed, and the plastic flow that closes them.
          closing = max(lanes%porosity(l) - least, 0.0_wp)/(1.0_wp - lanes%porosity(l))
          margin = factor*search%start(l)*(lanes%trial_pressure(l) - closing*lanes%bulk(l))
          search%upper(l) = closing/max(search%unit(l)*max(margin, 0.0_wp), tiny(1.0_wp))
@@ -187,8 +187,9 @@ contains
       ratio = merge(ratio, 0.5_wp*(growth - 1.0_wp/growth)/max(argument, small), argument < small)
    end function sinh_ratio
 
-   !> State at s and the miss of the yield function there, the logarithm of loading over resisting
-   !! terms, in the lanes that are not done. Equations (D.3), (D.4), (D.5), (D.6) and (D.7).
+   !> State at s and the residual of the yield function there, the logarithm of loading over
+   !! resisting terms, in the lanes that have not converged. Equations (D.3), (D.4), (D.5), (D.6)
+   !! and (D.7).
    ! gate: long kernel because pressure, deviator, porosity and strength follow from one unknown
    pure subroutine evaluate(porous, lanes, search)
       type(porous_t), intent(in) :: porous
@@ -262,7 +263,7 @@ contains
    pure subroutine close_pores(porous, lanes, search)
       type(porous_t), intent(in) :: porous
       type(pore_lanes_t), intent(inout) :: lanes
-      type(search_t), intent(inout) :: search        !! With the miss at its first s
+      type(search_t), intent(inout) :: search        !! With the residual at its first s
       real(wp) :: remaining, share, lost, limit, increment, q1, least, shear, hardening
       logical :: bounded, closed
       integer :: l

@@ -65,7 +65,7 @@ contains
       end associate
    end subroutine to_matrix_volumes
 
-   !> Volume becomes that of the motion again.
+   !> Restore the volume of the motion.
    pure subroutine to_whole_volume(state, deformation, first, last)
       type(material_state_t), intent(inout) :: state       !! State of the store
       type(deformation_t), intent(in) :: deformation       !! Step of the range

@@ -3,8 +3,8 @@
 !! J. Fract. 17 (1981) 389; V. Tvergaard, A. Needleman, Acta Metall. 32 (1984) 157).
 !!
 !! The yield surface of a metal with the porosity f depends on the pressure. Plastic flow opens and
-!! closes pores, plastic strain makes new ones, and from a critical porosity on they join. Equations
-!! (D.1) to (D.11) of doc/theory/ductile.md.
+!! closes pores, plastic strain nucleates new ones, and above a critical porosity they coalesce.
+!! Equations (D.1) to (D.11) of doc/theory/ductile.md.
 module law_gurson
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -22,7 +22,7 @@ module law_gurson
 
    public :: law_gurson_t
 
-   !> Beyond this excess of the yield function a particle flows: rounding [1]
+   !> Excess of the yield function above which a particle flows: tolerance for rounding [1]
    real(wp), parameter :: rounding = 1.0e-13_wp
 
    !> New pores: their greatest porosity, and the strain at which they appear with its scatter.
@@ -170,7 +170,7 @@ contains
       grows = .true.
    end function gurson_grows_pores
 
-   !> Porosity, the volume that pores gained, and the strain that hardens or makes pores.
+   !> Porosity, the volume that pores gained, and the strain that hardens or nucleates pores.
    pure subroutine gurson_request(self, requests)
       class(law_gurson_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests
@@ -215,7 +215,7 @@ contains
       type(material_state_t), intent(in) :: state    !! State of the store
       type(deformation_t), intent(in) :: deformation !! Step of the range
       type(pore_lanes_t), intent(inout) :: group
-      real(wp), parameter :: softest = 0.1_wp        ! part of the modulus that is left at least
+      real(wp), parameter :: softest = 0.1_wp        ! least remaining fraction of the modulus
       real(wp) :: modulus, yield, hardening
       integer :: n
 
@@ -304,7 +304,7 @@ contains
       end do
    end subroutine move_results
 
-   !> Porosity that a unit of strain makes in tension, at the strain before the step (C. C. Chu, A.
+   !> Porosity nucleated per unit of strain in tension, at the strain before the step (C. C. Chu, A.
    !! Needleman, J. Eng. Mater. Technol. 102 (1980) 249). Equation (D.10).
    pure subroutine find_new_pores(law, before, state, lanes)
       type(law_gurson_t), intent(in) :: law

@@ -2,8 +2,8 @@
 !> Base type of exact solutions: position, velocity and deformation gradient of each material point
 !! at any time, and the body force of a manufactured solution.
 !!
-!! A material point is identified by its reference position. Solutions are evaluated for one point a
-!! call, which costs far less than the sines in it.
+!! A material point is identified by its reference position. Solutions are evaluated for one point
+!! per call; the call costs far less than the sines in it.
 module exact_solution
    use base_deck_group, only: group_t
    use base_kinds, only: int64, wp
@@ -25,7 +25,7 @@ module exact_solution
       procedure :: declare => exact_declare          !! Declares its keys of &exact
       procedure :: read => exact_read                !! Reads the keys
       procedure :: law => exact_law                  !! Strength model of the solution
-      procedure :: fault => exact_fault              !! Why the scene cannot have it
+      procedure :: fault => exact_fault              !! Reason why the scene does not allow it
       procedure(place_i), deferred :: place          !! Position and velocity of a point
       procedure(gradient_i), deferred :: gradient    !! Deformation gradient of a point
       procedure :: forced => exact_forced            !! Is it a manufactured solution?

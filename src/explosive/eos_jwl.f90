@@ -5,7 +5,7 @@
 !!    p = A (1 - w/(R1 V)) exp(-R1 V) + B (1 - w/(R2 V)) exp(-R2 V) + w E/V.
 !!
 !! E. L. Lee, H. C. Hornig, J. W. Kury, "Adiabatic expansion of high explosive detonation products",
-!! UCRL-50422, 1968. Material of it holds its chemical energy E0 from the start. Equations (X.1),
+!! UCRL-50422, 1968. Particles carry the chemical energy E0 from the start. Equations (X.1),
 !! (X.2), (X.3), (X.4), (X.5) and (X.6) of doc/theory/explosives.md.
 module eos_jwl
    use base_deck_group, only: group_t
@@ -134,8 +134,8 @@ contains
          deformation%pressure, deformation%wave_speed)
    end subroutine jwl_update
 
-   !> Kernel of the above, equations (X.1) and (X.2). Finite steps can remove more energy than thin
-   !! products have; the energy term is then 0.
+   !> Kernel of the above, equations (X.1) and (X.2). Finite steps can remove more energy than
+   !! products of low density have; the energy term is then 0.
    pure subroutine product_pressure(first, last, eos, mass, volume, energy, pressure, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -188,7 +188,7 @@ contains
       square = speed(1)
    end subroutine find_state
 
-   !> Chapman-Jouguet state: where the line of Rayleigh from the explosive at rest touches the
+   !> Chapman-Jouguet state: where the Rayleigh line from the explosive at rest touches the
    !! Hugoniot of the products, D is least and D - u is the speed of sound. Equations (X.4), (X.5)
    !! and (X.6). The root is bracketed by states of strong and of weak detonations.
    pure subroutine jwl_find_detonation(self, speed, pressure, relative)
@@ -230,7 +230,7 @@ contains
          + share*eos%chemical)/(1.0_wp - 0.5_wp*share*(1.0_wp - relative))
    end function hugoniot_pressure
 
-   !> Grueneisen number w times density at the middle of the step: (X.3).
+   !> Grueneisen parameter w times density at the middle of the step: (X.3).
    pure subroutine jwl_find_gruneisen(self, state, deformation, first, last)
       class(eos_jwl_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

@@ -44,7 +44,7 @@ module explosive_burn
 
 contains
 
-   !> Point of a detonator that is nearest to a place [m]. Inactive directions are 0 in all.
+   !> Point of a detonator nearest to a position [m]. Inactive directions are 0.
    pure function detonator_foot(self, place) result(foot)
       class(detonator_t), intent(in) :: self
       real(wp), intent(in) :: place(3)               !! [m]
@@ -80,7 +80,7 @@ contains
    end subroutine burn_read
 
    !> Multiply the pressure of the products with the burn fraction. The square of the sound speed is
-   !! not reduced, because it bounds that of the next step.
+   !! not reduced, because it is the bound for the next step.
    pure subroutine burn_apply(self, first, last, burn_time, mass, volume, pressure)
       class(burn_t), intent(in) :: self
       integer, intent(in) :: first                   !! First particle of the range

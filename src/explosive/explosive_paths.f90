@@ -124,7 +124,7 @@ contains
       end do
    end subroutine detonation_paths_find
 
-   !> Place of a corner from its number.
+   !> Position of a corner from its number.
    pure function place_of(counts, number) result(place)
       integer, intent(in) :: counts(3)               !! Corners along each direction
       integer, intent(in) :: number                  !! Counted from 0
@@ -152,7 +152,7 @@ contains
       end do
    end function touches_open
 
-   !> Let the path of a corner come by its neighbours where that is earlier.
+   !> Route the path of a corner by its neighbours where that is earlier.
    subroutine improve(paths, map, counts, number, changed)
       type(detonation_paths_t), intent(inout) :: paths
       type(sight_map_t), intent(in) :: map
@@ -182,7 +182,7 @@ contains
 
    contains
 
-      !> Take a path from a bend if it is earlier and open.
+      !> Use a path from a bend if it is earlier and open.
       subroutine try(bend)
          type(bend_t), intent(in) :: bend            !! Whole part before the line to the corner
          real(wp) :: time

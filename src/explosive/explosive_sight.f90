@@ -19,12 +19,12 @@ module explosive_sight
       logical, allocatable :: open(:)                !! (cell from 0) Can a detonation pass?
    contains
       procedure :: start => sight_map_start          !! From the content of the cells
-      procedure :: cell_of => sight_map_cell_of      !! Place of the cell of a point
+      procedure :: cell_of => sight_map_cell_of      !! Position of the cell of a point
       procedure :: is_open => sight_map_is_open      !! Is a cell open? True outside of the box
       procedure :: sees => sight_map_sees            !! Is a straight line open?
    end type sight_map_t
 
-   !> Parts of a cell that count as none: a line along a face of two cells is in both.
+   !> Fraction of a cell that counts as zero: a line along a face of two cells is in both.
    real(wp), parameter :: slack = 1.0e-7_wp
 
 contains
@@ -67,7 +67,7 @@ contains
       end do
    end function has_neighbour
 
-   !> Number of a cell from its place.
+   !> Number of a cell from its position.
    pure integer function number_of(map, place) result(number)
       type(sight_map_t), intent(in) :: map
       integer, intent(in) :: place(3)                !! From 0, inside the box
@@ -75,7 +75,8 @@ contains
       number = place(1) + map%cells(1)*(place(2) + map%cells(2)*place(3))
    end function number_of
 
-   !> Place of the cell of a point, from 0; beyond the box it is less or more than any cell.
+   !> Position of the cell of a point, counted from 0; outside the box it is outside the range of
+   !! cells.
    pure function sight_map_cell_of(self, point) result(place)
       class(sight_map_t), intent(in) :: self
       real(wp), intent(in) :: point(3)               !! [m]
@@ -137,7 +138,7 @@ contains
       end do
    end function sight_map_sees
 
-   !> First plane between cells that a line meets after its start.
+   !> First plane between cells that a line crosses after its start.
    pure real(wp) function first_plane(first, along) result(plane)
       real(wp), intent(in) :: first                  !! Begin in cells
       real(wp), intent(in) :: along                  !! Its extent in cells

@@ -22,7 +22,7 @@ module grains_cell
 
    !> Sums of stresses over time.
    type :: mean_t
-      real(wp) :: time = 0.0_wp                      !! Time they cover [s]
+      real(wp) :: time = 0.0_wp                      !! Time interval of the means [s]
       real(wp) :: contact(9) = 0.0_wp                !! Of forces times branches, times dt [J s]
       real(wp) :: kinetic(9) = 0.0_wp                !! Of m u u, times dt [J s]
    end type mean_t
@@ -56,8 +56,8 @@ module grains_cell
       real(wp) :: contact(9) = 0.0_wp                !! Sum of forces times branches [J]
       real(wp) :: kinetic(9) = 0.0_wp                !! Sum of m u u [J]
       real(wp) :: work = 0.0_wp                      !! Of the stress on the cell so far [J]
-      real(wp) :: lost_before(losses) = 0.0_wp       !! Counted before the energy book began [J]
-      type(exact_sum_t) :: lost(losses)              !! By pairs that parted, on this rank [J]
+      real(wp) :: lost_before(losses) = 0.0_wp       !! Losses before the energy balance [J]
+      type(exact_sum_t) :: lost(losses)              !! By separated pairs, on this rank [J]
       type(mean_t) :: mean                           !! Since the last row of the history
    contains
       procedure :: stress => cell_stress             !! Stress of sums
@@ -91,7 +91,7 @@ contains
       pressure = pressure/real(self%box%dimension, wp)
    end function cell_pressure
 
-   !> Share of the volume that is solid, overlaps counted twice [1].
+   !> Solid fraction of the volume, overlaps counted twice [1].
    pure real(wp) function cell_volume_fraction(self) result(fraction)
       class(cell_t), intent(in) :: self
 

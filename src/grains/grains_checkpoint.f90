@@ -114,7 +114,7 @@ contains
       end do
    end subroutine sort_records
 
-   !> True if a pair of identities comes after another one.
+   !> True if a pair of identities sorts after another pair.
    pure logical function comes_after(a, b) result(after)
       real(wp), intent(in) :: a(2), b(2)             !! Identities
 
@@ -220,7 +220,7 @@ contains
       cell%mean%kinetic = numbers(28:36)
    end subroutine load_sums
 
-   !> Read the losses of pairs that have parted; rank 0 keeps them.
+   !> Read the losses of pairs that have separated; rank 0 keeps them.
    subroutine load_lost(state, cell, error)
       type(state_t), intent(in) :: state
       type(cell_t), intent(inout) :: cell
@@ -236,7 +236,8 @@ contains
       end do
    end subroutine load_lost
 
-   !> Find the pairs where they were found before, and give them their histories. Collective.
+   !> Find the pairs from the coordinates of the last neighbour search, and restore their histories.
+   !! Collective.
    subroutine load_pairs(state, cell, error)
       type(state_t), intent(in) :: state
       type(cell_t), intent(inout) :: cell

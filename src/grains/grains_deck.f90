@@ -131,7 +131,7 @@ contains
    end subroutine check_grains
 
    !> Volume fraction at which the largest grains fit the sites of a square or cubic lattice, with a
-   !! little room [1].
+   !! small margin [1].
    pure real(wp) function loosest(dimension, spread) result(fraction)
       integer, intent(in) :: dimension
       real(wp), intent(in) :: spread                 !! Of &grains
@@ -228,8 +228,8 @@ contains
       call fill_lattice(cells, cell%diameter*(1.0_wp - overlap), cell)
    end subroutine pack_lattice
 
-   !> Tilt the y edge without moving the grains. Whole edges make no difference, so they are left
-   !! out: a tilt of 1 is the same cell to the last bit.
+   !> Tilt the y edge without moving the grains. Integer parts of the tilt have no effect and are
+   !! omitted: a tilt of 1 gives the same bits as 0.
    pure subroutine tilt_cell(tilt, cell)
       real(wp), intent(in) :: tilt                   !! Over the x edge [1]
       type(cell_t), intent(inout) :: cell
@@ -242,7 +242,7 @@ contains
    end subroutine tilt_cell
 
    !> The time step: a fraction of the shortest collision of two of the smallest grains. The Hertz
-   !! collision time depends on the speed; it is taken for an overlap of 2 % of the radius.
+   !! collision time depends on the speed; this one assumes an overlap of 2 % of the radius.
    subroutine choose_step(grains, cell)
       type(group_t), intent(in) :: grains            !! &grains
       type(cell_t), intent(inout) :: cell

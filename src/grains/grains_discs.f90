@@ -46,7 +46,7 @@ contains
       end associate
    end subroutine push_discs
 
-   !> Force of one pair that touches or has touched a step ago.
+   !> Force of one pair that touches or touched in the previous step.
    ! gate: long kernel because all steps from overlap to force use the same intermediate values
    pure subroutine push_pair(grains, box, law, time, dt, i, j, dx, dy, history, push)
       type(grains_t), intent(in) :: grains
@@ -72,14 +72,15 @@ contains
       associate (g => box%gradient, v => grains%velocity)
          wx = v(1, j) - v(1, i) + g(1, 1)*dx + g(1, 2)*dy
          wy = v(2, j) - v(2, i) + g(2, 2)*dy
-         ! twice what the cell moves the branch less at the middle of the step than at its end
+         ! twice the difference between the branch moved by the cell to the end and to the middle of
+         ! the step
          drift_x = dt**2*(g(1, 1)*wx + g(1, 2)*wy)
          drift_y = dt**2*g(2, 2)*wy
       end associate
       way_x = dt*wx - 0.5_wp*drift_x
       way_y = dt*wy - 0.5_wp*drift_y
       apart = wx*nx + wy*ny
-      ! velocities are those in the middle of the step; the forces of its start lead to its end
+      ! velocities are at the middle of the step: with the forces at its start they lead to its end
       associate (f => grains%force, m => grains%mass)
          at_end = apart + 0.5_wp*dt*((f(1, j)*nx + f(2, j)*ny)/m(j) &
             - (f(1, i)*nx + f(2, i)*ny)/m(i))

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Which rank moves which rows, and what ranks tell each other about their grains.
+!> Lists of the rows that ranks exchange, and messages between ranks about their grains.
 module grains_exchange
    use base_communicator, only: communicator_t
    use base_exact_sum, only: exact_sum_t, exact_sum_words
@@ -17,9 +17,9 @@ module grains_exchange
    !! ascending. Both ranks of a pair find the same lists.
    type :: halo_t
       integer, allocatable :: rank(:)                !! Ranks around
-      integer, allocatable :: give_start(:)          !! (rank + 1) First place in `give`
+      integer, allocatable :: give_start(:)          !! (rank + 1) First index in `give`
       integer, allocatable :: give(:)                !! Own rows
-      integer, allocatable :: take_start(:)          !! (rank + 1) First place in `take`
+      integer, allocatable :: take_start(:)          !! (rank + 1) First index in `take`
       integer, allocatable :: take(:)                !! Rows of others
    end type halo_t
 
@@ -59,7 +59,7 @@ contains
       values = reshape(transfer(whole, values), shape(values))
    end subroutine gather_rows
 
-   !> Find who needs what from the pairs of the own rows.
+   !> Find which ranks need which rows, from the pairs of the rows of this rank.
    subroutine link_halo(communicator, grains, pairs, halo)
       type(communicator_t), intent(in) :: communicator
       type(grains_t), intent(in) :: grains
@@ -111,7 +111,7 @@ contains
       start = [start, size(rows) + 1]
    end subroutine append_rows
 
-   !> Bring positions, velocities and former forces of the rows of others up to date. Collective.
+   !> Update positions, velocities and previous forces of the rows of other ranks. Collective.
    subroutine exchange_grains(communicator, halo, grains)
       type(communicator_t), intent(inout) :: communicator
       type(halo_t), intent(in) :: halo
@@ -147,7 +147,7 @@ contains
       end do
    end subroutine exchange_grains
 
-   !> Take a grain of another rank from a message.
+   !> Unpack a grain of another rank from a message.
    pure subroutine take_grain(words, row, grains)
       integer(int64), intent(in) :: words(grain_words)
       integer, intent(in) :: row

@@ -17,8 +17,8 @@ module grains_histories
 
 contains
 
-   !> Histories that matter, with the identities of their grains. Of pairs that do not touch only
-   !! the losses matter.
+   !> Histories to keep, with the identities of their grains. Pairs that do not touch keep only
+   !! their losses.
    subroutine collect_records(grains, pairs, home_only, records)
       type(grains_t), intent(in) :: grains
       type(pairs_t), intent(in) :: pairs
@@ -43,7 +43,7 @@ contains
       end do
    end subroutine collect_records
 
-   !> True if a pair belongs to this rank.
+   !> True if this rank owns a pair.
    pure logical function is_own_pair(grains, pairs, pair) result(is_own)
       type(grains_t), intent(in) :: grains
       type(pairs_t), intent(in) :: pairs
@@ -52,7 +52,8 @@ contains
       is_own = pairs%first(pair) >= grains%first .and. pairs%first(pair) <= grains%last
    end function is_own_pair
 
-   !> Add the losses of pairs of this rank that do not touch to the sums, and forget them.
+   !> Add the losses of pairs of this rank that do not touch to the sums, and delete their
+   !! histories.
    subroutine drop_parted(grains, pairs, lost)
       type(grains_t), intent(in) :: grains
       type(pairs_t), intent(inout) :: pairs

@@ -88,7 +88,7 @@ contains
       end if
    end function law_duration
 
-   !> Modulus of a dense packing, roughly: stress over strain of one contact a grain [Pa].
+   !> Modulus of a dense packing, roughly: stress over strain of one contact per grain [Pa].
    pure real(wp) function law_modulus(self, dimension, diameter, pressure) result(modulus)
       class(contact_law_t), intent(in) :: self
       integer, intent(in) :: dimension               !! 2: discs of 1 m thickness

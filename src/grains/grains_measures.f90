@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What a cell of grains shows: energies, contacts, fabric, and the row of its history.
+!> Measures of a cell of grains: energies, contacts, fabric, and the row of its history.
 !!
 !! Equations of doc/theory/grains.md.
 module grains_measures
@@ -24,19 +24,19 @@ module grains_measures
    type :: energy_t
       real(wp) :: kinetic = 0.0_wp                   !! Relative to the cell, with spins
       real(wp) :: springs = 0.0_wp                   !! Stored along the lines of centres
-      real(wp) :: shear = 0.0_wp                     !! Stored across them
+      real(wp) :: shear = 0.0_wp                     !! Stored tangentially
       real(wp) :: lost(losses) = 0.0_wp              !! In dashpots, by friction, by the step
       real(wp) :: work = 0.0_wp                      !! Of the stress on the cell
       real(wp) :: total = 0.0_wp                     !! Of all but work, with half steps
    end type energy_t
 
-   !> Counts and means of contacts. A rattler has fewer contacts than it needs to be held: two for
-   !! discs, three for spheres.
+   !> Counts and means of contacts. A rattler has fewer contacts than a grain needs for equilibrium:
+   !! two for discs, three for spheres.
    type :: contact_counts_t
       integer(int64) :: contacts = 0
       integer(int64) :: sliding = 0                  !! Those that slipped in the last step
       integer(int64) :: rattlers = 0                 !! Grains with too few contacts
-      integer(int64) :: held = 0                     !! Contacts of grains that are none, each end
+      integer(int64) :: held = 0                     !! Contacts of non-rattlers, each end
       real(wp) :: fabric(6) = 0.0_wp                 !! Mean n n, xx yy zz xy xz yz [1]
       real(wp) :: deepest = 0.0_wp                   !! Greatest overlap over mean diameter [1]
    end type contact_counts_t

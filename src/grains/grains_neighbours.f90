@@ -13,13 +13,13 @@ module grains_neighbours
    !> Bins of the cell, with the grains of each.
    type :: bins_t
       integer :: number(3) = 1                       !! Bins along each edge
-      integer, allocatable :: start(:)               !! (bin + 1) First place in `row`
+      integer, allocatable :: start(:)               !! (bin + 1) First index in `row`
       integer, allocatable :: row(:)                 !! Rows, bin by bin
    end type bins_t
 
    !> Neighbours of the own rows, by identity.
    type :: neighbours_t
-      integer, allocatable :: start(:)               !! (own row + 1) First place in `row`
+      integer, allocatable :: start(:)               !! (own row + 1) First index in `row`
       integer, allocatable :: row(:)                 !! Row of the neighbour
       real(wp), allocatable :: shift(:, :)           !! (axis, neighbour) Edges added to it
    end type neighbours_t
@@ -29,7 +29,7 @@ contains
    !> Find the pairs of the own rows whose surfaces are less than `skin` apart.
    subroutine find_pairs(grains, box, skin, pairs)
       type(grains_t), intent(in) :: grains           !! Coordinates of all rows in [0, 1)
-      type(box_t), intent(in) :: box                 !! Higher than two such distances
+      type(box_t), intent(in) :: box                 !! Heights > 2 search distances
       real(wp), intent(in) :: skin                   !! [m]
       type(pairs_t), intent(inout) :: pairs          !! Gets the pairs, without histories
       type(bins_t) :: bins
@@ -243,7 +243,7 @@ contains
       if (.not. makes) makes = grains%identity(row) < grains%identity(other)
    end function leads
 
-   !> Write the pairs of a row, and link it to those that others make.
+   !> Write the pairs of a row, and link it to the pairs that other rows make.
    pure subroutine link_row(grains, near, number, own, pairs)
       type(grains_t), intent(in) :: grains
       type(neighbours_t), intent(in) :: near

@@ -29,7 +29,7 @@ module grains_output
       type(series_t), private :: grains
       type(series_t), private :: contacts
    contains
-      procedure :: open => output_open               !! Begin the files, or go on
+      procedure :: open => output_open               !! Create or continue the files
       procedure :: row => output_row                 !! Write a row of the history
       procedure :: snapshot => output_snapshot       !! Write grains and contacts
       procedure :: probe => output_probe             !! Measure and write moduli
@@ -38,12 +38,12 @@ module grains_output
 
 contains
 
-   !> Begin the files, or continue those of a previous run. Collective.
+   !> Create the files, or continue those of a previous run. Collective.
    subroutine output_open(self, cell, path, restarts, note, error)
       class(grains_output_t), intent(inout) :: self
       type(cell_t), intent(in) :: cell
       type(path_t), intent(in) :: path
-      logical, intent(in) :: restarts                !! Does the run go on from a checkpoint?
+      logical, intent(in) :: restarts                !! Restart from a checkpoint?
       character(len=:), allocatable, intent(out) :: note !! Snapshots that cannot be read, or empty
       type(error_t), allocatable, intent(out) :: error
       character(len=:), allocatable :: stem, more

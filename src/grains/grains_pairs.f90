@@ -2,7 +2,7 @@
 !> Pairs of grains that are near each other, the histories of their contacts, and the forces of
 !! both.
 !!
-!! A pair belongs to the rank of its first grain, which has the lower identity. A rank holds all
+!! The rank of the first grain, which has the lower identity, owns the pair. A rank holds all
 !! pairs
 !! of its own rows; both ranks of a pair compute the same bits.
 module grains_pairs
@@ -12,13 +12,13 @@ module grains_pairs
 
    public :: pairs_t
 
-   !> Words of a history. The losses are sums over the life of the pair.
+   !> Words of a history. The losses are sums over the lifetime of the pair.
    integer, parameter, public :: tangent = 1 !! to 3: tangential force on the second grain [N]
    integer, parameter, public :: overlap = 4         !! [m]; 0 without contact
    integer, parameter, public :: dashpot = 5         !! Force of the dashpot [N]
    integer, parameter, public :: factor = 6          !! Stiffness factor q
-   integer, parameter, public :: dashpot_loss = 7    !! Energy taken by the dashpot [J]
-   integer, parameter, public :: slip_loss = 8       !! Energy taken by friction [J]
+   integer, parameter, public :: dashpot_loss = 7    !! Energy dissipated by the dashpot [J]
+   integer, parameter, public :: slip_loss = 8       !! Energy dissipated by friction [J]
    integer, parameter, public :: step_loss = 9       !! Energy lost by the length of the step [J]
    integer, parameter, public :: birth_time = 10     !! When the contact closed [s]
    integer, parameter, public :: birth_strain = 11   !! Shear strain of the cell then [1]
@@ -40,10 +40,10 @@ module grains_pairs
       real(wp), allocatable :: shift(:, :)           !! (axis, pair) Edges added to the second
       real(wp), allocatable :: history(:, :)         !! (word, pair)
       real(wp), allocatable :: push(:, :)            !! (word, pair)
-      integer, allocatable :: start(:)               !! (own row + 1) First place in `incident`
+      integer, allocatable :: start(:)               !! (own row + 1) First index in `incident`
       integer, allocatable :: incident(:) !! Pairs of a row by the other's identity; < 0: as second
    contains
-      procedure :: allocate => pairs_allocate        !! Make room
+      procedure :: allocate => pairs_allocate        !! Reserve memory
       procedure :: touches => pairs_touches          !! Is a pair in contact?
    end type pairs_t
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The path of a cell: stages with a velocity gradient, held stresses and an end each.
+!> The path of a cell: stages, each with a velocity gradient, prescribed stresses and an end.
 module grains_path
    use base_deck, only: deck_t, group_t
    use base_kinds, only: int64, wp
@@ -24,11 +24,11 @@ module grains_path
       logical :: probe = .false.                     !! Are moduli measured at its end?
    end type stage_t
 
-   !> All stages, and where the cell is among them.
+   !> All stages, and the current one.
    type :: path_t
       type(stage_t), allocatable :: stages(:)
       integer :: now = 1                             !! Stage
-      integer(int64) :: start = 0                    !! Step at which it began
+      integer(int64) :: start = 0                    !! Step at its start
       real(wp) :: from_fraction = 0.0_wp             !! Volume fraction then
       real(wp) :: from_height = 0.0_wp               !! Greatest distance of faces then [m]
    contains
@@ -76,7 +76,7 @@ contains
          "grains: measure the elastic moduli at the end by small strains", default=".false.")
    end subroutine declare_stages
 
-   !> Each stage has an end, and what it holds is known.
+   !> Check that each stage has an end and that its fixed quantities are defined.
    subroutine check_stages(deck)
       type(deck_t), intent(inout) :: deck
       type(group_t) :: stage, cell

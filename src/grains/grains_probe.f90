@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Elastic moduli of a cell by small strains of a copy of it: with all grains moved alike
-!! (unrelaxed), and after the grains have come to rest again (relaxed).
+!> Elastic moduli of a cell by small strains of a copy of it: with an affine motion of all grains
+!! (unrelaxed), and after the grains are at rest again (relaxed).
 module grains_probe
    use base_kinds, only: wp
    use grains_cell, only: cell_t
@@ -16,8 +16,8 @@ module grains_probe
    integer, parameter :: column_length = 24          !! Longest heading of a column
    real(wp), parameter :: small = 1.0e-7_wp          !! Strain of a probe [1]
    integer, parameter :: strain_steps = 100          !! Steps in which a relaxed probe is strained
-   !> Times of the shortest collision in which the grains come to rest: before the probes and after
-   !! each strain.
+   !> Duration of the relaxation to rest, before the probes and after each strain, in units of the
+   !! shortest collision time.
    real(wp), parameter :: rest_before = 400.0_wp, rest_after = 200.0_wp
    integer, parameter :: most_rests = 20             !! Such times at most
    real(wp), parameter :: quiet = 1.0e-20_wp         !! Kinetic over spring energy at rest
@@ -125,7 +125,7 @@ contains
       end do
    end subroutine settle
 
-   !> Stress after a cell at rest was strained in some steps and came to rest again.
+   !> Stress of a cell at rest after it is strained in some steps and relaxed to rest again.
    subroutine strain_relaxed(cell, component, strain, stress)
       type(cell_t), intent(in) :: cell               !! At rest; contacts do not slip
       integer, intent(in) :: component               !! 1 to 6: xx yy zz xy xz yz

@@ -220,7 +220,7 @@ contains
       call write_units(file, path, name, unit, header%units)
    end subroutine write_vector
 
-   !> Where a field stands: contacts are cells, grains are points.
+   !> VTK location of a field: contacts are cells, grains are points.
    pure function place_of(file, name) result(path)
       type(hdf5_file_t), intent(in) :: file
       character(len=*), intent(in) :: name

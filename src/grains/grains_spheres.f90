@@ -49,7 +49,7 @@ contains
       end associate
    end subroutine push_spheres
 
-   !> Force of one pair that touches or has touched a step ago.
+   !> Force of one pair that touches or touched in the previous step.
    ! gate: long kernel because all steps from overlap to force use the same intermediate values
    pure subroutine push_pair(grains, box, law, time, dt, i, j, branch, history, push)
       type(grains_t), intent(in) :: grains
@@ -77,7 +77,8 @@ contains
          w(1) = w(1) + g(1, 1)*branch(1) + g(1, 2)*branch(2) + g(1, 3)*branch(3)
          w(2) = w(2) + g(2, 2)*branch(2) + g(2, 3)*branch(3)
          w(3) = w(3) + g(3, 3)*branch(3)
-         ! twice what the cell moves the branch less at the middle of the step than at its end
+         ! twice the difference between the branch moved by the cell to the end and to the middle of
+         ! the step
          drift(1) = dt**2*(g(1, 1)*w(1) + g(1, 2)*w(2) + g(1, 3)*w(3))
          drift(2) = dt**2*(g(2, 2)*w(2) + g(2, 3)*w(3))
          drift(3) = dt**2*g(3, 3)*w(3)
@@ -86,7 +87,7 @@ contains
       apart = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
       lever = grains%spin(:, i)*arm_i + grains%spin(:, j)*arm_j
       slide = dt*(w - apart*n - cross(lever, n))
-      ! velocities are those in the middle of the step; the forces of its start lead to its end
+      ! velocities are at the middle of the step: with the forces at its start they lead to its end
       w = w + 0.5_wp*dt*(grains%force(:, j)/grains%mass(j) - grains%force(:, i)/grains%mass(i))
       at_end = w(1)*n(1) + w(2)*n(2) + w(3)*n(3)
       former = history(overlap)

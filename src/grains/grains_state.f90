@@ -32,7 +32,7 @@ module grains_state
       real(wp), allocatable :: force(:, :)           !! (axis, row) [N]
       real(wp), allocatable :: torque(:, :)          !! (axis, row) [N m]
    contains
-      procedure :: allocate => grains_allocate       !! Make room for grains
+      procedure :: allocate => grains_allocate       !! Reserve memory for grains
       procedure :: locate => grains_locate           !! Positions from coordinates
       procedure :: solid_volume => grains_solid_volume !! Volume of all grains [m3]
    end type grains_t

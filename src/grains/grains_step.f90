@@ -28,8 +28,8 @@ module grains_step
 
 contains
 
-   !> Find the pairs and the forces of the first state. Energy that springs hold is not counted as
-   !! lost.
+   !> Find the pairs and the forces of the first state. The elastic energy of springs does not count
+   !! as lost.
    subroutine start_cell(cell)
       type(cell_t), intent(inout) :: cell
       real(wp) :: dt
@@ -204,8 +204,8 @@ contains
       cell%kinetic = sums([1, 4, 5, 4, 2, 6, 5, 6, 3])
    end subroutine end_velocities
 
-   !> Velocity gradient of the next step: the given one, and on held axes what brings the stress to
-   !! its value.
+   !> Velocity gradient of the next step: the given one, and on stress-controlled axes the rate that
+   !! brings the stress to its target.
    pure subroutine servo_gradient(cell)
       type(cell_t), intent(inout) :: cell
 

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The grid cells that contain the particles of an output, and sums over them.
 !!
-!! A cell belongs to one tile, hence to one rank, and its particles have a fixed order, so its sums
-!! do not depend on ranks or threads.
+!! A cell is on one tile and therefore on one rank, and its particles have a fixed order, so its
+!! sums do not depend on ranks or threads.
 module io_cells
    use base_kinds, only: int64, wp
    use io_fields, only: picks_t

@@ -208,8 +208,8 @@ contains
       end do
    end function index_of_key
 
-   !> Parse an echo. Its form is that of base_deck_echo: a group has lines of its own, keys are
-   !! indented by three blanks, continuation lines of long lists by more.
+   !> Parse an echo. base_deck_echo defines its form: the name and the end of a group are separate
+   !! lines, keys are indented by three blanks, continuation lines of long lists by more.
    pure subroutine read_echo(text, groups)
       character(len=*), intent(in) :: text
       type(echo_groups_t), intent(out) :: groups              !! Content

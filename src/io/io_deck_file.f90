@@ -26,7 +26,7 @@ contains
    subroutine read_deck_file(path, text, error)
       character(len=*), intent(in) :: path
       character(len=:), allocatable, intent(out) :: text !! All lines, with marks at includes
-      type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
+      type(error_t), allocatable, intent(out) :: error   !! A file is unreadable or not a deck
       type(text_t), allocatable :: chain(:)
       type(buffer_t) :: buffer
 
@@ -44,7 +44,7 @@ contains
       character(len=*), intent(in) :: path
       type(text_t), intent(in) :: chain(:)               !! The file and those that include it
       type(buffer_t), intent(inout) :: buffer            !! Extended by the text
-      type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
+      type(error_t), allocatable, intent(out) :: error   !! A file is unreadable or not a deck
       type(namelist_t) :: namelist
       type(problems_t) :: ignored
       character(len=:), allocatable :: text
@@ -84,7 +84,7 @@ contains
       character(len=*), intent(in) :: path               !! File of the group
       type(text_t), intent(in) :: chain(:)               !! That file and those that include it
       type(buffer_t), intent(inout) :: buffer            !! Extended by the text
-      type(error_t), allocatable, intent(out) :: error   !! A file cannot be read or is no deck
+      type(error_t), allocatable, intent(out) :: error   !! A file is unreadable or not a deck
       type(text_t), allocatable :: longer(:)
       character(len=:), allocatable :: name, place
       integer :: i

@@ -21,7 +21,7 @@ module io_deck_restart
    !! start, so a change of the motion would move it within one step.
    character(len=*), parameter, public :: rigid_region = "rigid"
 
-   !> Keys of a group whose change has the same meaning.
+   !> Keys of a group whose change has the same consequences.
    type :: rule_t
       character(len=10) :: group                         !! As in the deck without &
       integer :: meaning                                 !! One of the constants above
@@ -56,7 +56,7 @@ module io_deck_restart
          "failure_delay failure_delay_power fracture_energy softening crack_speed"), &
       rule_t("material", changes_physics, "failed_friction_angle failed_tau failed_gamma_c "// &
          "b_shear b_thermal"), &
-      ! a region matters through the group that uses it, which has rules of its own
+      ! a region has an effect only through the group that uses it, and that group has its own rules
       rule_t("region", changes_nothing, group_added//" "//group_removed), &
       rule_t("region", changes_physics, "file"), &
       rule_t("boundary", changes_physics, "face region type velocity table friction t_on t_off "// &

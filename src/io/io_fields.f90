@@ -40,7 +40,7 @@ module io_fields
       logical :: derived = .false.                       !! Derived from other fields
    end type column_t
 
-   !> Particles of a store that are written.
+   !> Particles of a store to write.
    type :: picks_t
       integer, allocatable :: order(:)                   !! Indices in the order of the file
       integer(int64), allocatable :: fragment(:) !! Number in the table, 0 = none; on request
@@ -72,8 +72,9 @@ module io_fields
 
 contains
 
-   !> Choose the columns of an output: names, "default" for the usual ones, or "state" for all that
-   !! another run needs to start. An unknown field, or one that no particle has, is an error.
+   !> Choose the columns of an output: names, "default" for the usual ones, or "state" for all
+   !! fields that another run needs to start. An unknown field, or one that no particle has, is an
+   !! error.
    subroutine choose_columns(stores, fields, columns, error)
       type(store_t), intent(inout) :: stores(:)          !! Not changed
       character(len=*), intent(in) :: fields(:)          !! Names, "default" or "state"

@@ -132,7 +132,7 @@ contains
       whole = letters(:index(letters, c_null_char) - 1)
    end function real_path
 
-   !> Make a folder and its parents; existing ones are no error.
+   !> Make a folder and its parents; existing ones are not an error.
    subroutine make_folder(path, error)
       character(len=*), intent(in) :: path               !! Folder
       type(error_t), allocatable, intent(out) :: error   !! Cannot be made
@@ -215,8 +215,8 @@ contains
    !! cannot reserve space are tolerated.
    subroutine reserve_file(path, bytes, error)
       character(len=*), intent(in) :: path               !! File
-      integer(int64), intent(in) :: bytes                !! Space it may need [byte]
-      type(error_t), allocatable, intent(out) :: error   !! There is not that much space
+      integer(int64), intent(in) :: bytes                !! Upper bound of its length [byte]
+      type(error_t), allocatable, intent(out) :: error   !! Not enough space
       character(len=24) :: megabytes
       integer(c_int) :: descriptor, reason, status
 
@@ -296,7 +296,7 @@ contains
    !> Create an empty file, which replaces an existing one.
    subroutine output_create(self, path, error)
       class(output_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: path               !! Where
+      character(len=*), intent(in) :: path               !! Path
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
       call self%close()
@@ -308,7 +308,7 @@ contains
    !> Open an existing file to append to it.
    subroutine output_append(self, path, error)
       class(output_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: path               !! Where
+      character(len=*), intent(in) :: path               !! Path
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
       call self%close()

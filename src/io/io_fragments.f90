@@ -26,7 +26,7 @@ module io_fragments
    !> Definition of fragments.
    type :: fragments_t
       type(pick_rule_t) :: rule
-      real(wp) :: velocity_cut = huge(1.0_wp) !! Cells that differ by more are separate [m/s]
+      real(wp) :: velocity_cut = huge(1.0_wp) !! Greatest difference of cells [m/s]
    end type fragments_t
 
    !> The fragments of the particles of a store.
@@ -37,10 +37,10 @@ module io_fragments
    !> All cells with particles, the same on all ranks.
    type :: map_t
       integer(int64), allocatable :: key(:)              !! (cell) Number in the box, ascending
-      real(wp), allocatable :: velocity(:, :)            !! (3, cell) If it matters [m/s]
+      real(wp), allocatable :: velocity(:, :)            !! (3, cell) If needed [m/s]
       integer, allocatable :: fragment(:)                !! (cell) From 1
       integer, allocatable :: number(:)                  !! (fragment) In the table, by mass
-      integer, allocatable :: image(:, :)                !! (3, cell) Boxes that it is moved by
+      integer, allocatable :: image(:, :)                !! (3, cell) Shift in periods
       type(key_table_t) :: table                         !! From key to cell
    end type map_t
 
@@ -112,7 +112,7 @@ contains
       integer, contiguous, intent(in) :: tiles(:, :)     !! (3, tile) Tiles of this rank, from 0
       type(store_t), intent(in) :: stores(:)
       type(fragments_t), intent(in) :: wanted            !! Definition of fragments
-      type(picks_t), allocatable, intent(out) :: picks(:) !! (store) Particles that count
+      type(picks_t), allocatable, intent(out) :: picks(:) !! (store) Selected particles
       type(cells_t), intent(out) :: cells                !! Cells of the fragments on this rank
       type(map_t), intent(out) :: map                    !! All cells with their fragments
       real(wp), allocatable, intent(out) :: rows(:, :)   !! (column, row)
@@ -202,7 +202,7 @@ contains
    end subroutine connect
 
    !> True if a neighbour joins the fragment of a cell: it has particles, is in no fragment yet, and
-   !! does not move away.
+   !! has a similar velocity.
    pure logical function joins(map, cell, next, velocity_cut) result(joined)
       type(map_t), intent(in) :: map                     !! All cells
       integer, intent(in) :: cell                        !! Index among the cells
@@ -217,14 +217,14 @@ contains
          .not. norm2(map%velocity(:, next) - map%velocity(:, cell)) > velocity_cut
    end function joins
 
-   !> The neighbour of a cell, across the ends of a periodic box if need be; 0 if there is none.
+   !> The neighbour of a cell, through periodic boundaries where necessary; 0 if none.
    pure subroutine step_to(grid, map, cell, way, next, image)
       type(grid_t), intent(in) :: grid
       type(map_t), intent(in) :: map                     !! All cells
       integer, intent(in) :: cell                        !! From here
       integer, intent(in) :: way(3)                      !! -1, 0 or 1 along each direction
       integer, intent(out) :: next                       !! The other one
-      integer, intent(out) :: image(3)                   !! Boxes that it is moved by
+      integer, intent(out) :: image(3)                   !! Shift in periods
       integer :: place(3), direction
 
       next = 0
@@ -251,7 +251,7 @@ contains
       place(3) = int(key/(int(grid%cells(1), int64)*grid%cells(2)))
    end function place_of
 
-   !> Send the sums of each cell to the rank that adds up its fragment. Collective.
+   !> Send the sums of each cell to the rank that sums its fragment. Collective.
    subroutine hand_over(communicator, grid, cells, sums, map, key, here)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid
@@ -333,7 +333,7 @@ contains
       end do
    end subroutine add_all
 
-   !> Give all ranks all fragments, sorted by mass, the heaviest first. Collective.
+   !> Send all fragments to all ranks, sorted by mass, the heaviest first. Collective.
    subroutine collect(communicator, rows, number)
       type(communicator_t), intent(in) :: communicator
       real(wp), allocatable, intent(inout) :: rows(:, :) !! (column, fragment) Own in, all out
@@ -346,7 +346,8 @@ contains
 
       call communicator%gather(transfer(rows, none), whole)
       unsorted = reshape(transfer(whole, unsorted), [fragment_words, size(whole)/fragment_words])
-      ! identities part fragments of equal mass; the bits of numbers above 0 have their order
+      ! identities order fragments of equal mass; the bits of positive numbers have the order of the
+      ! numbers
       by_identity = sort_order(nint(unsorted(fragment_words, :), int64))
       by_mass = sort_order(-transfer(unsorted(3, by_identity), none))
       deallocate (rows)

@@ -27,7 +27,8 @@ module io_gauge
    integer, parameter, public :: on_surface = 3          !! Fit below a surface
    integer, parameter, public :: over_selection = 4      !! Means
    integer, parameter, public :: gauge_before = 4        !! Columns before the fields: x y z, count
-   !> Directions in which particles spread less than this fraction of the radius get no slope.
+   !> The fit has no slope along directions in which particles spread less than this fraction of the
+   !! radius.
    real(wp), parameter :: least_spread = 1.0e-3_wp
    integer, parameter :: basis_size = 4                  !! 1 and three coordinates
    integer, parameter :: products = 10                   !! Of pairs of these
@@ -36,13 +37,13 @@ module io_gauge
    type :: gauge_t
       integer :: kind = at_point                         !! One of the constants above
       real(wp) :: point(3) = 0.0_wp                      !! Position, or initial position [m]
-      real(wp) :: radius = 0.0_wp                        !! Of the material that is seen [m]
+      real(wp) :: radius = 0.0_wp                        !! Of the observed material [m]
       real(wp) :: depth = 0.0_wp                         !! The same below a surface [m]
       integer :: axis = 1                                !! Normal of the surface, about
       real(wp) :: side = 1.0_wp                          !! 1: the upper side along it, -1: lower
       integer(int64) :: identity = -1_int64              !! Of the particle, -1 = not found yet
       type(mean_t), allocatable :: means(:)              !! Fields
-      type(pick_rule_t) :: rule                          !! Which particles can be seen
+      type(pick_rule_t) :: rule                          !! Visible particles
    end type gauge_t
 
 contains
@@ -91,7 +92,7 @@ contains
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
       type(store_t), intent(in) :: stores(:)
       type(gauge_t), intent(inout) :: gauge              !! Gets the identity
-      real(wp), intent(out) :: distance                  !! Of the particle; huge: there is none [m]
+      real(wp), intent(out) :: distance                  !! Of the particle; huge if none [m]
       integer, allocatable :: order(:)
       integer(int64) :: identity(1)
       real(wp) :: square, least
@@ -135,8 +136,8 @@ contains
       allocate (order(0))
    end subroutine pick_identity
 
-   !> Where the beam meets the material: the end of the selected particle that reaches farthest.
-   !! Collective.
+   !> Position where the beam hits the material: the greatest end of the selected particles along
+   !! the beam. Collective.
    subroutine find_surface(communicator, grid, coordinate, stores, gauge, centre)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid                   !! The grid and its directions
@@ -171,7 +172,7 @@ contains
    !> Does a tile reach into the box around a point?
    pure logical function tile_near(grid, coordinate, centre, reach) result(near)
       type(grid_t), intent(in) :: grid
-      integer, intent(in) :: coordinate(3)               !! Place of the tile, from 0
+      integer, intent(in) :: coordinate(3)               !! Position of the tile, from 0
       real(wp), intent(in) :: centre(3)                  !! The point [m]
       real(wp), intent(in) :: reach(3)                   !! Half the edges of the box [m]
       real(wp) :: lower(3)
@@ -273,8 +274,8 @@ contains
       end do
    end subroutine fit
 
-   !> The constant of a fit: solution of moment x = right by elimination of the coordinates. One
-   !! in which the particles do not spread is left out.
+   !> The constant of a fit: solution of moment x = right by elimination of the coordinates.
+   !! Coordinates in which the particles do not spread are left out.
    pure real(wp) function value_at_centre(moment, right) result(value)
       real(wp), intent(in) :: moment(basis_size, basis_size) !! Symmetric
       real(wp), intent(in) :: right(basis_size)          !! Right side

@@ -2,11 +2,11 @@
 !> Fields on the cells of the grid as VTKHDF ImageData, which ParaView opens: only the smallest
 !! block of cells that holds all material is written.
 !!
-!! The points of the image are the middles of cells. Of what the format allows VTK 9.2, and so
-!! ParaView 5.11, cannot read data of cells, data of the whole field, such as the time, nor images
-!! without thickness. So times are in the series and in /provenance, and where there is one layer
-!! of cells its two faces have points. Ranks send their cells to the owners of the planes of the
-!! box, so no rank holds all of it.
+!! The points of the image are the middles of cells. VTK 9.2, and so ParaView 5.11, cannot read the
+!! following parts of the format: data of cells, data of the whole field, such as the time, and
+!! images without thickness. So times are in the series and in /provenance, and a single layer of
+!! cells has points on its two faces. Ranks send their cells to the owners of the planes of the box,
+!! so no rank holds all of it.
 module io_grid
    use base_communicator, only: communicator_t
    use base_constants, only: pi
@@ -51,7 +51,7 @@ contains
       type(mean_t), intent(in) :: means(:)               !! Means to write
       type(snapshot_format_t), intent(in) :: format      !! How, and of which particles
       type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
-      type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
+      type(error_t), allocatable, intent(out) :: error   !! Not written; partial file removed
       type(picks_t), allocatable :: picks(:)
       type(cells_t) :: cells
       type(box_t) :: box
@@ -99,7 +99,7 @@ contains
       associate (planes => box%planes)
          planes%total = box%extent(3)
          planes%compress = compress
-         ! the two points of a layer must not come to different ranks
+         ! the two points of a layer must be on the same rank
          planes%chunk = max(chunk_rows/product(int(box%extent(:2), int64)), &
             merge(2_int64, 1_int64, box%layer(3)))
          chunks = (planes%total + planes%chunk - 1)/planes%chunk
@@ -131,7 +131,7 @@ contains
          + 2_int64*size(header%body_names)*(len(header%body_names) + number)
    end function greatest_length
 
-   !> Write where the cells are.
+   !> Write origin and spacing of the cells.
    subroutine write_frame(file, grid, box, header)
       type(hdf5_file_t), intent(inout) :: file
       type(grid_t), intent(in) :: grid
@@ -242,7 +242,7 @@ contains
          *(grid%lower(1) + (real(place(1), wp) + 0.5_wp)*grid%spacing)
    end function cell_volume
 
-   !> Write one field: send the cells to the owners of their planes; elsewhere it is 0.
+   !> Write one field: send the cells to the owners of their planes; cells without particles have 0.
    subroutine write_field(file, box, cells, mean, values, single, units)
       type(hdf5_file_t), intent(inout) :: file
       type(box_t), intent(in) :: box                     !! All cells of the file
@@ -272,7 +272,7 @@ contains
          call file%attribute(name, "components", "xx yy zz xy yz xz")
    end subroutine write_field
 
-   !> Bring the values of cells to the ranks that write their planes. Collective.
+   !> Send the values of cells to the ranks that write their planes. Collective.
    subroutine share_out(communicator, box, cells, values, dense)
       type(communicator_t), intent(in) :: communicator
       type(box_t), intent(in) :: box                     !! All cells of the file
@@ -320,7 +320,7 @@ contains
       call copy_layers(box, parts, dense)
    end subroutine share_out
 
-   !> Where there is one layer of cells give the points of its other face the same values.
+   !> For a single layer of cells copy the values to the points of its other face.
    pure subroutine copy_layers(box, parts, dense)
       type(box_t), intent(in) :: box                     !! All cells of the file
       integer, intent(in) :: parts                       !! Components

@@ -98,7 +98,7 @@ contains
       call fail(error, exit_file, "'"//self%path//"' is damaged: cannot read '"//name//"'")
    end subroutine fail_at
 
-   !> True if there is an object of this name; the groups above it must be there.
+   !> True if there is an object of this name; the groups above it must exist.
    logical function source_has(self, name) result(there)
       class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
@@ -369,7 +369,7 @@ contains
          "' must have one to three dimensions")
    end subroutine source_extents
 
-   !> Read layers of a data set, which count along its slowest direction.
+   !> Read layers of a data set along its slowest direction.
    subroutine source_layers(self, name, before, extent, values, error)
       class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root

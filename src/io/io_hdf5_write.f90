@@ -81,7 +81,7 @@ contains
       type(rows_t), intent(in) :: rows                   !! Rows and compression
       integer(int64), intent(in) :: bytes_per_row        !! Bytes of a row before compression
       integer(int64) :: bytes
-      ! a chunk first takes the space of compressed zeros, which is not reused
+      ! a chunk first occupies the space of compressed zeros, which is not reused
       integer(int64), parameter :: heading = 8192, chunk_heading = 1024, zeros_ratio = 200
       integer(int64) :: chunks, length
 

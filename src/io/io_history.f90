@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Time histories and other tables as CSV: a heading with units, one row a time or several, cut back
-!! on restart. A column without a unit holds integers.
+!> Time histories and other tables as CSV: a heading with units, one or more rows per time,
+!! truncated on restart. A column without a unit holds integers.
 module io_history
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -20,13 +20,13 @@ module io_history
 
    !> A file of histories. Rank 0 writes; the values must be the same on all ranks.
    type :: history_t
-      integer, private :: key_place = 0                  !! Place of the column "step"
+      integer, private :: key_place = 0                  !! Index of the column "step"
       logical, allocatable, private :: whole(:)          !! (column) Is it of integers?
       type(output_units_t) :: units                      !! Units of the columns
       character(len=unit_length), allocatable, private :: unit(:) !! (column) Unit of SI
       type(output_file_t), private :: file               !! Open on rank 0
    contains
-      procedure :: open => history_open                  !! Begin, or go on
+      procedure :: open => history_open                  !! Creates or continues the file
       procedure :: row => history_row                    !! Write a row
       procedure :: rows => history_rows                  !! Write several rows of one time
       procedure :: close => history_close                !! Close
@@ -38,7 +38,7 @@ contains
    subroutine history_open(self, communicator, path, columns, resume_step, error)
       class(history_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
-      character(len=*), intent(in) :: path               !! Where
+      character(len=*), intent(in) :: path               !! Path
       character(len=*), intent(in) :: columns(:)         !! As "time [s]"; "step" holds the steps
       integer(int64), intent(in) :: resume_step          !! Later rows are cut away; < 0: all
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written, or other columns
@@ -77,11 +77,11 @@ contains
       call agree(communicator, error)
    end subroutine history_open
 
-   !> Take away the rows after a step, and an unfinished last line.
+   !> Remove the rows after a step, and an unfinished last line.
    subroutine cut_back(path, heading, key_place, resume_step, error)
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: heading            !! Expected first line
-      integer, intent(in) :: key_place                   !! Place of the column "step"
+      integer, intent(in) :: key_place                   !! Index of the column "step"
       integer(int64), intent(in) :: resume_step          !! Last step that stays
       type(error_t), allocatable, intent(out) :: error   !! Another heading, or not writable
       character(len=:), allocatable :: text
@@ -110,7 +110,7 @@ contains
    !> The step of a row; a row that cannot be read is dropped.
    pure function step_of(line, key_place) result(step)
       character(len=*), intent(in) :: line               !! A row
-      integer, intent(in) :: key_place                   !! Place of the column "step"
+      integer, intent(in) :: key_place                   !! Index of the column "step"
       integer(int64) :: step
       integer :: comma, first, place, status
 
@@ -137,7 +137,7 @@ contains
       call agree(communicator, error)
    end subroutine history_row
 
-   !> Write several rows that begin alike, at once. Collective.
+   !> Write several rows with the same first columns in one call. Collective.
    subroutine history_rows(self, communicator, begin, values, error)
       class(history_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator

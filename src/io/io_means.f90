@@ -81,7 +81,7 @@ contains
    subroutine add_mean(stores, name, if_carried, means, error)
       type(store_t), intent(inout) :: stores(:)          !! Not changed
       character(len=*), intent(in) :: name
-      logical, intent(in) :: if_carried                  !! Skip it if no particle has it
+      logical, intent(in) :: if_carried                  !! Skip fields that no particle has
       type(mean_t), allocatable, intent(inout) :: means(:)
       type(error_t), allocatable, intent(out) :: error   !! It has no mean
       type(column_t), allocatable :: columns(:)

@@ -34,7 +34,7 @@ contains
       type(meaning_t), intent(in) :: meaning             !! For messages
       real(wp), allocatable, intent(out) :: time(:)      !! As written
       real(wp), allocatable, intent(out) :: velocity(:, :) !! (3, entry) As written
-      type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
+      type(error_t), allocatable, intent(out) :: error   !! A line is not valid
       character(len=:), allocatable :: line
       real(wp), allocatable :: entries_read(:, :)
       real(wp) :: values(columns)

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Reads lists of points: CSV texts with a line a point, or snapshots of particles of another run.
+!> Reads lists of points: CSV texts with one line per point, or snapshots of particles of another
+!! run.
 module io_points
    use base_decimal, only: file_number
    use base_error, only: error_t, exit_file, fail
@@ -49,7 +50,7 @@ contains
       character(len=*), intent(in) :: text               !! Content of the file
       character(len=*), intent(in) :: path               !! For messages
       type(point_list_t), intent(out) :: list
-      type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
+      type(error_t), allocatable, intent(out) :: error   !! A line is not valid
       type(text_t), allocatable :: words(:)
       integer, allocatable :: column(:)
       character(len=:), allocatable :: line, fault

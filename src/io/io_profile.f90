@@ -67,7 +67,7 @@ contains
       end do
    end function field_columns
 
-   !> Ending of the name of a component, empty for a number.
+   !> Ending of the name of a component, empty for a scalar.
    pure function part_name(components, part) result(name)
       integer, intent(in) :: components                  !! How many there are
       integer, intent(in) :: part                        !! Index

@@ -14,11 +14,11 @@ module io_series
 
    public :: series_t
 
-   integer, parameter :: often = 50 !! Up to so many snapshots the index follows each
+   integer, parameter :: often = 50 !! Up to this number of snapshots each one updates the index
 
    !> A series of snapshots.
    type :: series_t
-      character(len=:), allocatable :: folder            !! Where the files are
+      character(len=:), allocatable :: folder            !! Folder of the files
       character(len=:), allocatable :: prefix            !! As "CASE_p"
       logical :: of_grids = .false.                      !! Fields on the grid: no index is written
       type(snapshot_info_t), allocatable, private :: steps(:) !! On rank 0 only
@@ -36,7 +36,7 @@ contains
    subroutine series_open(self, communicator, folder, prefix, next_number, note, error)
       class(series_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator
-      character(len=*), intent(in) :: folder             !! Where the files are
+      character(len=*), intent(in) :: folder             !! Folder of the files
       character(len=*), intent(in) :: prefix             !! As "CASE_p"
       integer, intent(in) :: next_number                 !! Number of the next snapshot
       character(len=:), allocatable, intent(out) :: note !! Rank 0: omitted files, or empty
@@ -61,7 +61,7 @@ contains
       call agree(communicator, error)
    end subroutine series_open
 
-   !> Take the snapshots whose names have a length and whose numbers are below another.
+   !> Add the snapshots with names of a given length and with numbers below a limit.
    subroutine collect(series, names, length, next_number, note)
       type(series_t), intent(inout) :: series            !! Gets the snapshots
       character(len=*), intent(in) :: names(:)           !! Names in the folder, sorted
@@ -133,7 +133,7 @@ contains
       call agree(communicator, error)
    end subroutine series_add
 
-   !> Bring the index up to date at the end of a run. Collective.
+   !> Update the index at the end of a run. Collective.
    subroutine series_close(self, communicator, error)
       class(series_t), intent(inout) :: self
       type(communicator_t), intent(in) :: communicator

@@ -28,7 +28,7 @@ module io_snapshot
    character(len=*), parameter :: about = "/provenance"  !! Origin of the file
    integer, parameter, public :: body_name_length = 64   !! Longest name of a body
 
-   !> How a snapshot is written.
+   !> Format of a snapshot.
    type, extends(pick_rule_t) :: snapshot_format_t
       logical :: single = .true.                         !! Fields in single precision
       integer :: compress = 1                            !! gzip level, 0: off
@@ -44,7 +44,7 @@ module io_snapshot
       character(len=:), allocatable :: git               !! Its revision
       character(len=:), allocatable :: compiler          !! Compiler and options of the program
       character(len=:), allocatable :: flags             !! How it was built
-      character(len=:), allocatable :: host              !! Where it ran
+      character(len=:), allocatable :: host              !! Host
       character(len=:), allocatable :: date              !! When the file was written
       character(len=:), allocatable :: case              !! Prefix of all files
       character(len=:), allocatable :: title             !! Line from the deck
@@ -60,7 +60,7 @@ module io_snapshot
       real(wp) :: dt_next = 0.0_wp                       !! Next stable time step [s]
       real(wp) :: velocity_lag = 0.0_wp                  !! Of velocities behind positions [s]
       integer(int64) :: step = 0                         !! Steps done
-      !> (3, 4) In a cell that deforms: its deformation, and the corner that stays [m]
+      !> (3, 4) In a cell that deforms: its deformation, and the fixed corner [m]
       real(wp), allocatable :: stretch(:, :)
       logical :: axisymmetric = .false.                  !! Points are (radius, 0, height)
       type(output_units_t) :: units                      !! Units of all data sets
@@ -76,10 +76,10 @@ contains
       type(communicator_t), intent(in) :: communicator
       character(len=*), intent(in) :: path
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
-      character(len=*), intent(in) :: fields(:)          !! What is written, ["default"]
+      character(len=*), intent(in) :: fields(:)          !! Fields to write, ["default"]
       type(snapshot_format_t), intent(in) :: format      !! Format of the file
       type(snapshot_header_t), intent(in) :: header      !! Attributes of the file
-      type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
+      type(error_t), allocatable, intent(out) :: error   !! Not written; partial file removed
       type(labels_t), intent(in), optional :: labels(:)  !! (store) Fragments, 0 without them
       type(column_t), allocatable :: columns(:)
       type(picks_t), allocatable :: picks(:)
@@ -280,7 +280,7 @@ contains
    subroutine write_single(file, name, rows, reals)
       type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
-      type(rows_t), intent(in) :: rows                   !! Which rows are here
+      type(rows_t), intent(in) :: rows                   !! Rows of this rank
       real(wp), intent(in) :: reals(:, :)                !! (component, row)
       real(real32), allocatable :: numbers(:), singles(:, :)
       integer :: component, row
@@ -320,7 +320,7 @@ contains
       end if
    end function rounded
 
-   !> Say in which unit a data set is.
+   !> Write the unit of a data set.
    subroutine write_units(file, name, long_name, unit, units)
       type(hdf5_file_t), intent(inout) :: file
       character(len=*), intent(in) :: name               !! From the root
@@ -378,7 +378,7 @@ contains
    !> Write the provenance of the file.
    subroutine write_provenance(file, header)
       type(hdf5_file_t), intent(inout) :: file
-      type(snapshot_header_t), intent(in) :: header      !! What is known
+      type(snapshot_header_t), intent(in) :: header      !! Header of the snapshot
 
       call file%group(about)
       call file%attribute(about, "schema", "scree-1")

@@ -22,7 +22,7 @@ module io_state
       real(wp) :: dt_next = 0.0_wp                        !! Length of the next step [s]
       type(entry_t), allocatable :: entries(:)            !! In the order of insertion
    contains
-      procedure :: place => state_place                   !! Index of an entry, 0 if there is none
+      procedure :: place => state_place                   !! Index of an entry, 0 if absent
       procedure :: has => state_has                       !! Is there an entry of this name?
       procedure, private :: set_reals, set_integers, get_reals, get_integers, find_or_add
       !> Store values under a name.

@@ -80,7 +80,7 @@ contains
       do facet = 1, count
          do n = 1, 3
             do k = 1, 3
-               ! the normal comes first and is not used: it follows from the order of the corners
+               ! the normal precedes the corners and is ignored: it follows from their order
                before = heading + facet_bytes*(facet - 1) + 12*n + 4*(k - 1)
                value = transfer(text(before + 1:before + 4), value)
                if (.not. ieee_is_finite(value)) then
@@ -99,7 +99,7 @@ contains
       character(len=*), intent(in) :: text               !! Content of the file
       character(len=*), intent(in) :: path               !! For messages
       real(wp), allocatable, intent(out) :: corner(:, :, :) !! (3, corner, facet)
-      type(error_t), allocatable, intent(out) :: error   !! A line cannot be understood
+      type(error_t), allocatable, intent(out) :: error   !! A line is not valid
       type(text_t), allocatable :: words(:)
       character(len=:), allocatable :: line
       real(wp), allocatable :: corners_read(:, :, :)

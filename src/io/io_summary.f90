@@ -116,7 +116,7 @@ contains
    !> Write the object to a file.
    subroutine json_write(self, path, error)
       class(json_t), intent(in) :: self
-      character(len=*), intent(in) :: path               !! Where
+      character(len=*), intent(in) :: path               !! Path
       type(error_t), allocatable, intent(out) :: error   !! Cannot be written
 
       call write_file(path, self%text(), error)

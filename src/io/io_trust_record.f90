@@ -13,12 +13,12 @@ module io_trust_record
    public :: add_trust, load_trust, save_trust, trust_t, trust_text, verdict_of
 
    integer, parameter, public :: trust_energy = 1    !! Error of the energy balance at the end
-   integer, parameter, public :: trust_volume = 2    !! Volume claimed beyond that there is
+   integer, parameter, public :: trust_volume = 2    !! Particle volume above the available volume
    integer, parameter, public :: trust_stretch = 3   !! Mass of particles far from their neighbours
    integer, parameter, public :: trust_noise = 4     !! Pressure that nodes do not resolve
    integer, parameter, public :: trust_speed = 5     !! Greatest speed over the explained speed
    integer, parameter, public :: trust_heat = 6      !! Energy of a particle, in the same way
-   integer, parameter, public :: trust_retired = 7   !! Mass taken out for leaving its bounds
+   integer, parameter, public :: trust_retired = 7   !! Mass of particles removed out of bounds
    integer, parameter, public :: trust_damped = 8 !! Kinetic energy dissipated by the PIC fraction
    integer, parameter, public :: trust_momentum = 9  !! Error of the momentum balance at the end
    integer, parameter, public :: trust_entries = 9   !! Number of these
@@ -32,9 +32,9 @@ module io_trust_record
       [0.02_wp, 0.1_wp, 0.01_wp, 0.5_wp, 2.0_wp, 4.0_wp, 0.0_wp, 0.05_wp, 1.0e-9_wp]
    real(wp), parameter :: bad_beyond(trust_entries) = &
       [0.1_wp, 0.25_wp, 0.1_wp, sqrt(0.5_wp), 4.0_wp, 16.0_wp, 0.01_wp, 0.5_wp, 0.01_wp]
-   !> Energy below the least at the start, in the same unit as the heat above
+   !> Energy below the initial minimum, in the same unit as the heat above
    real(wp), parameter :: cold_ok = 1.0_wp, cold_bad = 4.0_wp
-   !> Neighbours are apart from this distance on [cells]: one in ten pairs then has no common node
+   !> Distance of separated neighbours [cells]: one in ten pairs at this distance has no common node
    real(wp), parameter, public :: apart = 1.1_wp
 
    !> The record, kept from step to step. The same on all ranks.
@@ -45,7 +45,7 @@ module io_trust_record
       real(wp) :: difference = 0.0_wp !! Greatest pressure that nodes do not resolve [Pa]
       real(wp) :: start_speed = 0.0_wp               !! Greatest speed at the start [m/s]
       real(wp) :: start_energy = 0.0_wp              !! Greatest energy per mass then [J/kg]
-      real(wp) :: least_energy = 0.0_wp              !! Least of material that carries it [J/kg]
+      real(wp) :: least_energy = 0.0_wp              !! Least internal energy [J/kg]
       real(wp) :: work = 0.0_wp                      !! Greatest work of walls and gravity [J]
       logical :: begun = .false.                     !! Is the start known?
       logical :: failed = .false.                    !! Did the run have to end?
@@ -119,7 +119,7 @@ contains
 
    !> Write the record to the state of a checkpoint.
    subroutine save_trust(trust, state)
-      type(trust_t), intent(in) :: trust             !! What is known
+      type(trust_t), intent(in) :: trust             !! Measures of trust
       type(state_t), intent(inout) :: state          !! Of the checkpoint
 
       call state%set("trust", [trust%worst, trust%longest, trust%pressure, trust%difference, &
@@ -130,7 +130,7 @@ contains
 
    !> Read it from a checkpoint. If the checkpoint lacks it, the record starts empty.
    subroutine load_trust(trust, state)
-      type(trust_t), intent(inout) :: trust          !! What is known
+      type(trust_t), intent(inout) :: trust          !! Measures of trust
       type(state_t), intent(in) :: state             !! Of the checkpoint
       real(wp), allocatable :: values(:)
       integer(int64), allocatable :: flags(:)

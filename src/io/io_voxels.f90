@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Reads voxels from files: a data set of HDF5, or MetaImage, which is a text header with raw bytes.
 !!
-!! The result is a mask of the voxels with the selected value, one bit a voxel. HDF5 data sets are
+!! The result is a mask of the voxels with the selected value, one bit per voxel. HDF5 data sets are
 !! read in batches of layers.
 module io_voxels
    use base_decimal, only: file_number
@@ -110,13 +110,13 @@ contains
       if (marker%others == 0) text = "only values that are not finite"
    end function values_text
 
-   !> Expand values of a file to x, y, z: one for all directions, one a direction of the data,
-   !! or three.
+   !> Expand values of a file to x, y, z: one for all directions, one per direction of the data, or
+   !! three.
    subroutine spread_numbers(given, dimensions, values, fits)
       real(wp), intent(in) :: given(:)                   !! As in the file
       integer, intent(in) :: dimensions                  !! Of the data
       real(wp), intent(inout) :: values(3)               !! Along x, y, z
-      logical, intent(out) :: fits                       !! There are as many as needed
+      logical, intent(out) :: fits                       !! The number is sufficient
 
       fits = .true.
       if (size(given) == 0) return
@@ -131,7 +131,7 @@ contains
       end if
    end subroutine spread_numbers
 
-   !> Voxels along x, y and z: data of two directions lie in the plane of x and z.
+   !> Voxels along x, y and z: data of two directions are in the plane of x and z.
    pure function extent_in_space(extent) result(whole)
       integer, intent(in) :: extent(:)                   !! The fastest first
       integer :: whole(3)
@@ -369,7 +369,7 @@ contains
 
    !> The numbers of a line; an empty list if it has anything else.
    subroutine numbers_of(text, values)
-      character(len=*), intent(in) :: text               !! Numbers with blanks between them
+      character(len=*), intent(in) :: text               !! Numbers separated by blanks
       real(wp), allocatable, intent(out) :: values(:)
       type(text_t), allocatable :: words(:)
       integer :: n

@@ -15,9 +15,9 @@ module io_walls
    public :: walls_t, walls_write
 
    character(len=*), parameter :: root = "/VTKHDF"       !! Group that viewers read
-   character(len=*), parameter :: group = "/walls"       !! What the walls are
+   character(len=*), parameter :: group = "/walls"       !! Names and types of the walls
    integer, parameter, public :: wall_name_length = 96   !! Longest name of a wall
-   real(wp), parameter, public :: never = 1.0e30_wp      !! Time that is not reached in any unit [s]
+   real(wp), parameter, public :: never = 1.0e30_wp      !! Stands for infinite time [s]
    integer, parameter :: cell_types(4) = [1, 3, 5, 9]    !! Of VTK: vertex, line, triangle, quad
 
    !> Walls. The same on all ranks.
@@ -31,7 +31,7 @@ module io_walls
       real(wp), allocatable :: begin(:)                  !! (wall) Start of the time interval [s]
       real(wp), allocatable :: end(:)                    !! (wall) End of the time interval [s]
       real(wp), allocatable :: time(:)                   !! (entry) If any moves: when [s]
-      real(wp), allocatable :: shift(:, :, :)            !! (3, wall, entry) Way since the start [m]
+      real(wp), allocatable :: shift(:, :, :)            !! (3, wall, entry) Displacement [m]
    contains
       procedure :: name_wall => walls_name_wall          !! Number of a wall, new or known
       procedure :: add => walls_add                      !! Add a cell
@@ -39,8 +39,8 @@ module io_walls
 
 contains
 
-   !> Number of the wall of a name, type and time, which becomes a new one if there is none. Rigid
-   !! regions are walls of their own.
+   !> Number of the wall with a given name, type and time; a new wall if none exists. Each rigid
+   !! region is a separate wall.
    pure subroutine walls_name_wall(self, name, kind, face, begin, end, wall)
       class(walls_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Region or face
@@ -94,7 +94,7 @@ contains
       character(len=*), intent(in) :: path
       type(walls_t), intent(in) :: walls                 !! Walls to write
       type(snapshot_header_t), intent(in) :: header      !! Units and origin
-      type(error_t), allocatable, intent(out) :: error   !! Not written; nothing is left
+      type(error_t), allocatable, intent(out) :: error   !! Not written; partial file removed
       type(hdf5_file_t) :: file
 
       call file%create(communicator, path, greatest_length(walls, header), error)
@@ -119,7 +119,7 @@ contains
       if (allocated(header%echo)) bytes = bytes + len(header%echo)
    end function greatest_length
 
-   !> Write points and cells, with the wall and its face as data of the cells.
+   !> Write points and cells, with the numbers of wall and face as cell data.
    subroutine write_cells(file, walls, header)
       type(hdf5_file_t), intent(inout) :: file
       type(walls_t), intent(in) :: walls                 !! Walls to write

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Quantities that a caller may change between steps: velocities of walls and rigid regions, factors
-!! of loads, gravity. A change takes effect over the step that follows, in a straight line.
+!! of loads, gravity. A change is linear over the next step.
 module library_controls
    use base_error, only: error_t, exit_input, fail
    use base_kinds, only: wp
@@ -19,7 +19,7 @@ module library_controls
 
 contains
 
-   !> Names of the controls that a simulation has, one a line with its number of components.
+   !> Names of the controls of a simulation, one per line with its number of components.
    function control_names(simulation) result(text)
       type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable :: text
@@ -77,7 +77,7 @@ contains
       end if
    end function wall_name
 
-   !> Name of a load, by its place in the deck.
+   !> Name of a load, by its position in the deck.
    pure function load_name(place) result(name)
       integer, intent(in) :: place                   !! From 1
       character(len=:), allocatable :: name
@@ -169,7 +169,7 @@ contains
       call load%course%steer(from, over, values)
    end subroutine steer_load
 
-   !> Index of a wall that can be steered, by its name; 0 = there is none.
+   !> Index of a controllable wall by its name; 0 = none.
    pure integer function place_of(walls, name) result(place)
       type(wall_t), intent(in) :: walls(:)
       character(len=*), intent(in) :: name
@@ -180,7 +180,7 @@ contains
       place = 0
    end function place_of
 
-   !> Index of a load by its name; 0 = there is none.
+   !> Index of a load by its name; 0 = none.
    pure integer function load_of(simulation, name) result(place)
       type(simulation_t), intent(in) :: simulation
       character(len=*), intent(in) :: name

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Fields of particles for a caller outside: their names, and their memory without copies.
+!> Fields of particles for an external caller: their names, and direct access to their memory.
 module library_fields
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
@@ -21,7 +21,7 @@ module library_fields
       integer(c_int) :: writable = 0                   !! 1 = may be changed between steps
    end type field_view_t
 
-   !> Fields that cells, tiles, the ledger or files rely on: read only.
+   !> Fields that cells, tiles, the ledger or files depend on: read-only.
    character(len=9), parameter :: protected_fields(7) = [character(len=9) :: "identity", "body", &
       "position", "mass", "extent", "domain", "reference"]
 
@@ -35,7 +35,7 @@ module library_fields
       procedure :: whole => finder_whole               !! Integers
    end type finder_t
 
-   !> Lists the fields, one a line: name, unit, components, 1 for integers, 1 if writable.
+   !> Lists the fields, one per line: name, unit, components, 1 for integers, 1 if writable.
    type, extends(field_worker_t) :: lister_t
       character(len=:), allocatable :: text            !! Lines so far
    contains
@@ -46,7 +46,7 @@ module library_fields
 
 contains
 
-   !> The fields of a store, one a line: name, unit, components, 1 for integers, 1 if writable.
+   !> The fields of a store, one per line: name, unit, components, 1 for integers, 1 if writable.
    function field_list(store) result(text)
       type(store_t), intent(inout) :: store            !! Not changed
       character(len=:), allocatable :: text
@@ -57,7 +57,7 @@ contains
       text = lister%text
    end function field_list
 
-   !> Memory of a field, in which the particles of this rank are in one piece. It is valid until the
+   !> Memory of a field, in which the particles of this rank are contiguous. It is valid until the
    !! next step.
    subroutine find_field(store, name, view)
       type(store_t), intent(inout) :: store            !! Gets its particles in one piece

@@ -30,7 +30,7 @@ module library_interface
    type, bind(c) :: state_t
       real(c_double) :: time = 0                     !! [s]
       real(c_double) :: dt = 0                       !! Of the last step [s]
-      real(c_double) :: dt_next = 0                  !! Stable step that comes [s]
+      real(c_double) :: dt_next = 0                  !! Next stable step [s]
       real(c_double) :: time_end = 0                 !! End of the run [s]
       integer(c_int64_t) :: step = 0                 !! Steps done
       integer(c_int64_t) :: particles = 0            !! Of this rank
@@ -40,7 +40,7 @@ module library_interface
       integer(c_int) :: rank = 0                     !! This rank, from 0
       integer(c_int) :: ranks = 1                    !! Number of ranks
       integer(c_int) :: running = 0                  !! 1 until `scree_finish` or an error
-      integer(c_int) :: finished = 0                 !! 1 = no step is left
+      integer(c_int) :: finished = 0                 !! 1 = the run is finished
       integer(c_int) :: began_messages = 0           !! 1 = this simulation started MPI
    end type state_t
 
@@ -68,7 +68,7 @@ contains
    !! become invalid. Collective.
    integer(c_int) function scree_step(handle, steps, until) bind(c) result(code)
       type(c_ptr), value, intent(in) :: handle
-      integer(c_int64_t), value, intent(in) :: steps !! At most so many
+      integer(c_int64_t), value, intent(in) :: steps !! Maximum number of steps
       real(c_double), value, intent(in) :: until     !! No step begins from this time on [s]
       type(library_session_t), pointer :: session
 
@@ -107,9 +107,9 @@ contains
    end function scree_state
 
    !> A text, valid until the next call for this simulation: the message of the last error, folder
-   !! and case of the results, why the run ended; controls, one a line with its number of
-   !! components; the material of a store; its fields, one a line with name, unit, components, 1 for
-   !! integers, and 1 if writable.
+   !! and case of the results, why the run ended; controls, one per line with its number of
+   !! components; the material of a store; its fields, one per line with name, unit, components, 1
+   !! for integers, and 1 if writable.
    type(c_ptr) function scree_text(handle, what, index) bind(c) result(text)
       type(c_ptr), value, intent(in) :: handle
       integer(c_int), value, intent(in) :: what      !! One of the constants `text_`

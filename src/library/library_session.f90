@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> A simulation in the process of another program. It goes through `program_session` as the program
-!! scree does, writes nothing to the screen unless told, and leaves signals and the number of
-!! threads of the caller as they are.
+!! scree does, writes to the screen only on request, and does not change the signals and the number
+!! of threads of the caller.
 module library_session
    use base_communicator, only: message_passing_has_ended, message_passing_has_started
    use base_error, only: error_t, exit_input, exit_success, fail
@@ -19,11 +19,11 @@ module library_session
 
    public :: library_session_t
 
-   !> A session and what its caller sees of it.
+   !> A session, with the data for its caller.
    type, extends(session_t) :: library_session_t
       logical :: running = .false.                   !! Has it begun, and not been ended?
       logical :: began_messages = .false.            !! Did it start MPI?
-      logical :: copied = .false.                    !! Has it a communicator of its own?
+      logical :: copied = .false.                    !! Has it a duplicated communicator?
       integer :: threads = 1                         !! Threads between calls
       integer(int64) :: generation = 0               !! Changes whenever views become invalid
       character(len=:), allocatable :: message       !! Of the last error
@@ -77,7 +77,7 @@ contains
       end if
    end function session_open
 
-   !> Refuse a command line that asks for something else than a run.
+   !> Refuse a command line that requests anything but a run.
    subroutine require_run(command, error)
       type(command_t), intent(in) :: command
       type(error_t), allocatable, intent(out) :: error
@@ -116,11 +116,12 @@ contains
       end associate
    end subroutine join_ranks
 
-   !> Do steps until a number of them, a time, or the end of the run is reached. A step is not
-   !! shortened to meet the time, so results do not depend on how steps are called. Collective.
+   !> Do steps until a number of them, a time, or the end of the run is reached. The last step is
+   !! not shortened to end at the time, so results do not depend on how steps are called.
+   !! Collective.
    integer function session_step(self, steps, until) result(code)
       class(library_session_t), intent(inout) :: self
-      integer(int64), intent(in) :: steps            !! At most so many
+      integer(int64), intent(in) :: steps            !! Maximum number of steps
       real(wp), intent(in) :: until                  !! Not beyond the first time from here on [s]
       type(error_t), allocatable :: error
       integer(int64) :: last
@@ -192,7 +193,7 @@ contains
       code = self%note(error)
    end function session_finish
 
-   !> Give files and communicator back. A run that was not ended gets no summary. Collective.
+   !> Release files and communicator. An unfinished run gets no summary. Collective.
    subroutine session_close(self)
       class(library_session_t), intent(inout) :: self
       type(error_t), allocatable :: ignored
@@ -204,7 +205,7 @@ contains
       self%copied = .false.
    end subroutine session_close
 
-   !> Refuse a call for a run that has ended or could not begin.
+   !> Refuse a call for a run that has ended or could not start.
    subroutine session_refuse_ended(self, error)
       class(library_session_t), intent(in) :: self
       type(error_t), allocatable, intent(out) :: error

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checks of the keys of a material that single keys cannot decide: models that fit each other, the
+!> Checks of combinations of keys of a material: compatible models, the
 !> moduli and the effects.
 module material_checks
    use base_deck, only: deck_t, group_t
@@ -70,7 +70,7 @@ contains
          "shear must be set [Pa], or young [Pa] and poisson")
    end subroutine check_moduli
 
-   !> Models that fit each other and the effects.
+   !> Check that models are compatible with each other and with the effects.
    subroutine check_models(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
       type(group_t), intent(in) :: group             !! Group &material
@@ -101,8 +101,8 @@ contains
       end if
    end subroutine check_models
 
-   !> A rate of Johnson and Cook that some model uses. The default itself is accepted, as the echo
-   !! of a deck holds it for every material.
+   !> Check that some model uses the rate of Johnson and Cook. The default itself is accepted,
+   !! because the echo of a deck holds it for every material.
    subroutine check_rate(material, group, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
       type(group_t), intent(in) :: group             !! Group &material
@@ -119,7 +119,7 @@ contains
          "jc_rate is given but no model of Johnson and Cook", "jc_rate")
    end subroutine check_rate
 
-   !> A temperature of melting where something melts.
+   !> Check that melting material has a melting temperature.
    subroutine check_melting(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
       type(group_t), intent(in) :: group             !! Group &material
@@ -141,7 +141,7 @@ contains
       end if
    end subroutine check_melting
 
-   !> Only grains that nothing holds together can be as dense as the nodes find them.
+   !> Only material without cohesion can get its density from the nodes.
    subroutine check_packing(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
       type(group_t), intent(in) :: group             !! Group &material
@@ -158,7 +158,7 @@ contains
          "without cohesion; remove one of both", "volume_from")
    end subroutine check_packing
 
-   !> Failure that fits the law and the effects.
+   !> Check that the failure model is compatible with the law and the effects.
    subroutine check_failure(material, group, effects, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
       type(group_t), intent(in) :: group             !! &material
@@ -201,7 +201,7 @@ contains
 
       call group%get("strength_model", strength)
       call group%get("eos_model", eos)
-      ! The default itself is accepted, as the echo of a deck holds it for every material.
+      ! The default itself is accepted, because the echo of a deck contains it for every material.
       if (group%given("eos_model") .and. eos /= "linear") call deck%complain(group, &
          "eos_model is not used, as strength_model = '"//strength//"' gives the whole stress; "// &
          "remove it", "eos_model")

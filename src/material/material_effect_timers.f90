@@ -14,7 +14,7 @@ module material_effect_timers
 
    public :: stage_clock_t, divide_phase_time
 
-   integer(int64), parameter :: every = 32           !! Steps from one that is timed to the next
+   integer(int64), parameter :: every = 32           !! Steps between timed steps
 
    !> Samples of one thread.
    type :: stage_clock_t
@@ -85,7 +85,7 @@ contains
       end do
    end subroutine stage_clock_update
 
-   !> Move the time of each effect with a row of its own out of the phase that holds them.
+   !> Subtract the time of each effect with a separate row from the phase that includes it.
    subroutine divide_phase_time(laps, from, rows, timer)
       type(stage_clock_t), intent(in) :: laps(:)    !! Of all threads
       integer, intent(in) :: from                    !! The phase that holds them all

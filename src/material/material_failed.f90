@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Failed material: rubble, which has no deviator and supports no tension; nothing; or material with
-!! a law of its own.
+!> Failed material: rubble without deviator and tension, material without stress, or material with a
+!! separate law.
 !!
-!! A law of its own is called for the failed particles of a range only. Their state is gathered,
-!! which leaves loops over neighbouring particles, and a range without any costs the test of its
-!! flags. The stress at failure is the first one of that law, which returns it to what the law
-!! allows.
+!! The law of failed material is called for the failed particles of a range only. Their state is
+!! gathered into contiguous arrays, and a range without failed particles costs only the test of the
+!! flags. The stress at failure is the initial stress of that law, which returns it to its yield
+!! surface.
 module material_failed
    use base_constants, only: pi
    use base_deck_group, only: group_t
@@ -33,7 +33,7 @@ module material_failed
       procedure :: scatter => failed_law_scatter        !! Scatters them back
    end type failed_law_t
 
-   !> How particles of a material fail.
+   !> Failure of the particles of a material.
    type :: failure_t
       type(spall_t), allocatable :: spall            !! Limit of tension without failure
       type(fracture_t), allocatable :: fracture      !! Permanent failure
@@ -260,7 +260,7 @@ contains
       end do
    end subroutine remove_loose_deviator
 
-   !> Put the failed particles back into their range.
+   !> Copy the failed particles back to their range.
    pure subroutine failed_law_scatter(self, subset, state, deformation, first)
       class(failed_law_t), intent(in) :: self
       type(failed_subset_t), intent(in) :: subset          !! Failed particles
@@ -282,7 +282,7 @@ contains
       end do
    end subroutine failed_law_scatter
 
-   !> Take all stress from failed particles.
+   !> Set the stress of failed particles to zero.
    pure subroutine remove_failed_stress(first, last, failed, stress, wave_speed)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range

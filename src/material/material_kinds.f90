@@ -10,7 +10,7 @@ module material_kinds
 
 contains
 
-   !> Is a material without strength? Loose grains have some.
+   !> Is a material without strength? Loose grains have strength.
    pure logical function is_fluid(material) result(yes)
       type(material_t), intent(in) :: material
 
@@ -19,7 +19,7 @@ contains
          material%law%has_grains() .or. material%law%gives_whole_stress())
    end function is_fluid
 
-   !> Does a material support any shear: without flow, failure or a law made for large strains?
+   !> Does a material support any shear: without flow, failure or a law for large strains?
    pure logical function supports_any_shear(material) result(yes)
       type(material_t), intent(in) :: material
 
@@ -31,8 +31,8 @@ contains
          .or. material%law%has_grains())
    end function supports_any_shear
 
-   !> True if all materials are gases: without strength, with an internal energy, and without a
-   !! pressure that holds them together where they have none.
+   !> True if all materials are gases: without strength, with an internal energy, and without
+   !! cohesion at zero energy.
    pure logical function all_gases(materials) result(yes)
       type(material_t), intent(in) :: materials(:)   !! Those of the deck
       integer :: index
@@ -55,7 +55,7 @@ contains
    end function any_gas
 
    !> Is a material a gas, or an explosive whose products are one: without strength, with an
-   !! internal energy, and without a pressure that holds it together where it has none?
+   !! internal energy, and without cohesion at zero energy?
    pure logical function is_gas(material) result(yes)
       type(material_t), intent(in) :: material
 
@@ -63,7 +63,7 @@ contains
          (allocated(material%burn) .or. .not. material%reference_speed() > 0.0_wp)
    end function is_gas
 
-   !> True if all materials store the work of strain and give it back: no flow, failure or heat.
+   !> True if all materials store the work of strain reversibly: no flow, failure or heat.
    pure logical function stores_work(materials) result(stored)
       type(material_t), intent(in) :: materials(:)   !! Those of the deck
       integer :: index

@@ -45,7 +45,7 @@ module material_models
       procedure :: start => models_start             !! Initial state of particles
       procedure :: draw_strength => models_draw_strength       !! Random strength of particles
       procedure :: start_energy => models_start_energy !! Internal energy at the start
-      procedure :: starts_with_energy => models_starts_with_energy !! True if it has some then
+      procedure :: starts_with_energy => models_starts_with_energy !! True if it has energy then
       procedure :: is_gas_of_explosive => models_is_gas_of_explosive !! Products of a detonation
       procedure :: has_shear => models_has_shear     !! True if it has a shear modulus
       procedure :: has_whole_stress => models_has_whole_stress !! True if the law gives all stress
@@ -181,7 +181,7 @@ contains
       if (allocated(self%eos)) does = self%eos%starts_with_energy()
    end function models_starts_with_energy
 
-   !> True for the products of an explosive, which neither melt nor have strength.
+   !> True for the products of an explosive, which do not melt and have no strength.
    pure logical function models_is_gas_of_explosive(self) result(is_gas)
       class(models_t), intent(in) :: self
 
@@ -231,7 +231,7 @@ contains
    pure real(wp) function models_reference_speed(self) result(speed)
       class(models_t), intent(in) :: self
 
-      ! Of a material with an error in the deck nothing is known.
+      ! Properties of a material with an error in the deck are unknown.
       speed = 0.0_wp
       if (.not. self%density > 0.0_wp) return
       speed = sqrt((self%bulk + 4.0_wp/3.0_wp*self%shear)/self%density)

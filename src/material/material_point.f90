@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> One material point that is driven along a path, without grid, by the chain that particles run
-!! through.
+!> One material point that is driven along a path, without grid, with the same update as particles.
 !!
-!! Where the energy is carried it gets the work of the mean of the stresses before and after a step.
+!! The energy, if carried, increases by the work of the mean of the stresses before and after a
+!! step.
 module material_point
    use base_kinds, only: wp
    use constitutive_state, only: deformation_t, material_state_t
@@ -28,7 +28,7 @@ module material_point
       type(material_state_t) :: state                       !! State
       type(deformation_t) :: deformation             !! Step
    contains
-      procedure :: start => point_start              !! Puts the point at rest
+      procedure :: start => point_start              !! Sets the point to rest
       procedure :: run => point_run                  !! Drives it along its path
       procedure :: header => point_header            !! Names of the columns
       procedure, private :: row => point_row         !! Its state as numbers
@@ -96,7 +96,7 @@ contains
       end do
    end subroutine point_run
 
-   !> One step with a gradient that is referred to its middle.
+   !> One step with a gradient that refers to its middle.
    pure subroutine advance(chain, gradient, dt, state, deformation)
       class(chain_t), intent(in) :: chain
       real(wp), intent(in) :: gradient(9)                !! dt du_k/dx_l [1]
@@ -131,13 +131,13 @@ contains
          + stress(6)*(gradient(3) + gradient(7))
    end function work
 
-   !> One step in which some diagonal components of the gradient, all the same, hold the pressure
-   !! from the sides: secants, and bisection where these leave the bracket that was found.
+   !> One step in which some diagonal components of the gradient, all the same, hold the lateral
+   !! pressure: secant method, with bisection where it leaves the bracket.
    pure subroutine balance(point, chain, gradient, components, dt, lateral)
       type(point_t), intent(inout) :: point
       class(chain_t), intent(in) :: chain
       real(wp), intent(in) :: gradient(9)            !! The other components [1]
-      integer, intent(in) :: components(:)           !! Which components are found
+      integer, intent(in) :: components(:)           !! Components to find
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(inout) :: lateral             !! Last and new value [1]
       type(material_state_t) :: before
@@ -185,7 +185,7 @@ contains
    end subroutine confine
 
    !> States behind shocks of growing speed u in material at rest: p = rho0 u**2/(1 - r) and e =
-   !! u**2/2 with r = rho0/rho, where p is that of the chain.
+   !! u**2/2 with r = rho0/rho, where p is that of the material update.
    pure subroutine shock(point, chain, table)
       type(point_t), intent(inout) :: point
       class(chain_t), intent(in) :: chain
@@ -206,7 +206,7 @@ contains
                chain%start_energy(point%temperature) + 0.5_wp*speed**2
             call chain%find_rest_stress(point%state, 1, 1)
             pressure = -sum(point%state%stress(1, 1:3))/3.0_wp
-            ! A table has no pressure where it ends, which counts as too dense.
+            ! Outside its range a table has no pressure; such a state counts as too dense.
             if (ieee_is_nan(pressure)) then
                low = ratio
             else if (pressure*(1.0_wp - ratio) > chain%density*speed**2) then

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Stages of the material update in their order, and the effect of &effects that each belongs to.
+!> Stages of the material update in their order, and the entry of &effects for each.
 module material_stages
    implicit none
    private
@@ -29,7 +29,7 @@ module material_stages
       stage_remove_stress = 13     ! failed particles without any stress
    integer, parameter, public :: stage_count = 13    !! Stages of a time step
 
-   !> Effect that a stage belongs to
+   !> Effect of a stage
    integer, parameter, public :: effect_of_stage(stage_count) = [effect_damage, effect_voids, &
       effect_strength, effect_voids, effect_eos, effect_damage, effect_strength, effect_damage, &
       effect_viscosity, effect_thermal, effect_viscosity, effect_strength, effect_damage]

@@ -16,7 +16,7 @@ module material_type
    !> One material: a chain of models that can be read from the deck.
    type, extends(chain_t) :: material_t
    contains
-      procedure :: read => material_read             !! Makes it from its &material
+      procedure :: read => material_read             !! Creates it from its &material
    end type material_t
 
 contains
@@ -37,7 +37,7 @@ contains
       call effects%read(deck%group("effects"))
       group = deck%group("material", place)
       call group%get("name", self%name)
-      ! a misspelt model or preset is reported already; its keys would only be follow-up errors
+      ! a misspelt model or preset is reported already; errors in its keys would only follow from it
       if (.not. group%valid(models)) return
       call choose_models(self, group, effects)
       if (present(table) .and. allocated(self%eos)) call take_table(self, deck, group, table, path)
@@ -137,7 +137,7 @@ contains
          material%law%bulk = material%bulk
          material%law%density = material%density
          call material%law%read(group, effects)
-         ! Material with neither cohesion nor tension is loose from the start.
+         ! Material without cohesion and tension is loose from the start.
          if (allocated(material%voids)) &
             material%voids%loose = material%law%least_pressure() >= 0.0_wp
       end if

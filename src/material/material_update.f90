@@ -26,7 +26,7 @@ module material_update
 
    public :: chain_t
 
-   !> The models as a chain through which a time step runs.
+   !> The models, in the order of their update in a time step.
    type, extends(models_t) :: chain_t
    contains
       procedure :: find_rest_stress => chain_find_rest_stress !! Stress of a given state at rest
@@ -39,13 +39,13 @@ module material_update
 contains
 
    !> Stress of particles at rest whose volume, energy, deformation gradient or deviator of stress
-   !! were set from outside: a step without deformation that takes no time.
+   !! were set from outside: a step of zero length without deformation.
    pure subroutine chain_find_rest_stress(self, state, first, last)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state        !! State of the store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      ! Shorter than any time of the material, but a divisor with finite results.
+      ! Shorter than any time scale of the material, but still a valid divisor.
       real(wp), parameter :: instant = 1.0e-100_wp
       type(deformation_t) :: deformation
 
@@ -232,7 +232,7 @@ contains
       end if
    end subroutine add_pressure
 
-   !> Take all stress from failed particles, if they keep none.
+   !> Set the stress of failed particles to zero, if requested.
    pure subroutine remove_stress(self, state, deformation, first, last)
       class(chain_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state            !! State of the store
@@ -280,7 +280,7 @@ contains
       end if
    end subroutine update_pressure
 
-   !> Add the pressure that fracture made to that of the equation of state, where there is any.
+   !> Add the pressure made by fracture, if any, to that of the equation of state.
    pure subroutine add_bulking(state, deformation, first, last)
       type(material_state_t), intent(in) :: state               !! State of the store
       type(deformation_t), intent(inout) :: deformation  !! Step of the range

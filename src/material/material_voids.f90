@@ -7,9 +7,9 @@
 !!
 !!    d ln rho = -(alpha d ln V + B dt),   d ln theta = (alpha - 1) d ln V + B dt
 !!
-!! Only theta is carried. Where alpha is 0 theta V is kept to round-off, and so is rho: voids open
-!! and close without pressure, and closed ones leave the pressure of the volume alone. Equation
-!! (F.17) of doc/theory/failure.md.
+!! Only theta is stored. Where alpha is 0, theta V and rho are constant to round-off: voids open and
+!! close without pressure, and closed voids do not change the pressure. Equation (F.17) of
+!! doc/theory/failure.md.
 module material_voids
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -25,7 +25,7 @@ module material_voids
    !> Rules of the voids of a material.
    type :: voids_t
       logical :: opens = .true.                      !! Voids of loose material open and close
-      logical :: crushes = .false.                   !! Pressed grains close them permanently
+      logical :: crushes = .false.                   !! Compressed grains close them permanently
       logical :: loose = .false. !! All material is loose, not only failed material
       real(wp) :: start = 1.0_wp                     !! theta of the reference state [1]
       real(wp) :: critical = 1.0_wp                  !! theta from which on grains touch [1]
@@ -33,10 +33,10 @@ module material_voids
       real(wp) :: expansion = 0.0_wp                 !! Of B: thermal expansion of volume [1/K]
    contains
       procedure :: read => voids_read                !! Reads the keys
-      !> Fraction of the dilatation that the material takes
+      !> Fraction of the dilatation of the material itself
       procedure :: choose_fraction => voids_choose_fraction
       procedure :: update_solid_fraction => voids_update_solid_fraction  !! Opens and closes voids
-      procedure :: to_solid_volume => voids_to_solid_volume !! Volume becomes that of the solid
+      procedure :: to_solid_volume => voids_to_solid_volume !! Sets the volume to that of the solid
       procedure :: to_total_volume => voids_to_total_volume              !! And back again
       procedure :: to_solid_volumes => voids_to_solid_volumes !! The same before and after the step
    end type voids_t
@@ -115,7 +115,7 @@ contains
       call group%get("b_thermal", self%expansion)
    end subroutine voids_read
 
-   !> Fraction of the dilatation that the material takes in the step, from the stress before it.
+   !> Fraction of the dilatation of the material itself in the step, from the stress before it.
    pure subroutine voids_choose_fraction(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -163,7 +163,7 @@ contains
             + (gradient(i, 9) - mean)**2) + (gradient(i, 2) + gradient(i, 4))**2 &
             + (gradient(i, 3) + gradient(i, 7))**2 + (gradient(i, 6) + gradient(i, 8))**2)
          theta = solid_fraction(k)
-         ! Pressed grains climb over each other, until they are as loose as they can be.
+         ! Compressed grains dilate under shear down to the least solid fraction.
          solid_fraction(k) = merge(max(min(theta, voids%critical), &
             theta/(1.0_wp + voids%shearing*shear*(1.0_wp + 0.5_wp*voids%shearing*shear))), theta, &
             loose(i) > 0.5_wp .and. pressure(i) > 0.0_wp)
@@ -210,7 +210,7 @@ contains
       end do
    end subroutine move_fraction
 
-   !> Volume becomes that of the solid, for the models of the material.
+   !> Replace the volume by that of the solid, for the models of the material.
    pure subroutine voids_to_solid_volume(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -222,8 +222,8 @@ contains
       state%volume(first:last) = state%volume(first:last)*state%solid_fraction(first:last)
    end subroutine voids_to_solid_volume
 
-   !> Volumes before and after the step become those of the material itself, which takes its part of
-   !! the dilatation. The volume of the motion is left in `whole_volume`.
+   !> Volumes before and after the step become those of the material itself, without the dilatation
+   !! of voids. The volume with voids is stored in `total_volume`.
    pure subroutine voids_to_solid_volumes(self, state, deformation, first, last)
       class(voids_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store
@@ -253,7 +253,7 @@ contains
             0.0_wp)
    end subroutine voids_to_total_volume
 
-   !> Let heated grains fill voids: B = expansion dT/dt. Equation (F.20).
+   !> Expand heated grains into voids: B = expansion dT/dt. Equation (F.20).
    pure subroutine expand_grains(first, last, expansion, temperature, old_temperature, &
       solid_fraction)
       integer, intent(in) :: first                   !! First particle of the range
@@ -271,8 +271,8 @@ contains
       end do
    end subroutine expand_grains
 
-   !> Share of grains that expand, theta exp(growth) but not above 1, with the positive Pade
-   !! approximant of order (2, 2), which cooling takes back to round-off.
+   !> Volume fraction of grains that expand, theta exp(growth) but at most 1, with the positive Pade
+   !! approximant of order (2, 2), which cooling reverses to round-off.
    pure real(wp) function expanded_fraction(solid_fraction, growth) result(fraction)
       real(wp), intent(in) :: solid_fraction         !! Before [1]
       real(wp), intent(in) :: growth                 !! Of the logarithm of their volume [1]

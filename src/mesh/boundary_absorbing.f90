@@ -15,7 +15,7 @@ module boundary_absorbing
       !> (normal or tangential, material) Rate at which a node is slowed [1/s]
       real(wp), allocatable :: decay(:, :)
       !> (x, y, z) Index of the material beyond each node of the boundary, counted from 0; 0 where
-      !! none continues and the boundary is open
+      !! no material continues and the boundary is open
       integer, allocatable :: beyond(:, :, :)
    contains
       procedure, nopass :: meaning => absorbing_meaning

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Rigid walls with friction after Coulomb, which material may leave. Equation (M.24) of
+!> Rigid walls with Coulomb friction, from which material may separate. Equation (M.24) of
 !! doc/theory/method.md.
 module boundary_friction
    use base_deck_group, only: group_t
@@ -89,7 +89,7 @@ contains
       inward = inward_sign(face)
       do n = 1, size(nodes)
          node = nodes(n)
-         ! velocity gain of particles through the node if the wall holds it
+         ! velocity gain of particles from the node if the wall constrains it
          taken = -inward*(dt*acceleration(normal, node) + pic*free(normal, node))
          if (.not. taken > 0.0_wp) cycle
          if (inward*(free(normal, node) + dt*acceleration(normal, node)) > 0.0_wp) cycle
@@ -108,7 +108,8 @@ contains
       end do
    end subroutine friction_apply
 
-   !> Remove the normal velocity of nodes that the wall held in the step: those that did not leave.
+   !> Remove the normal velocity of nodes that the wall constrained in the step, unless they
+   !! separate.
    pure subroutine friction_hold_pressed(self, face, nodes, ended, velocity)
       class(boundary_friction_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6

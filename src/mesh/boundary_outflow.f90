@@ -7,7 +7,7 @@ module boundary_outflow
 
    public :: boundary_outflow_t
 
-   !> Particles leave, and the balance records them.
+   !> Particles leave the domain, and the ledger records them.
    type, extends(boundary_condition_t) :: boundary_outflow_t
    contains
       procedure, nopass :: meaning => outflow_meaning

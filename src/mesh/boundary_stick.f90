@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Rigid walls that hold material.
+!> Rigid walls to which material sticks.
 module boundary_stick
    use base_kinds, only: wp
    use mesh_boundary_condition, only: boundary_condition_t

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Walls that move as given.
+!> Walls with a prescribed velocity.
 module boundary_velocity
    use base_kinds, only: wp
    use mesh_boundary_condition, only: boundary_condition_t, yes

@@ -23,18 +23,18 @@ module mesh_boundary
       procedure :: add_forces => boundary_add_forces !! Forces of boundaries on nodes
       procedure :: constrain => boundary_constrain   !! Impose velocities on nodes
       procedure :: apply_friction => boundary_apply_friction !! Friction of boundaries on nodes
-      !> Hold nodes that friction held in the step
+      !> Constrain nodes on walls with friction
       procedure :: hold_pressed => boundary_hold_pressed
       procedure :: mirror => boundary_mirror         !! Impose mirror symmetry on node tensors
       procedure :: insulate => boundary_insulate     !! No flux through boundaries
-      procedure :: held_at => boundary_held_at       !! Temperatures given to nodes
+      procedure :: held_at => boundary_held_at       !! Prescribed temperatures of nodes
       procedure :: raise => boundary_raise !! Multiply values of nodes on closed boundaries
       procedure :: see_gaps => boundary_see_gaps     !! Material that thins out towards a closed one
    end type boundary_t
 
 contains
 
-   !> True if some node of the tile lies on a boundary that changes velocities of nodes.
+   !> True if a node of the tile is on a boundary that changes node velocities.
    pure logical function boundary_touches(self, grid, coordinate) result(touches)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -124,7 +124,8 @@ contains
       end do
    end subroutine boundary_apply_friction
 
-   !> Remove the normal velocity of nodes that friction held in the step: those that did not leave.
+   !> Remove the normal velocity of nodes that walls with friction constrained in the step, unless
+   !! they separate.
    pure subroutine boundary_hold_pressed(self, grid, coordinate, ended, velocity, only)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -229,8 +230,8 @@ contains
    end subroutine boundary_raise
 
    !> Fill less 1 of nodes on closed boundaries, where it is less than that of the next node
-   !! inwards:
-   !! a gap between the boundary and material that bears on it, not a surface of the material.
+   !! inwards: such a difference is a gap between the boundary and the material that presses on it,
+   !! and not a surface of the material.
    pure subroutine boundary_see_gaps(self, grid, coordinate, noise, filled, around, excess)
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -2,9 +2,8 @@
 !> The abstract boundary condition: the type of a &boundary, on a boundary of the domain, on a part
 !! of one, or in a rigid region.
 !!
-!! A condition acts on the nodes of one tile that lie on one boundary, never on a single node, so
-!! that dynamic dispatch costs nothing compared with the work. The defaults are those of a closed
-!! wall without further action.
+!! One call applies a condition to all nodes of a tile on one boundary, so the cost of dynamic
+!! dispatch is negligible. The defaults are those of a closed wall without further action.
 module mesh_boundary_condition
    use base_deck_group, only: group_t
    use base_kinds, only: wp
@@ -34,13 +33,13 @@ module mesh_boundary_condition
       procedure, nopass :: has_friction => no      !! Does it resist that motion?
       procedure, nopass :: absorbs_waves => no     !! Does it add forces?
       procedure, nopass :: acts_on_nodes => yes    !! Does it change velocities of nodes?
-      procedure, nopass :: suits_part => yes       !! May it hold on a part of a boundary?
-      procedure :: suits_region => condition_suits_region !! May it hold in a rigid region?
+      procedure, nopass :: suits_part => yes       !! Allowed on a part of a boundary?
+      procedure :: suits_region => condition_suits_region !! Allowed in a rigid region?
       procedure :: is_closed => condition_is_closed  !! Does it keep material in?
 
       procedure :: add_forces => condition_add_forces !! Add accelerations of nodes
       procedure :: constrain => condition_constrain  !! Set velocities, remove accelerations
-      procedure :: apply_friction => condition_apply_friction !! Slow nodes that forces press on it
+      procedure :: apply_friction => condition_apply_friction !! Apply friction to pressed nodes
       procedure :: hold_pressed => condition_hold_pressed !! Hold nodes that were pressed on it
    end type boundary_condition_t
 
@@ -67,7 +66,7 @@ contains
       inward = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
    end function inward_sign
 
-   !> A condition without keys of its own declares none.
+   !> By default a condition has no keys.
    subroutine condition_declare(self, schema)
       class(boundary_condition_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
@@ -89,7 +88,7 @@ contains
       answer = .true.
    end function yes
 
-   !> Conditions that let material out, or that suit whole boundaries only, are not allowed for
+   !> Conditions that release material, or that apply to whole boundaries only, are not allowed for
    !! rigid regions.
    pure logical function condition_suits_region(self) result(suits)
       class(boundary_condition_t), intent(in) :: self
@@ -97,7 +96,7 @@ contains
       suits = self%suits_part() .and. .not. self%lets_out()
    end function condition_suits_region
 
-   !> A boundary is closed if it acts on nodes and does not let particles out.
+   !> A boundary is closed if it acts on nodes and does not release particles.
    pure logical function condition_is_closed(self) result(closed)
       class(boundary_condition_t), intent(in) :: self
 
@@ -118,7 +117,7 @@ contains
    end subroutine condition_add_forces
 
    !> Set the velocity of nodes and remove their acceleration, except those of the wall itself. Open
-   !! boundaries leave both.
+   !! boundaries change neither.
    pure subroutine condition_constrain(self, face, nodes, lead, velocity, acceleration)
       class(boundary_condition_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Nodes of a tile that lie on a boundary of the domain. Boundaries are numbered from 1 to 6: xlo,
+!> Nodes of a tile on a boundary of the domain. Boundaries are numbered from 1 to 6: xlo,
 !! xhi, ylo, yhi, zlo, zhi.
 module mesh_boundary_nodes
    use mesh_boundary_condition, only: normal_direction
@@ -21,7 +21,7 @@ contains
       call nodes_box(grid, coordinate, face, has, first, length)
    end function has_boundary_nodes
 
-   !> The nodes of a tile, its margin included, that lie on a boundary, x running fastest.
+   !> The nodes of a tile, its margin included, on a boundary; x runs fastest.
    pure subroutine boundary_nodes(grid, coordinate, face, nodes, number)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
@@ -44,7 +44,7 @@ contains
       end do
    end subroutine boundary_nodes
 
-   !> The box of nodes of a tile, its margin included, that lies on a boundary.
+   !> The box of nodes of a tile, its margin included, on a boundary.
    pure subroutine nodes_box(grid, coordinate, face, here, first, length)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0

@@ -9,13 +9,13 @@ module mesh_boundary_walls
 
    public :: boundary_walls_t, face_names
 
-   !> Names of the boundaries, two a direction, the lower first.
+   !> Names of the boundaries, two per direction, the lower first.
    character(len=3), parameter :: face_names(6) = ["xlo", "xhi", "ylo", "yhi", "zlo", "zhi"]
 
-   !> The walls. A boundary is open where none acts.
+   !> The walls. A boundary is open where no wall acts.
    type :: boundary_walls_t
       !> Walls in the order of their boundaries; on each the whole boundary first, then its parts,
-      !! of which the last one that covers a position holds there
+      !! of which the last one that covers a position applies
       type(wall_t), allocatable :: wall(:)
       real(wp) :: kick = 0.0_wp                      !! Time for which forces act in this step [s]
    contains
@@ -123,7 +123,7 @@ contains
       if (self%wall(n)%acts) name = trim(self%wall(n)%condition%name)
    end function walls_type_name
 
-   !> Index of the wall that holds at a position on a boundary now, 0 = none.
+   !> Index of the wall that applies at a position on a boundary now, 0 = none.
    pure integer function walls_wall_at(self, face, place) result(n)
       class(boundary_walls_t), intent(in) :: self
       integer, intent(in) :: face                    !! 1 to 6

@@ -80,7 +80,7 @@ contains
    !! `lower` from upper - 1 to 1.
    pure subroutine box_reduce(self, steps)
       class(box_t), intent(inout) :: self
-      real(wp), intent(out) :: steps(3, 3)           !! Whole edges that were taken away
+      real(wp), intent(out) :: steps(3, 3)           !! Subtracted whole edges
       integer :: lower, upper
 
       steps = 0.0_wp

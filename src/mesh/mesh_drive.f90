@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How a periodic cell is driven: the velocity gradient of a stage of the deck, and the axes whose
-!! stress is held. Equation (G.3) of doc/theory/grains.md.
+!> How a periodic cell is driven: the velocity gradient of a stage of the deck, and the axes with
+!! prescribed stress. Equation (G.3) of doc/theory/grains.md.
 module mesh_drive
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -17,8 +17,8 @@ module mesh_drive
    !> How the cell is driven.
    type :: drive_t
       real(wp) :: gradient(3, 3) = 0.0_wp            !! Given velocity gradient [1/s]
-      logical :: servo(3) = .false.                  !! Axes whose stress is held
-      logical :: isotropic = .false.                 !! All axes alike, mean pressure held
+      logical :: servo(3) = .false.                  !! Axes with prescribed stress
+      logical :: isotropic = .false.                 !! Same rate on all axes, mean pressure held
       real(wp) :: pressure = 0.0_wp                  !! Held [Pa]
       real(wp) :: servo_rate = 0.0_wp                !! Strain rate at an error of 1 [1/s]
       real(wp) :: haste = 20.0_wp                    !! Times that of a cell without stress [1]
@@ -72,8 +72,8 @@ contains
    end function stage_duration
 
    !> Set the rate of the servo, (G.3): a little faster than a wave crosses the cell, and a part of
-   !! the shear. Where a time step is given, a held stress changes by a quarter of its error at most
-   !! in it, so that stiff material does not swing.
+   !! the shear. With a given time step, the prescribed stress changes by at most a quarter of its
+   !! error per step, so that stiff material does not oscillate.
    pure subroutine drive_set_rate(self, density, speed, height, dt)
       class(drive_t), intent(inout) :: self
       real(wp), intent(in) :: density                !! [kg/m3]
@@ -88,7 +88,7 @@ contains
    end subroutine drive_set_rate
 
    !> Velocity gradient of the next step: the given one, and on servo axes the rate that brings the
-   !! stress to its value. Far below it the cell shrinks faster.
+   !! stress to its target. Far below the target the cell shrinks faster.
    pure subroutine drive_steer(self, stress, box)
       class(drive_t), intent(in) :: self
       real(wp), intent(in) :: stress(3, 3)           !! Mean of the cell, tension positive [Pa]

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The uniform Cartesian grid: cells, tiles of cells, and the constants of a cell's nodes.
 !!
-!! One code serves one, two and three dimensions: a cell always has eight lanes, one a node, the
-!! number of a lane less 1 holding one bit a direction. An inactive direction has one layer of cells
-!! and nodes; its upper lanes have weight zero and coincide with the lower ones.
+!! The code is the same in one, two and three dimensions: a cell always has eight lanes, one per
+!! node, and the bits of the lane number less 1 are the positions along each direction. An inactive
+!! direction has one layer of cells and nodes; its upper lanes have weight zero and coincide with
+!! the lower ones.
 module mesh_grid
    use base_constants, only: pi
    use base_kinds, only: wp
@@ -27,8 +28,8 @@ module mesh_grid
       integer :: tiles(3) = 1                        !! Tiles along each direction
       integer :: tile_cells = 1                      !! Cells of a tile
       integer :: margin = 0                          !! Layers of nodes beyond the faces of a tile
-      !> Ways on which a margin counts before patches are exchanged again: to the nodes, and with
-      !! the dual gradient back as well
+      !> Transfers that need the margin between exchanges of patches: to the nodes, and with the
+      !! dual gradient also back
       integer :: reaches = 1
       integer :: tile_nodes = 1                      !! Nodes of a tile, with faces and margin
       integer :: stride(3) = 0                       !! Step in the node index of a tile
@@ -36,7 +37,7 @@ module mesh_grid
       !> Weight of lane a at local coordinate xi of direction k: constant(a, k) + slope(a, k) xi.
       real(wp) :: lane_constant(lanes, 3) = 0.0_wp
       real(wp) :: lane_slope(lanes, 3) = 0.0_wp
-      integer, allocatable :: cell_position(:, :)    !! (3, 0:cells - 1) Place of a cell in its tile
+      integer, allocatable :: cell_position(:, :)    !! (3, 0:cells - 1) Of a cell in its tile
       integer, allocatable :: first_node(:)          !! (0:cells - 1) Its first node in the tile
       !> (node of the grid, 3) Integral of the function of a node along each direction [m, m2]
       real(wp), allocatable :: line(:, :)
@@ -44,7 +45,7 @@ module mesh_grid
       procedure :: start => grid_start               !! Derive everything from corners and spacing
       procedure :: tile_extent => grid_tile_extent   !! Cells of one tile along each direction
       procedure :: tile_corner => grid_tile_corner   !! Lower corner of a tile
-      procedure :: node_position => grid_node_position !! Place of a node in its tile
+      procedure :: node_position => grid_node_position !! Position of a node in its tile
       procedure :: node_volume => grid_node_volume   !! Volume around each node of a tile
    end type grid_t
 
@@ -100,8 +101,8 @@ contains
       call integrate_lines(self)
    end subroutine grid_start
 
-   !> Cells along a tile. The halo needs so many layers of cells before the next tile but one, so in
-   !! a periodic direction the last tile must not be thinner than that.
+   !> Cells along a tile. The halo must not reach the next tile but one, so in a periodic direction
+   !! the last tile must be at least as thick as the halo.
    pure integer function tile_width(cells, periodic, preferred, least) result(width)
       integer, intent(in) :: cells                   !! Cells along the direction
       logical, intent(in) :: periodic                !! Is the direction periodic?
@@ -182,7 +183,7 @@ contains
       end do
    end subroutine integrate_lines
 
-   !> Place of a node in its tile along each direction, 0 on the lower face, less in the margin.
+   !> Position of a node in its tile along each direction, 0 on the lower face, less in the margin.
    pure function grid_node_position(self, node) result(position)
       class(grid_t), intent(in) :: self
       integer, intent(in) :: node                    !! Node of a tile, counted from 1
@@ -197,7 +198,7 @@ contains
       end do
    end function grid_node_position
 
-   !> Volume that belongs to each node of a tile: the integral of its function over the domain [m3].
+   !> Volume of each node of a tile: the integral of its shape function over the domain [m3].
    pure subroutine grid_node_volume(self, coordinate, volume)
       class(grid_t), intent(in) :: self
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0

@@ -3,8 +3,9 @@
 !!
 !! A rank that has the patches of all tiles around its own can compute all nodes that its particles
 !! need, so one exchange per transfer is enough, and partial sums are never sent. The lists of
-!! messages are computed once for as long as tiles and cuts stay as they are; each rank around gets
-!! one message an exchange. Tiles that no other rank uses are worked on during the exchange.
+!! messages are computed once for as long as tiles and cuts stay as they are; each neighbouring rank
+!! receives one message per exchange. Tiles that no other rank uses are computed during the
+!! exchange.
 module mesh_halo
    use base_communicator, only: communicator_t, posted_t
    use base_kinds, only: int64, wp
@@ -27,7 +28,7 @@ module mesh_halo
       integer, allocatable :: tile(:)                !! Own tiles to send, grouped by rank
       integer(int64) :: messages = 0                 !! Messages sent so far
       integer(int64) :: words = 0                    !! Words of 8 bytes in the messages
-      integer(int64), private :: version = -1        !! Of the tiles that this holds for
+      integer(int64), private :: version = -1        !! Of the tiles of these lists
       type(posted_t), private :: posted              !! Messages in transit
       integer(int64), allocatable, private :: incoming(:) !! Received data
    contains
@@ -40,7 +41,7 @@ module mesh_halo
 
 contains
 
-   !> Send the patches of border tiles and make those that arrive ghosts of this rank.
+   !> Send the patches of border tiles, and store received ones as ghosts of this rank.
    subroutine exchange_patches(communicator, grid, tiles, halo, patch)
       type(communicator_t), intent(inout) :: communicator
       type(grid_t), intent(in) :: grid
@@ -123,8 +124,8 @@ contains
       if (.not. first) first = list(entry) /= list(entry - 1)
    end function starts
 
-   !> Other ranks that own a neighbour of a tile, each once. A neighbour that is an own tile needs
-   !! no search.
+   !> Other ranks that own a neighbour of a tile, each once. A neighbour on this rank needs no
+   !! search.
    pure subroutine ranks_around(communicator, grid, tiles, tile, ranks, number)
       type(communicator_t), intent(in) :: communicator
       type(grid_t), intent(in) :: grid

@@ -10,12 +10,12 @@ module mesh_hash_table
    integer(int64), parameter :: empty = -1           !! Key of a slot that holds nothing
    integer(int64), parameter :: least_slots = 16     !! A power of two
    integer(int64), parameter :: half_word = 2_int64**31 - 1
-   !> Odd multipliers below 2^30, so that no product or sum leaves 63 bits.
+   !> Odd multipliers below 2^30, so that no product or sum exceeds 63 bits.
    integer(int64), parameter :: low_factor = 1013904223, high_factor = 668265263, &
       last_factor = 374761393
 
-   !> Hash table with open addressing: linear probes, at most half full. The order in which
-   !> different keys come in does not change an answer. Reading from several threads is safe.
+   !> Hash table with open addressing: linear probes, at most half full. The order of
+   !> insertion of keys does not change a result. Reading from several threads is safe.
    type :: key_table_t
       private
       integer(int64) :: used = 0                     !! Number of keys
@@ -31,7 +31,7 @@ module mesh_hash_table
 
 contains
 
-   !> Forget all keys and set the capacity.
+   !> Delete all keys and set the capacity.
    pure subroutine table_clear(self, capacity)
       class(key_table_t), intent(inout) :: self
       integer, intent(in) :: capacity                !! Keys to expect; more make the table grow
@@ -112,7 +112,7 @@ contains
       end do
    end subroutine grow
 
-   !> The slot that holds a key, or the empty one where it belongs.
+   !> The slot of a key, or the empty slot for its insertion.
    pure integer(int64) function slot_of(keys, mask, key) result(slot)
       integer(int64), intent(in) :: mask             !! Number of slots - 1
       integer(int64), intent(in) :: keys(0:mask)     !! Keys of the slots, at least one empty

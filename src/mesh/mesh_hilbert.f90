@@ -2,9 +2,9 @@
 !> Hilbert's space-filling curve through tiles: numbers that keep neighbours together.
 !!
 !! J. Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707 (2004) 381. The curve always
-!! fills the box of 2^21 tiles a direction, so a key does not depend on the size of the grid, and
+!! fills the box of 2^21 tiles per direction, so a key does not depend on the size of the grid, and
 !! a cube of 2^k tiles at the origin has the first keys. Levels above the highest bit in use only
-!! exchange the directions in turn; they are done at once.
+!! exchange the directions in turn; they are processed in one operation.
 module mesh_hilbert
    use base_kinds, only: int64
    implicit none
@@ -12,7 +12,7 @@ module mesh_hilbert
 
    public :: hilbert_coordinate, hilbert_key
 
-   integer, parameter, public :: curve_bits = 21     !! Coordinates lie in 0 to 2^21 - 1
+   integer, parameter, public :: curve_bits = 21     !! Coordinates: 0 to 2^21 - 1
    !> Masks that spread bits over every second and over every third bit, step by step.
    integer(int64), parameter :: second(5) = [int(z"0000ffff0000ffff", int64), &
       int(z"00ff00ff00ff00ff", int64), int(z"0f0f0f0f0f0f0f0f", int64), &
@@ -26,7 +26,7 @@ contains
 
    !> Place of a tile on the curve, 0 or more.
    pure integer(int64) function hilbert_key(coordinate, dimensions) result(key)
-      integer, intent(in) :: coordinate(3)           !! Place of the tile, each 0 to 2^21 - 1
+      integer, intent(in) :: coordinate(3)           !! Position of the tile, 0 to 2^21 - 1
       integer, intent(in) :: dimensions              !! 1 of x, 2 of x and z, or 3
 
       select case (dimensions)
@@ -41,9 +41,9 @@ contains
 
    !> The tile at a position on the curve; the inverse of hilbert_key.
    pure function hilbert_coordinate(key, dimensions) result(coordinate)
-      integer(int64), intent(in) :: key              !! Place on the curve
+      integer(int64), intent(in) :: key              !! Position on the curve
       integer, intent(in) :: dimensions              !! 1 of x, 2 of x and z, or 3
-      integer :: coordinate(3)                       !! Place of the tile, 0 where not active
+      integer :: coordinate(3)                       !! Position of the tile, 0 if inactive
 
       coordinate = 0
       select case (dimensions)
@@ -58,7 +58,7 @@ contains
 
    !> Key in two dimensions.
    pure integer(int64) function key_plane(x, z) result(key)
-      integer, intent(in) :: x, z                    !! Place of the tile
+      integer, intent(in) :: x, z                    !! Position of the tile
       integer :: a, b, level, gray
 
       level = levels_used(ior(x, z))
@@ -80,7 +80,7 @@ contains
 
    !> Key in three dimensions.
    pure integer(int64) function key_space(x, y, z) result(key)
-      integer, intent(in) :: x, y, z                 !! Place of the tile
+      integer, intent(in) :: x, y, z                 !! Position of the tile
       integer :: a, b, c, level, gray
 
       level = levels_used(ior(ior(x, y), z))
@@ -102,8 +102,8 @@ contains
 
    !> Tile of a key in two dimensions.
    pure subroutine point_plane(key, x, z)
-      integer(int64), intent(in) :: key              !! Place on the curve
-      integer, intent(out) :: x, z                   !! Place of the tile
+      integer(int64), intent(in) :: key              !! Position on the curve
+      integer, intent(out) :: x, z                   !! Position of the tile
       integer :: a, b, level, used, gray
 
       a = gather_second(shiftr(key, 1))
@@ -127,8 +127,8 @@ contains
 
    !> Tile of a key in three dimensions.
    pure subroutine point_space(key, x, y, z)
-      integer(int64), intent(in) :: key              !! Place on the curve
-      integer, intent(out) :: x, y, z                !! Place of the tile
+      integer(int64), intent(in) :: key              !! Position on the curve
+      integer, intent(out) :: x, y, z                !! Position of the tile
       integer :: level, used, gray
 
       x = gather_third(shiftr(key, 2))

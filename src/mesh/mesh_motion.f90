@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> How a wall moves, and from when to when it acts. Its position follows from the time alone, so it
-!! is not in checkpoints.
+!> Motion of a wall, and the time interval in which it acts. Its position follows from the time
+!! alone, so it is not in checkpoints.
 module mesh_motion
    use base_kinds, only: wp
    implicit none
@@ -73,8 +73,8 @@ contains
       if (allocated(self%time)) shift = shift + table_way(self, from, until)
    end function motion_shift
 
-   !> Mean of the velocity over some time, whether the wall acts or not: the integral of the
-   !! straight lines by its length [m/s].
+   !> Mean of the velocity over a time interval, whether the wall acts or not: the integral of the
+   !! straight lines divided by the interval [m/s].
    pure function motion_mean(self, from, length) result(mean)
       class(motion_t), intent(in) :: self
       real(wp), intent(in) :: from                   !! Begin of the time [s]
@@ -85,11 +85,11 @@ contains
       if (allocated(self%time)) mean = mean + table_way(self, from, from + length)/length
    end function motion_mean
 
-   !> Change the velocity from a time on, in a straight line over some time, and constant after it.
-   !! What the table says of later times is replaced; the displacement so far is kept.
+   !> Change the velocity from a given time on: linear over an interval and constant after it. Later
+   !! entries of the table are replaced; the displacement so far is kept.
    pure subroutine motion_steer(self, from, over, velocity)
       class(motion_t), intent(inout) :: self
-      real(wp), intent(in) :: from                   !! The velocity is as before until then [s]
+      real(wp), intent(in) :: from                   !! Start of the change [s]
       real(wp), intent(in) :: over                   !! Length of the change, above 0 [s]
       real(wp), intent(in) :: velocity(3)            !! After the change [m/s]
       real(wp) :: now(3)

@@ -26,7 +26,7 @@ module mesh_moving_cell
       real(wp) :: ends = 0.0_wp                      !! Time [s]
    end type leg_t
 
-   !> Mesh and cell at the begin of a step, in its middle and at its end.
+   !> Mesh and cell at the start of a step, in its middle and at its end.
    type :: stretch_t
       real(wp) :: before(3, 3) = 0.0_wp              !! F at the begin [1]
       real(wp) :: back(3, 3) = 0.0_wp                !! Its inverse [1]
@@ -42,7 +42,7 @@ module mesh_moving_cell
       !> Stress times volume of material that carries internal energy, of other material, and mass
       !! times the squares of velocities, xx yy zz xy yz xz [J]
       real(wp) :: now(sums) = 0.0_wp
-      real(wp) :: former(sums) = 0.0_wp              !! The same a step before [J]
+      real(wp) :: former(sums) = 0.0_wp              !! Of the previous step [J]
    end type sums_t
 
    !> The cell.
@@ -58,7 +58,7 @@ module mesh_moving_cell
       real(wp) :: mass = 0.0_wp                      !! Of all material [kg]
       real(wp) :: speed = 0.0_wp                     !! Of the fastest wave, at the start [m/s]
       real(wp) :: work = 0.0_wp                      !! Of the stress on the cell so far [J]
-      real(wp) :: steps(3, 3) = 0.0_wp               !! Whole edges taken away in the step
+      real(wp) :: steps(3, 3) = 0.0_wp               !! Whole edges subtracted in the step
    contains
       procedure :: tilt => cell_tilt                 !! Edges at the start
       procedure :: renew => cell_renew               !! Quantities that depend on the edges
@@ -174,8 +174,8 @@ contains
    end subroutine cell_steer
 
    !> Work of the stress of particles on the cell in the step, (B.8) [J]. Material with internal
-   !! energy gets the work of the stress at the begin, over the time that forces act; of other
-   !! material the mean of both ends counts.
+   !! energy contributes the work of the stress at the start, over the time that forces act; other
+   !! material contributes the mean of both ends.
    pure real(wp) function cell_step_work(self, gradient, kick) result(work)
       class(moving_cell_t), intent(in) :: self       !! With the sums at both ends of the step
       real(wp), intent(in) :: gradient(3, 3)         !! L in the step [1/s]
@@ -216,7 +216,7 @@ contains
       end do
    end function cell_greatest
 
-   !> Longest step in which the cell is strained by so much at most [s].
+   !> Longest step with at most a given strain of the cell [s].
    pure real(wp) function cell_longest_step(self, strain) result(dt)
       class(moving_cell_t), intent(in) :: self
       real(wp), intent(in) :: strain                 !! [1]
@@ -348,7 +348,7 @@ contains
    end subroutine cell_place_strain
 
    !> Gradients that do the work of the step, g F0^-1 + L dt: forces act in the configuration at its
-   !! begin, (B.8).
+   !! start, (B.8).
    pure subroutine cell_place_work(self, count, dt, gradient)
       class(moving_cell_t), intent(in) :: self
       integer, intent(in) :: count                   !! Particles

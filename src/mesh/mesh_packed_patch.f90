@@ -32,7 +32,7 @@ module mesh_packed_patch
    !> The packed patches of all tiles.
    type :: packed_patch_t
       integer :: rows = 0                            !! Rows of a whole patch
-      integer, allocatable :: row(:)                 !! Those that are kept
+      integer, allocatable :: row(:)                 !! Kept ones
       real(wp), allocatable :: values(:)             !! Node by node, tile by tile
    contains
       procedure :: keep => packed_keep               !! Choose the rows
@@ -93,7 +93,7 @@ contains
    pure subroutine packed_keep(self, rows, kept)
       class(packed_patch_t), intent(inout) :: self
       integer, intent(in) :: rows                    !! Rows of a whole patch
-      logical, intent(in) :: kept(:)                 !! (row) Which can be other than zero
+      logical, intent(in) :: kept(:)                 !! (row) Can it be nonzero?
       integer :: row
 
       self%rows = rows
@@ -150,7 +150,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(node_boxes_t), intent(in) :: boxes             !! Boxes of the tiles
       integer, intent(in) :: tile
-      integer, intent(in) :: first                   !! First row of the patch that belongs here
+      integer, intent(in) :: first                   !! First row of the patch for this call
       real(wp), contiguous, intent(in) :: patch(:, :) !! (row, node) Whole
       integer :: y, z, node, at, nodes, low(3), high(3), margin(3)
 

@@ -105,7 +105,7 @@ contains
       integer, intent(in) :: lines                   !! Nodes along z
       integer, intent(in) :: here                    !! Nodes of the sums before the first one
       integer, intent(in) :: stride                  !! Nodes from line to line in the sums
-      integer(int64), intent(in) :: there            !! Numbers of the packed patches before it
+      integer(int64), intent(in) :: there            !! Elements of packed patches before it
       integer, intent(in) :: length                  !! Nodes of a line of the packed patch
       real(wp), contiguous, intent(in) :: packed(:)  !! (row kept, node) Flat, all tiles
       real(wp), contiguous, intent(inout) :: total(:, :) !! (row, node) Sums

@@ -4,7 +4,7 @@
 !! Each tile holds values of all its nodes, those on its faces included. The contributions of its
 !! own particles are a patch; the sum of the patches of all tiles that contain a node, taken in the
 !! order of the neighbours, is the same to the last bit on every tile, thread and rank. The
-!! components of a node lie together, because whole nodes are added to whole nodes.
+!! components of a node are contiguous in memory, because patches are added node by node.
 module mesh_patch
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

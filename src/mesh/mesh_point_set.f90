@@ -10,8 +10,8 @@ module mesh_point_set
    !> A set of points.
    type, abstract :: point_set_t
    contains
-      procedure(contains_i), deferred :: contains    !! Whether a point belongs to it
-      procedure(bounds_i), deferred :: bounds        !! A box around it
+      procedure(contains_i), deferred :: contains    !! True if a point is inside
+      procedure(bounds_i), deferred :: bounds        !! Bounding box
    end type point_set_t
 
    abstract interface

@@ -11,12 +11,12 @@ module mesh_rigid
 
    public :: held_t, rigid_t
 
-   !> Nodes of a tile that rigid regions hold.
+   !> Nodes of a tile that rigid regions constrain.
    type :: held_t
       integer :: coordinate(3) = -1                  !! The tile for which they were found
-      logical :: moves = .false.                     !! Does a region that moves meet the tile?
+      logical :: moves = .false.                     !! Does a moving region overlap the tile?
       integer, allocatable :: node(:)                !! Nodes of the tile
-      integer, allocatable :: wall(:)                !! The region that holds each
+      integer, allocatable :: wall(:)                !! The region of each
       real(wp), allocatable :: normal(:, :)          !! (3, held) Out of it, 0 = the node sticks [1]
    end type held_t
 
@@ -24,7 +24,7 @@ module mesh_rigid
    type :: rigid_t
       type(wall_t), allocatable :: wall(:)           !! The regions, the later ones winning
       type(held_t), allocatable :: held(:)           !! (tile) The nodes in them
-      logical :: switched = .true. !! Has one begun or ceased to act since nodes were found?
+      logical :: switched = .true. !! Has one started or stopped since nodes were found?
       real(wp) :: kick = 0.0_wp                      !! Time that forces act in this step [s]
       integer(int64) :: looked = -1                  !! Step for which the nodes were found
    contains
@@ -78,7 +78,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      type(held_t), intent(inout) :: held            !! Those found before
+      type(held_t), intent(inout) :: held            !! In: previous nodes
       real(wp), parameter :: near = 4.0_wp           ! maximum search distance [cells]
       real(wp) :: low(3), high(3)
       logical :: moves, meets
@@ -131,7 +131,7 @@ contains
       end do
    end subroutine find_nodes
 
-   !> The last region that holds a node, 0 = none.
+   !> The last region that contains a node, 0 = none.
    pure integer function owner_of(self, grid, place) result(owner)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -143,8 +143,8 @@ contains
       owner = 0
    end function owner_of
 
-   !> Direction out of the regions at a node. On a closed boundary it lies in the boundary: both
-   !! conditions hold there.
+   !> Direction out of the regions at a node. On a closed boundary it is parallel to the boundary:
+   !! both conditions apply there.
    pure subroutine find_normal(self, grid, boundary, coordinate, node, place, normal)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -179,7 +179,7 @@ contains
       end if
    end subroutine find_normal
 
-   !> True if some node of the tile lies in a region.
+   !> True if a node of the tile is inside a region.
    pure logical function rigid_holds(self, tile) result(holds)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
@@ -261,8 +261,8 @@ contains
       end associate
    end subroutine rigid_rub
 
-   !> Take the velocity along the normal of nodes that regions held in the step: those that did not
-   !! leave.
+   !> Set the normal velocity of nodes that regions constrained in the step to that of the region,
+   !! unless the node separates.
    pure subroutine rigid_keep(self, tile, ended, velocity)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
@@ -287,14 +287,14 @@ contains
    end subroutine rigid_keep
 
    !> Remove the part of a change of velocities that regions prevent: all of it, or its component
-   !! along the normal where the node does not leave.
+   !! along the normal where the node does not separate.
    pure subroutine rigid_take(self, tile, velocity, open, change)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
-      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where boundaries hold, else 1
+      real(wp), contiguous, intent(in) :: open(:, :) !! (3, node) 0 where prescribed, else 1
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) Without that [m/s]
-      real(wp), parameter :: least = 1.0e-6_wp       ! of a normal, beyond what rounding leaves
+      real(wp), parameter :: least = 1.0e-6_wp       ! of a normal, above rounding errors
       real(wp) :: normal(3), length
       integer :: n, node
 

@@ -2,7 +2,7 @@
 !> The surface of a set of points as triangles, in a plane as segments, along a line as points.
 !!
 !! A lattice is laid over the set and each of its cells is split into simplices (H. W. Kuhn, IBM J.
-!! Res. Dev. 4 (1960) 518). Edges with one end inside are bisected, so the corners of the facets lie
+!! Res. Dev. 4 (1960) 518). Edges with one end inside are bisected, so the corners of the facets are
 !! on the surface to rounding; edges and corners of the set are cut off by less than a lattice cell.
 module mesh_surface_cut
    use base_kinds, only: wp
@@ -30,7 +30,7 @@ module mesh_surface_cut
 
 contains
 
-   !> Facets of the surface of a set inside a box. None if the set does not meet the box.
+   !> Facets of the surface of a set inside a box. None if the set and the box do not overlap.
    pure subroutine cut_surface(set, lower, upper, active, spacing, piece)
       class(point_set_t), intent(in) :: set
       real(wp), intent(in) :: lower(3)               !! Corner of the box [m]
@@ -107,7 +107,7 @@ contains
       where (lattice%active) place = place + lattice%step*real(index, wp)
    end function place_of
 
-   !> Whether a point belongs to the set and to the box.
+   !> True if a point is inside the set and the box.
    pure logical function holds(set, lattice, x) result(inside)
       class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice         !! Has the box
@@ -121,7 +121,7 @@ contains
    pure subroutine cut_cell(set, lattice, inside, cell, piece, found)
       class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice
-      logical, intent(in) :: inside(0:, 0:, 0:)      !! Which of its points belong to the set
+      logical, intent(in) :: inside(0:, 0:, 0:)      !! Its points inside the set
       integer, intent(in) :: cell(3)                 !! First point of the cell
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Extended
       integer, intent(inout) :: found                !! Number of facets in it
@@ -166,12 +166,12 @@ contains
       end do
    end function in_order
 
-   !> The facet of the surface in a simplex, two facets where a tetrahedron is cut in a quadrangle.
+   !> The facet of the surface in a simplex, two facets if the cut of a tetrahedron is a quadrangle.
    pure subroutine cut_simplex(set, lattice, corner, within, piece, found)
       class(point_set_t), intent(in) :: set
       type(lattice_t), intent(in) :: lattice
       integer, contiguous, intent(in) :: corner(:, 0:) !! (3, corner) Its points
-      logical, intent(in) :: within(0:)              !! Which of them belong to the set
+      logical, intent(in) :: within(0:)              !! Points inside the set
       real(wp), allocatable, intent(inout) :: piece(:, :, :) !! Extended
       integer, intent(inout) :: found                !! Number of facets in it
       real(wp) :: cut(3, 4), inner(3), outer(3)

@@ -2,8 +2,8 @@
 !> The direction out of rigid regions.
 !!
 !! It uses only the test whether a point is inside, so it works for any shape and any set operation:
-!! the seam between two regions, and the side of a region that lies on a boundary of the domain, are
-!! no surface.
+!! the seam between two regions, and the side of a region on a boundary of the domain, do not count
+!! as surfaces.
 module mesh_surface_normal
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -17,7 +17,7 @@ module mesh_surface_normal
    integer, parameter :: paces = 8                   !! Maximum search distance
    real(wp), parameter :: aside = 0.05_wp            !! Of the positions that give slopes [cells]
    integer, parameter :: halvings = 40               !! Of a piece of a ray
-   real(wp), parameter :: beside = 0.499999_wp       !! A position so near touches a wall [cells]
+   real(wp), parameter :: beside = 0.499999_wp       !! Distance that touches a wall [cells]
    integer, parameter :: most_rays = 124             !! That start from a position
    integer, parameter :: rounds = 12                 !! From a normal to a better one, at most
    real(wp), parameter :: converged = 1.0e-9_wp      !! Change of a normal that is good enough
@@ -33,7 +33,7 @@ contains
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(out) :: normal(3)             !! Unit vector [1]
-      logical, intent(out) :: found                  !! Is there a way out nearby?
+      logical, intent(out) :: found                  !! Is a surface nearby?
       real(wp) :: inside(3), below(3), before(3)
       integer :: round
       logical :: smooth
@@ -149,9 +149,9 @@ contains
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(out) :: normal(3)             !! Unit vector [1]
-      logical, intent(out) :: found                  !! Is there a way out nearby?
+      logical, intent(out) :: found                  !! Is a surface nearby?
       integer, parameter :: around(3) = [1, 2, 2]    ! half the edge of the cube of rays
-      real(wp), parameter :: next = 0.1_wp           ! so much longer ways count as well [cells]
+      real(wp), parameter :: next = 0.1_wp           ! tolerance of the shortest distance [cells]
       integer :: n, number
       real(wp) :: way(most_rays), direction(3, most_rays), shortest
 
@@ -166,7 +166,7 @@ contains
       do n = 1, number
          if (way(n) <= shortest + next*grid%spacing) normal = normal + direction(:, n)
       end do
-      ! a position in the middle of a plate has two exits that cancel: the first one is taken
+      ! the directions to both sides of a plate cancel in its middle: use the first one
       if (norm2(normal) < 0.5_wp) normal = direction(:, minloc(way(:number), 1))
       normal = normal/norm2(normal)
    end subroutine guess_outward
@@ -192,9 +192,9 @@ contains
    pure real(wp) function surface_on(walls, grid, place, direction, inside, outside) result(way)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: place(3)               !! Where the line begins [m]
+      real(wp), intent(in) :: place(3)               !! Start of the line [m]
       real(wp), intent(in) :: direction(3)           !! Unit vector [1]
-      real(wp), intent(in) :: inside, outside        !! Two ways along it [m]
+      real(wp), intent(in) :: inside, outside        !! Two distances along it [m]
       real(wp) :: low, high
       integer :: n
 

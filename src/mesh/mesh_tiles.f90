@@ -20,7 +20,7 @@ module mesh_tiles
       integer :: own = 0                             !! Tiles with particles of this rank
       integer :: all = 0                             !! Own tiles and ghosts
       integer(int64), allocatable :: key(:)          !! (tile) Place on the curve, own ones ascend
-      integer, allocatable :: coordinate(:, :)       !! (3, tile) Place in the grid, from 0
+      integer, allocatable :: coordinate(:, :)       !! (3, tile) Position in the grid, from 0
       integer, allocatable :: neighbor(:, :)         !! (27, tile) Index of a neighbour, 0 = none
       integer(int64), allocatable :: border(:)       !! (0:ranks) r owns border(r) <= key < next
       integer(int64) :: version = 0                  !! Grows when own tiles or cuts change
@@ -28,7 +28,7 @@ module mesh_tiles
       integer, private :: shape(7) = -1              !! Of the grid that the neighbours hold for
    contains
       procedure :: set => tiles_set                  !! Give the tiles and find their neighbours
-      procedure :: cut => tiles_cut                  !! Share the curve out among the ranks
+      procedure :: cut => tiles_cut                  !! Divide the curve among the ranks
       procedure :: owner => tiles_owner              !! Rank that owns a key
       procedure :: around => tiles_around            !! Key of a neighbour
    end type tiles_t
@@ -71,7 +71,7 @@ contains
       call move_alloc(neighbor, self%neighbor)
    end subroutine tiles_set
 
-   !> Forget all tiles if they are those of another grid.
+   !> Delete all tiles if they belong to another grid.
    subroutine know_grid(self, grid)
       class(tiles_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid
@@ -111,7 +111,7 @@ contains
       do tile = 1, self%all
          if (former(tile) > 0) cycle
          do place = 1, neighbors
-            ! for that neighbour this tile is the opposite one
+            ! this tile is the opposite neighbour of that neighbour
             if (neighbor(place, tile) > 0) neighbor(neighbors + 1 - place, &
                neighbor(place, tile)) = tile
          end do
@@ -158,7 +158,7 @@ contains
    !> Rank that owns a key.
    pure integer function tiles_owner(self, key) result(rank)
       class(tiles_t), intent(in) :: self
-      integer(int64), intent(in) :: key              !! Place on the curve
+      integer(int64), intent(in) :: key              !! Position on the curve
       integer :: low, high, middle
 
       low = 0
@@ -252,7 +252,7 @@ contains
       call communicator%least(border)
    end subroutine partition_scattered_keys
 
-   !> Index of the first key that is not below a place; one more than there are, if all are.
+   !> Index of the first key that is not below a place; size + 1 if all are below.
    pure integer function first_at(key, place) result(first)
       integer(int64), intent(in) :: key(:)           !! Ascending
       integer(int64), intent(in) :: place            !! On the curve

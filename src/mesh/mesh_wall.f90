@@ -11,19 +11,19 @@ module mesh_wall
 
    public :: node_place, wall_t
 
-   !> A boundary condition with where it holds, how it moves, and from when to when it acts.
+   !> A boundary condition with its region, its motion, and the time interval in which it acts.
    type :: wall_t
       character(len=64) :: name = ""                 !! Of its region, for pictures
       integer :: face = 0                            !! Boundary of the domain, 0 = a rigid region
       class(boundary_condition_t), allocatable :: condition !! Condition; open without one
       class(point_set_t), allocatable :: region      !! Its region, if not everywhere
-      type(motion_t) :: motion                       !! How it moves, and from when to when it acts
+      type(motion_t) :: motion                       !! Motion, and time interval of action
       logical :: acts = .true.                       !! Does it act now?
-      logical :: stays = .false.                     !! Is its motion that of the material alone?
+      logical :: stays = .false.                     !! Does it move with the material?
       real(wp) :: shift(3) = 0.0_wp                  !! Displacement of the region so far [m]
    contains
       procedure :: advance => wall_advance           !! Set position and velocity at a time
-      procedure :: displacement => wall_displacement !! Of a region since it began
+      procedure :: displacement => wall_displacement !! Of a region since its start
       procedure :: covers => wall_covers             !! Does it hold at a position now?
       procedure :: meets => wall_meets               !! Do its bounds overlap a box?
    end type wall_t

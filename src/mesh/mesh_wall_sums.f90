@@ -34,7 +34,7 @@ module mesh_wall_sums
    contains
       procedure :: begin => push_begin               !! Before walls act
       procedure :: note => push_note                 !! A wall has acted
-      procedure :: note_nodes => push_note_nodes     !! Walls have acted, each on nodes of its own
+      procedure :: note_nodes => push_note_nodes     !! Records changes of velocity by walls
    end type wall_push_t
 
 contains
@@ -107,7 +107,7 @@ contains
       end do
    end function sums_words
 
-   !> Set the sums from integers; those of another number of walls are left out.
+   !> Set the sums from integers; sums for a different number of walls are ignored.
    pure subroutine sums_set_words(self, words)
       class(wall_sums_t), intent(inout) :: self
       integer(int64), intent(in) :: words(:)         !! From sums_words
@@ -143,7 +143,7 @@ contains
       self%share = share
    end subroutine push_begin
 
-   !> A wall has acted: all changes since the last one are its own.
+   !> Record the action of a wall: all changes since the previous wall.
    pure subroutine push_note(self, wall, velocity, acceleration)
       class(wall_push_t), intent(inout) :: self
       integer, intent(in) :: wall                    !! Index
@@ -156,7 +156,7 @@ contains
       self%acceleration = acceleration
    end subroutine push_note
 
-   !> Walls have acted, each on nodes of its own.
+   !> Record the changes of node velocities by walls; each wall changes separate nodes.
    pure subroutine push_note_nodes(self, before, nodes, walls, velocity, acceleration)
       class(wall_push_t), intent(inout) :: self
       integer, intent(in) :: before                  !! Walls before the first of these

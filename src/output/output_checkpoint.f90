@@ -64,7 +64,7 @@ contains
          merge(1_int64, 0_int64, simulation%space%grid%axisymmetric)]
    end function space_of
 
-   !> Resume from a checkpoint: the one that is given, or the newest that can be read.
+   !> Resume from a checkpoint: the given one, or the newest readable one.
    subroutine resume(simulation, outputs, place, file, note, changes, error)
       type(simulation_t), intent(inout) :: simulation !! The run, without particles
       type(outputs_t), intent(inout) :: outputs      !! Their counters
@@ -72,7 +72,7 @@ contains
       character(len=*), intent(in) :: file           !! Empty = the newest
       character(len=:), allocatable, intent(out) :: note !! Lines for the log
       type(changes_t), intent(out) :: changes        !! Keys that differ from those of the file
-      type(error_t), allocatable, intent(out) :: error !! None can be read, or of another deck
+      type(error_t), allocatable, intent(out) :: error !! None is readable, or of another deck
       character(len=:), allocatable :: path, passed
       type(state_t) :: state
       integer(int64), allocatable :: number(:)
@@ -142,7 +142,8 @@ contains
       end do
    end subroutine pass_by
 
-   !> True if a checkpoint has the greater number: of four digits or more, so the longer is greater.
+   !> True if a checkpoint has the greater number. Numbers have at least four digits, so the longer
+   !! name is greater.
    pure logical function comes_after(path, other) result(after)
       character(len=*), intent(in) :: path           !! Its path
       character(len=*), intent(in) :: other          !! Path of the other one

@@ -91,7 +91,7 @@ contains
       end do
    end subroutine check_output_groups
 
-   !> Refuse checkpoints at so short intervals that a run would do nothing else.
+   !> Refuse checkpoints at intervals so short that writing them would dominate the run.
    subroutine check_checkpoint(deck)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       real(wp), parameter :: most = 1.0e6_wp         ! checkpoints

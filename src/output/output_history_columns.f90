@@ -23,7 +23,7 @@ module output_history_columns
    integer, parameter :: sums = 5                    !! Columns after it: total and errors
    integer, parameter :: all_ledger = before + size(ledger_entries) + sums
    integer, parameter :: all_errors = size(error_columns) !! Columns of an exact solution
-   !> Columns that must be named, with units; and their numbers.
+   !> Columns written only on request, with units; and their numbers.
    character(len=19), parameter :: further(13) = [character(len=19) :: "potential [J]", &
       "runout [m]", "height [m]", "front_x [m]", "front_y [m]", "front_z [m]", "tail_x [m]", &
       "tail_y [m]", "tail_z [m]", "stretch [1]", "stretched_share [1]", "overlap [1]", &
@@ -34,10 +34,10 @@ module output_history_columns
    integer, parameter :: every = all_ledger + all_errors + size(further)
    real(wp), parameter :: runout_mass = 0.99_wp      !! Of the mass, within the run-out
 
-   !> The columns of a history, by their numbers in the list of all there are.
+   !> The columns of a history, by their numbers in the list of all columns.
    type :: history_columns_t
       integer, allocatable :: chosen(:)              !! In their order in the file
-      logical :: further(size(further)) = .false.    !! Which of those not in the ledger
+      logical :: further(size(further)) = .false.    !! Index among those not in the ledger
    contains
       procedure :: headings => columns_headings      !! Names with units
    end type history_columns_t
@@ -57,7 +57,7 @@ contains
       end do
    end function history_names
 
-   !> All columns that there can be: time, ledger, errors against an exact solution, further ones.
+   !> All possible columns: time, ledger, errors against an exact solution, further ones.
    pure function all_columns() result(columns)
       character(len=heading_length) :: columns(every)
       integer :: n
@@ -83,7 +83,7 @@ contains
    end function name_of
 
    !> Choose columns by their names; "default" is the ledger, with the errors of an exact solution.
-   !! Time and step are always there.
+   !! Time and step are always included.
    subroutine choose_history(fields, with_exact, grid, with_gravity, columns, error)
       character(len=*), intent(in) :: fields(:)      !! Names, or "default"
       logical, intent(in) :: with_exact              !! Is there an exact solution?
@@ -124,11 +124,11 @@ contains
       columns%further = chosen(all_ledger + all_errors + 1:)
    end subroutine choose_history
 
-   !> Take a column, unless it is taken already.
+   !> Select a column, unless it is already selected.
    pure subroutine take(number, list, chosen)
       integer, intent(in) :: number                  !! Index
       integer, allocatable, intent(inout) :: list(:) !! In their order
-      logical, intent(inout) :: chosen(:)            !! Those that are taken
+      logical, intent(inout) :: chosen(:)            !! Selected columns
 
       if (.not. chosen(number)) list = [list, number]
       chosen(number) = .true.
@@ -137,7 +137,7 @@ contains
    !> Error message for a name; empty if it is valid.
    pure function find_fault(name, number, with_exact, grid, with_gravity) result(text)
       character(len=*), intent(in) :: name           !! As in the deck
-      integer, intent(in) :: number                  !! Of the column, 0 = there is none
+      integer, intent(in) :: number                  !! Of the column, 0 = none
       logical, intent(in) :: with_exact              !! Is there an exact solution?
       type(grid_t), intent(in) :: grid               !! The grid and its directions
       logical, intent(in) :: with_gravity            !! Is there gravity?
@@ -232,7 +232,7 @@ contains
       energy = total%value()
    end function potential_energy
 
-   !> Position along x that 99 % of the mass do not exceed, found in columns of cells with uniform
+   !> Position along x below which 99 % of the mass is, found in columns of cells with uniform
    !! mass in each. Collective. [m]
    function reach(simulation) result(place)
       type(simulation_t), intent(inout) :: simulation

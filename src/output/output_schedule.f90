@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> When an output is due: at equal intervals of time, at listed times, or every so many steps. The
+!> Times of an output: at equal intervals of time, at listed times, or every n-th step. The
 !! time step is not adapted to it: an output is written after the first step that reaches its time.
 module output_schedule
    use base_constants, only: unset
@@ -75,7 +75,7 @@ contains
    subroutine read_schedule(group, time_end, schedule)
       type(group_t), intent(in) :: group             !! An &output
       real(wp), intent(in) :: time_end               !! End of the run [s]
-      type(schedule_t), intent(out) :: schedule      !! When it is due
+      type(schedule_t), intent(out) :: schedule      !! Schedule
       integer :: count, steps
 
       call group%get("dt", schedule%interval)
@@ -101,7 +101,7 @@ contains
       if (self%every > 0) due = due .or. mod(step, self%every) == 0
    end function schedule_due
 
-   !> Count outputs due up to a time as done.
+   !> Mark outputs due up to a time as written.
    pure subroutine schedule_catch_up(self, time)
       class(schedule_t), intent(inout) :: self
       real(wp), intent(in) :: time                   !! Time reached [s]
@@ -120,7 +120,7 @@ contains
       end if
    end subroutine schedule_catch_up
 
-   !> How often it will be due in a run, as far as that is known before it.
+   !> Expected number of outputs in a run, as far as known before it.
    pure real(wp) function schedule_expected(self, time_end, steps) result(times)
       class(schedule_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]

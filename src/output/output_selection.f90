@@ -34,7 +34,7 @@ contains
       end if
    end subroutine declare_selection
 
-   !> Declare the key that thins out particles.
+   !> Declare the key that selects every n-th particle.
    subroutine declare_stride(schema, kind)
       type(schema_t), intent(inout) :: schema        !! Schema that receives the key
       character(len=*), intent(in) :: kind           !! Word of the kind of output

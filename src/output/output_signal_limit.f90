@@ -19,13 +19,13 @@ module output_signal_limit
    public :: add_signal_limit, find_signal_limit, signal_limit_t
 
    real(wp), parameter :: factors(7) = [1.25_wp, 1.5_wp, 2.0_wp, 3.0_wp, 5.0_wp, 10.0_wp, 30.0_wp]
-   integer, parameter :: hundred = 100               !! One particle in so many is few
+   integer, parameter :: hundred = 100               !! Few: at most one particle in this number
 
    !> Cost of few particles that limit the steps.
    type :: signal_limit_t
-      integer(int64) :: particles = 0                !! How many limit the steps, 0: they are many
-      integer(int64) :: all = 0                      !! Of how many
-      real(wp) :: factor = 1.0_wp                    !! Longer steps without them [1]
+      integer(int64) :: particles = 0                !! Particles that limit the steps, 0: many
+      integer(int64) :: all = 0                      !! Total number
+      real(wp) :: factor = 1.0_wp                    !! Ratio of step lengths without them [1]
    end type signal_limit_t
 
 contains
@@ -96,7 +96,8 @@ contains
    end subroutine find_bounds
 
    !> Wave speed plus speed of a particle, or less where that cannot be above a given speed. The
-   !! wave speed of one particle is costly, so it is found only where that of its tile would do.
+   !! wave speed of one particle is costly, so it is computed only where the bound of the tile
+   !! exceeds the given speed.
    pure real(wp) function signal_of(simulation, index, p, wave, above) result(signal)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: index                   !! Index of the material and of its store
@@ -132,13 +133,13 @@ contains
       end do
    end function fastest_particle
 
-   !> Particles of this rank with a greater signal. Where they are not few the count ends early.
+   !> Particles of this rank with a greater signal. The count ends early if they are not few.
    integer(int64) function count_faster(simulation, wave, bound, speed, few) result(number)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: wave(:, :)             !! (tile, store) [m/s]
       real(wp), intent(in) :: bound(:, :)            !! (tile, store) [m/s]
       real(wp), intent(in) :: speed                  !! [m/s]
-      integer(int64), intent(in) :: few              !! More than so many are not few
+      integer(int64), intent(in) :: few              !! Greatest number that counts as few
       integer :: index, tile, p
 
       number = 0

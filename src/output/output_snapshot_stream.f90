@@ -157,7 +157,7 @@ contains
          brief(files)//" files; write less often, or continue with --force")
    end subroutine limit_files
 
-   !> How the summary lists the stream: by the file that ParaView opens.
+   !> Entry in the summary: the file that ParaView opens.
    pure subroutine snapshot_list(self, key, file)
       class(snapshot_stream_t), intent(in) :: self
       character(len=:), allocatable, intent(out) :: key !! For all streams of files

@@ -41,7 +41,7 @@ module output_stream
       procedure :: read_default => stream_read_default !! Content in a run without &output
       procedure :: try_field => stream_try_field     !! Can a field be written?
       procedure :: offer_fragments => stream_offer_fragments !! Define the field `fragment`
-      procedure :: take_fragments => stream_take_fragments !! Use that definition
+      procedure :: take_fragments => stream_take_fragments !! Uses a given definition
       procedure :: full_snapshots => stream_full_snapshots !! Files with all particles
       procedure :: ledger_rows => stream_ledger_rows !! Rows that evaluate the ledger
       procedure :: counters => stream_counters       !! State for a checkpoint
@@ -115,7 +115,7 @@ module output_stream
          type(error_t), allocatable, intent(out) :: error !! A file cannot be written
       end subroutine close_i
 
-      !> Refuse a stream that would fill a disk or a folder.
+      !> Refuse a stream that would exceed the limits on size or number of files.
       subroutine limit_i(self, deck, particles, time_end, steps)
          import :: deck_t, int64, stream_t, wp
          implicit none
@@ -126,7 +126,7 @@ module output_stream
          real(wp), intent(in) :: steps               !! Expected number of steps
       end subroutine limit_i
 
-      !> How the summary of a run lists the stream.
+      !> Entry of the stream in the summary of a run.
       pure subroutine list_i(self, key, file)
          import :: stream_t
          implicit none
@@ -161,7 +161,7 @@ contains
       has = .false.
    end function stream_has_series
 
-   !> Outputs over a run whose deck has no &output; 0: the kind is not written then.
+   !> Number of outputs of a run whose deck has no &output; 0: this kind is not written by default.
    pure integer function stream_default_count(self) result(number)
       class(stream_t), intent(in) :: self
 
@@ -189,13 +189,13 @@ contains
       type(fragments_t), allocatable, intent(inout) :: fragments
    end subroutine stream_offer_fragments
 
-   !> Use that definition for the field `fragment`.
+   !> Use a given definition of fragments for the field `fragment`.
    subroutine stream_take_fragments(self, fragments)
       class(stream_t), intent(inout) :: self
       type(fragments_t), intent(in) :: fragments
    end subroutine stream_take_fragments
 
-   !> Files with all particles that a run will write, as far as that is known before it.
+   !> Expected number of files with all particles, as far as known before the run.
    pure real(wp) function stream_full_snapshots(self, time_end) result(number)
       class(stream_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
@@ -203,7 +203,7 @@ contains
       number = 0.0_wp
    end function stream_full_snapshots
 
-   !> Rows with sums over all particles that a run will write.
+   !> Expected number of rows with sums over all particles.
    pure real(wp) function stream_ledger_rows(self, time_end, steps) result(number)
       class(stream_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]

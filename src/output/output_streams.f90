@@ -21,7 +21,7 @@ module output_streams
 
    !> All streams of a run.
    type :: outputs_t
-      character(len=:), allocatable :: folder        !! Where results go
+      character(len=:), allocatable :: folder        !! Folder and case of results
       character(len=:), allocatable :: case          !! Beginning of the names of all files
       type(stream_holder_t), allocatable :: streams(:) !! In the order of the deck
       type(snapshot_header_t) :: header              !! Description of the run for every snapshot
@@ -94,7 +94,7 @@ contains
       end do
    end subroutine plan_default
 
-   !> Let all snapshots use the same definition of fragments, that of the first table of them.
+   !> Use the definition of fragments of the first table of fragments for all snapshots.
    subroutine share_fragments(streams)
       type(stream_holder_t), intent(inout) :: streams(:)
       type(fragments_t), allocatable :: fragments
@@ -169,7 +169,7 @@ contains
       end do
    end function outputs_has_series
 
-   !> Files with all particles that the run will write, as far as that is known before it.
+   !> Expected number of files with all particles, as far as known before the run.
    pure integer(int64) function outputs_full_snapshots(self, time_end) result(number)
       class(outputs_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
@@ -181,7 +181,7 @@ contains
       end do
    end function outputs_full_snapshots
 
-   !> Rows with sums over all particles that the run will write.
+   !> Expected number of rows with sums over all particles.
    pure real(wp) function outputs_ledger_rows(self, time_end, steps) result(rows)
       class(outputs_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]
@@ -194,7 +194,7 @@ contains
       end do
    end function outputs_ledger_rows
 
-   !> Refuse streams that would fill a disk or a folder.
+   !> Refuse streams that would exceed the limits on size or number of files.
    subroutine outputs_limit(self, deck, particles, time_end, steps)
       class(outputs_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
@@ -264,8 +264,8 @@ contains
       name = "output"//stream%file(len(self%case) + 1:)
    end function counter_name
 
-   !> Take the counters from a checkpoint. Streams added to the deck since then start from zero. The
-   !! state of the schedules follows from the time, because intervals may have changed.
+   !> Restore the counters from a checkpoint. Streams added to the deck since then start from zero.
+   !! The state of the schedules follows from the time, because intervals may have changed.
    subroutine outputs_load(self, state)
       class(outputs_t), intent(inout) :: self
       type(state_t), intent(in) :: state             !! Of the checkpoint

@@ -162,7 +162,7 @@ contains
          greatest)
    end subroutine spread_timers
 
-   !> Particle updates a second of wall time in the steps, without output and checkpoints.
+   !> Particle updates per second of wall time in the steps, without output and checkpoints.
    pure real(wp) function step_rate(simulation, updates, seconds) result(rate)
       type(simulation_t), intent(in) :: simulation   !! For the phases
       integer(int64), intent(in) :: updates          !! On all ranks
@@ -205,7 +205,7 @@ contains
       if (particles > 0) bytes = real(total(1), wp)/real(particles, wp)
    end function bytes_per_particle
 
-   !> The balance as two lines of text.
+   !> The ledger as two lines of text.
    function balance_text(now, rate, whole_rate, bytes) result(text)
       type(balance_t), intent(in) :: now             !! Ledger entries and errors
       real(wp), intent(in) :: rate                   !! Particle updates a second of the steps
@@ -230,8 +230,8 @@ contains
    end function balance_text
 
    !> Communication counts in the order of the names, summed over the ranks. Patches are node
-   !! fields; moving data are particles that change ranks and data distributed evenly for files. The
-   !! last number is the length of the longest list of tiles that a rank had at the start.
+   !! fields; migration data are particles that change ranks and data distributed evenly for files.
+   !! The last number is the length of the longest list of tiles that a rank had at the start.
    subroutine count_traffic(simulation, traffic)
       type(simulation_t), intent(in) :: simulation
       integer(int64), intent(out) :: traffic(kinds)  !! In the order of the names

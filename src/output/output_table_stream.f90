@@ -61,7 +61,7 @@ contains
       rows = 1.0_wp
    end function table_rows_of_time
 
-   !> Prepare to write the rows of a time. Most tables have nothing to prepare. Collective.
+   !> Prepare to write the rows of a time. By default nothing is done. Collective.
    subroutine table_prepare(self, simulation, note)
       class(table_stream_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation
@@ -124,7 +124,7 @@ contains
          " rows; write less often, or continue with --force")
    end subroutine table_limit
 
-   !> How the summary lists the stream.
+   !> Entry of the stream in the summary.
    pure subroutine table_list(self, key, file)
       class(table_stream_t), intent(in) :: self
       character(len=:), allocatable, intent(out) :: key !! For all tables

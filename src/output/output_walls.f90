@@ -74,7 +74,7 @@ contains
                   call name_part(walls, boundary%wall(part), begin, finish, wall)
                   call walls%add(wall, square(first, last, across, grid%active))
                end if
-               ! the face itself, before a part is added and after it is removed
+               ! the whole face, before a part is added and after it is removed
                call add_plain(walls, boundary, face, -never, begin, square(first, last, across, &
                   grid%active))
                call add_plain(walls, boundary, face, finish, never, square(first, last, across, &
@@ -131,9 +131,9 @@ contains
       end do
    end function part_of
 
-   !> The number of a wall in the file, with the times at which it is there.
+   !> The number of a wall in the file, with the time interval in which it exists.
    pure subroutine name_part(walls, source, begin, finish, wall)
-      type(walls_t), intent(inout) :: walls          !! Receive it if they lack it
+      type(walls_t), intent(inout) :: walls          !! Receives it if missing
       type(wall_t), intent(in) :: source             !! A part of a face, or a rigid region
       real(wp), intent(out) :: begin                 !! Start of the time interval [s]
       real(wp), intent(out) :: finish                !! End of the time interval [s]
@@ -151,7 +151,7 @@ contains
       call walls%name_wall(name, trim(source%condition%name), source%face, begin, finish, wall)
    end subroutine name_part
 
-   !> Corners of the box, where particles are along directions that the scene lacks [m].
+   !> Corners of the box; along missing directions the position of the particles [m].
    pure subroutine flat_box(grid, low, high)
       type(grid_t), intent(in) :: grid
       real(wp), intent(out) :: low(3)                !! Lower corner [m]

@@ -18,7 +18,7 @@ module stream_cell
    contains
       procedure :: about => cell_about               !! For the help
       procedure :: ending => cell_ending             !! Suffix of file names
-      procedure :: declare => cell_declare           !! No keys of its own
+      procedure :: declare => cell_declare           !! No keys
       procedure :: read => cell_read                 !! Check that there is a cell
       procedure :: list_columns => cell_list_columns !! Names of columns
       procedure :: write_rows => cell_write_rows     !! Write the row of a time
@@ -42,7 +42,7 @@ contains
       text = "_cell.csv"
    end function cell_ending
 
-   !> The kind has no keys of its own.
+   !> This kind of output has no keys.
    subroutine cell_declare(self, schema, kind)
       class(stream_cell_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema        !! Not changed

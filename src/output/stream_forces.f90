@@ -29,7 +29,7 @@ module stream_forces
       type(text_t), allocatable :: name(:)           !! (shown) Names of the walls that are shown
       integer, allocatable :: wall(:)                !! (shown) Their indices
       real(wp), allocatable :: last(:, :)            !! (entry, shown) Sums at the last row
-      real(wp) :: last_time = -1.0_wp                !! Time of that row, below 0 = none [s]
+      real(wp) :: last_time = -1.0_wp                !! Time of that row, < 0 = none [s]
    contains
       procedure :: about => forces_about             !! For the help
       procedure :: ending => forces_ending           !! Suffix of file names
@@ -104,7 +104,7 @@ contains
       call simulation%balance%ledger%walls%start(number_of_walls(simulation%space))
    end subroutine forces_read
 
-   !> The walls that there are, for a message.
+   !> Names of the existing walls, for a message.
    function listed(name, known) result(text)
       character(len=*), intent(in) :: name           !! As in the deck
       type(text_t), intent(in) :: known(:)           !! Names of the walls
@@ -120,7 +120,7 @@ contains
       if (near /= "") text = text//"; did you mean '"//near//"'?"
    end function listed
 
-   !> Names of the walls that can bear a force, and their indices among the sums.
+   !> Names of the walls that can have a force, and their indices among the sums.
    pure subroutine list_walls(simulation, names, place)
       type(simulation_t), intent(in) :: simulation
       type(text_t), allocatable, intent(out) :: names(:) !! (wall)
@@ -217,7 +217,7 @@ contains
       counters = [self%last_step, transfer([self%last_time, self%last], [0_int64])]
    end function forces_counters
 
-   !> Set the state from a checkpoint; sums of other walls are left out.
+   !> Set the state from a checkpoint; sums of unknown walls are ignored.
    pure subroutine forces_set_counters(self, counters)
       class(stream_forces_t), intent(inout) :: self
       integer(int64), intent(in) :: counters(:)      !! From forces_counters

@@ -97,7 +97,7 @@ contains
       character(len=:), allocatable :: word
 
       call read_fields(group, deck, simulation, self, fields)
-      ! read_fields has left out each name that would be an error here
+      ! read_fields has removed each invalid name
       call choose_means(simulation%stores, fields, at_gauges, self%gauge%means, error)
       call read_selection(group, deck, shapes, self%gauge%rule)
       call group%get("gauge", word)
@@ -151,7 +151,7 @@ contains
          deck%shown(place(3), "m")
    end function corner
 
-   !> Read the side of a surface, along an axis that the scene has.
+   !> Read the side of a surface, along an active direction of the scene.
    subroutine read_side(gauge, group, deck, simulation)
       type(gauge_t), intent(inout) :: gauge          !! Gets axis and side
       type(group_t), intent(in) :: group             !! The &output

@@ -79,7 +79,7 @@ contains
       type(error_t), allocatable :: error
 
       call read_fields(group, deck, simulation, self, self%fields)
-      ! read_fields has left out each name that would be an error here
+      ! read_fields has removed each invalid name
       call choose_means(simulation%stores, self%fields, in_cells, self%means, error)
       call self%read_format(group)
       call read_selection(group, deck, shapes, self%format%pick_rule_t)
@@ -99,7 +99,7 @@ contains
       call choose_means(stores, [field], in_cells, means, error)
    end subroutine grid_try_field
 
-   !> Cells of the grid, in the region if there is one: no file has more.
+   !> Cells of the grid or of the region: an upper bound for a file.
    pure real(wp) function cells_in(grid, rule) result(cells)
       type(grid_t), intent(in) :: grid
       type(pick_rule_t), intent(in) :: rule

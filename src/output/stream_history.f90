@@ -71,7 +71,7 @@ contains
       type(error_t), allocatable :: error
 
       call read_fields(group, deck, simulation, self, fields)
-      ! read_fields has left out each name that would be an error here
+      ! read_fields has removed each invalid name
       call choose_history(fields, allocated(simulation%effects%exact), simulation%space%grid, &
          allocated(simulation%effects%gravity), self%columns, error)
    end subroutine history_read
@@ -106,7 +106,7 @@ contains
          allocated(simulation%effects%gravity), columns, error)
    end subroutine history_try_field
 
-   !> Rows with sums over all particles that a run will write.
+   !> Expected number of rows with sums over all particles.
    pure real(wp) function history_ledger_rows(self, time_end, steps) result(number)
       class(stream_history_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]

@@ -109,8 +109,8 @@ contains
       call choose_columns(stores, [field], columns, error)
    end subroutine particles_try_field
 
-   !> The field `fragment` numbers the rows of the first table of fragments; without a table all
-   !! material, separated by gaps alone.
+   !> The field `fragment` numbers the rows of the first table of fragments; without a table,
+   !! fragments are all material separated by gaps.
    subroutine particles_take_fragments(self, fragments)
       class(stream_particles_t), intent(inout) :: self
       type(fragments_t), intent(in) :: fragments     !! Definition of that table
@@ -118,7 +118,7 @@ contains
       self%fragments = fragments
    end subroutine particles_take_fragments
 
-   !> Files with all particles that a run will write.
+   !> Expected number of files with all particles.
    pure real(wp) function particles_full_snapshots(self, time_end) result(number)
       class(stream_particles_t), intent(in) :: self
       real(wp), intent(in) :: time_end               !! End of the run [s]

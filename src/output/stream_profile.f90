@@ -77,7 +77,7 @@ contains
 
       associate (profile => self%profile, grid => simulation%space%grid)
          call read_fields(group, deck, simulation, self, fields)
-         ! read_fields has left out each name that would be an error here
+         ! read_fields has removed each invalid name
          call choose_means(simulation%stores, fields, in_bins, profile%means, error)
          call read_selection(group, deck, shapes, profile%rule)
          call read_axis(group, deck, grid, profile%axis)

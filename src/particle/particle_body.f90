@@ -15,7 +15,7 @@ module particle_body
    type, abstract :: given_t
       logical :: clipped = .true. !! Are those outside the body's region dropped?
    contains
-      procedure(numbers_i), deferred :: numbers       !! Numbers that its particles may have
+      procedure(numbers_i), deferred :: numbers       !! Number of possible identities
       procedure(collect_i), deferred :: collect       !! The particles of a tile
    end type given_t
 
@@ -45,7 +45,7 @@ module particle_body
       real(wp) :: density = 0.0_wp                    !! [kg/m3]
       real(wp) :: velocity(3) = 0.0_wp                !! [m/s]
       real(wp) :: spin(3) = 0.0_wp                    !! About its centre of mass [rad/s]
-      !> (3) Formulas of velocities that are added, if there are any
+      !> (3) Formulas of additional velocities, if any
       type(text_t), allocatable :: formula(:)
       real(wp) :: temperature = 0.0_wp                !! [K]
       real(wp) :: energy = 0.0_wp                     !! Internal, per mass [J/kg]
@@ -57,7 +57,7 @@ module particle_body
    !> A body to be filled with particles.
    type, extends(initial_state_t) :: body_t
       character(len=:), allocatable :: name           !! For messages and files
-      type(shape_holder_t) :: shape                   !! Region that it fills
+      type(shape_holder_t) :: shape                   !! Region of the body
       class(given_t), allocatable :: given            !! Its particles, if not on the lattice
       integer :: store = 1                            !! Index of its material
       integer :: per_cell(3) = 2                      !! Particles along each edge of a cell
@@ -73,8 +73,8 @@ module particle_body
 
 contains
 
-   !> Lattice sites of the whole domain along each direction; for given particles, the numbers that
-   !! they may have.
+   !> Lattice sites of the whole domain along each direction; for given particles, the number of
+   !! possible identities.
    pure function body_sites(self, grid) result(sites)
       class(body_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -185,7 +185,7 @@ contains
       end do
    end subroutine find_near
 
-   !> True if a position belongs to a body and to no later one.
+   !> True if a position is inside a body and in no later body.
    pure logical function belongs(bodies, body, position, later) result(inside)
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body

@@ -67,8 +67,9 @@ contains
 
    !> The tile that this rank gets in a round, if any. Which rank is the first in a round is chosen
    !! at random: if it were always the same, a rank could get whole layers of full or empty tiles. A
-   !! tile in the boxes of several bodies is assigned with the first of them only; they are searched
-   !! from the end because most bodies with common tiles have successive numbers.
+   !! tile in the boxes of several bodies is assigned with the first of these bodies only. The
+   !! search starts with the last body because bodies with common tiles usually have successive
+   !! numbers.
    pure subroutine candidates_deal(self, communicator, round, coordinate, dealt)
       class(candidates_t), intent(in) :: self
       type(communicator_t), intent(in) :: communicator

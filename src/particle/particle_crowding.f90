@@ -2,8 +2,8 @@
 !> Measures of crowding and of pressure noise: the particle volume in excess of the nodal volume,
 !! and the difference of their pressures from nodal means.
 !!
-!! Both use the nodes in the interior of a tile, with linear shape functions for every method: a
-!! sample that does not depend on the number of ranks and needs no exchange.
+!! Both use the nodes in the interior of a tile, with linear shape functions for every method: this
+!! sample does not depend on the number of ranks and needs no exchange.
 module particle_crowding
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit
@@ -15,7 +15,7 @@ module particle_crowding
 
 contains
 
-   !> Nodes of a tile whose cells all lie in it or outside the domain.
+   !> Nodes of a tile with all adjacent cells inside the tile or outside the domain.
    pure function nodes_alone(grid, coordinate) result(alone)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
@@ -44,7 +44,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
-      logical, intent(in) :: loose                   !! Does the material open as if it had failed?
+      logical, intent(in) :: loose                   !! Can the material separate?
       real(wp), intent(inout) :: patch(:, :)         !! (2, node) [m3], [m3 Pa]
       real(wp) :: weight(8), volume
       integer :: node(8), lane, p
@@ -65,7 +65,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
-      logical, intent(in) :: loose                   !! Does the material open as if it had failed?
+      logical, intent(in) :: loose                   !! Can the material separate?
       logical :: open
 
       open = loose

@@ -3,11 +3,10 @@
 !!
 !! Dart throwing: random points are added one by one, and a point too close to an earlier one is
 !! dropped (R. L. Cook, ACM Trans. Graph. 5 (1986) 51). The grid is cut into blocks of cells, so
-!! that
-!! a tile can be filled without data of other ranks. One pattern is generated on a periodic block.
-!! Every block has the points of the pattern within half the least distance of its faces; the points
-!! in its interior are drawn with random numbers of its own, at least half the distance away from
-!! the faces. So the blocks differ, fit together, and each can be made without the others.
+!! that a tile can be filled without data of other ranks. One pattern is generated on a periodic
+!! block. Every block has the points of the pattern within half the least distance of its faces; the
+!! points in its interior are at least half the distance away from the faces and use separate random
+!! numbers. So the blocks differ, fit together, and can be filled independently.
 module particle_disks
    use base_kinds, only: int64, wp
    use base_random, only: random_uniform
@@ -37,7 +36,7 @@ module particle_disks
       integer :: wanted = 1                           !! Target number of points of a block
       real(wp), allocatable :: frame(:, :)            !! (3, point) Pattern near the faces [cells]
    contains
-      procedure :: numbers => disks_numbers           !! Numbers that its particles may have
+      procedure :: numbers => disks_numbers           !! Number of possible identities
       procedure :: collect => disks_collect           !! The particles of a tile
    end type disks_t
 
@@ -258,7 +257,7 @@ contains
       most = 8_int64*disks%wanted
    end function most_points
 
-   !> Numbers that particles may have.
+   !> Number of possible identities of particles.
    pure function disks_numbers(self, grid) result(numbers)
       class(disks_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -34,8 +34,8 @@ module particle_facets
       integer, allocatable, private :: list(:)           !! Facets over each column
    contains
       procedure :: contains => facets_contains           !! True for a point inside
-      procedure :: bounds => facets_bounds               !! A box around it
-      procedure :: transform => facets_transform         !! Scale, turn and move
+      procedure :: bounds => facets_bounds               !! Bounding box
+      procedure :: transform => facets_transform         !! Scale, rotate and translate
       procedure :: volume => facets_volume               !! Volume that the facets enclose
       procedure :: faults => facets_faults               !! Defects of the surface
       procedure, private :: prepare => facets_prepare    !! Lattice and grid
@@ -53,7 +53,7 @@ contains
       call shape%prepare()
    end subroutine set_facets
 
-   !> Round the corners to the lattice and list the facets of each column of the grid.
+   !> Round the corners to lattice positions and list the facets of each column of the grid.
    pure subroutine facets_prepare(self)
       class(facets_t), intent(inout) :: self             !! Corners are set
       integer, allocatable :: filled(:)
@@ -109,7 +109,7 @@ contains
          int(self%columns(direction) - 1, int64)))
    end function column_of
 
-   !> Whether a point belongs to the solid.
+   !> True if a point is inside the solid.
    pure recursive logical function facets_contains(self, x) result(inside)
       class(facets_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]
@@ -158,10 +158,9 @@ contains
       if (turn == 0) side = 0
    end function side_of
 
-   !> True if a facet lies above a point that it covers. A facet through the point does not, so that
-   !! solids are closed below and open above. The products have up to 87 bits and are computed in
-   !! two
-   !! parts.
+   !> True if a facet lies above a point that it covers. A facet through the point does not count,
+   !! so solids are closed below and open above. The products have up to 87 bits and are computed in
+   !! two parts.
    pure logical function above(corner, point, side) result(higher)
       integer(int64), intent(in) :: corner(3, 3)         !! (3, corner) On the lattice
       integer(int64), intent(in) :: point(3)

@@ -71,7 +71,7 @@ contains
 
    !> Append a tile and its particles to a list, which grows as needed.
    pure subroutine append_pair(key, particles, pairs, filled)
-      integer(int64), intent(in) :: key               !! Place of the tile on the curve
+      integer(int64), intent(in) :: key               !! Position of the tile on the curve
       integer(int64), intent(in) :: particles         !! Particles in it
       integer(int64), allocatable, intent(inout) :: pairs(:, :) !! (entry, 2) The list
       integer, intent(inout) :: filled                !! Entries in use
@@ -112,7 +112,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
-      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
+      integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer :: sites(3), x, y, z
       real(wp) :: low(3), high(3), edge(3), position(3), share
@@ -142,7 +142,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
-      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
+      integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       real(wp), allocatable :: position(:, :), volume(:)
       integer(int64), allocatable :: number(:)
@@ -155,13 +155,13 @@ contains
       end do
    end function count_given
 
-   !> Fraction of a lattice site that belongs to a body, and the centre of that part. Without
-   !! cutting, a site belongs to the body if its middle does.
+   !> Fraction of a lattice site inside a body, and the centre of that part. Without cutting, the
+   !! fraction is 1 if the middle of the site is inside the body.
    pure subroutine measure_site(grid, bodies, body, later, middle, share, position)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
-      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
+      integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
       real(wp), intent(in) :: middle(3)               !! Of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
       real(wp), intent(out) :: position(3) !! Of the particle, if the fraction is above 0 [m]
@@ -191,7 +191,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
-      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
+      integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
       real(wp), intent(in) :: middle(3)               !! Of the site [m]
       real(wp), intent(out) :: share                  !! 0 to 1
       real(wp), intent(inout) :: position(3) !! Of the particle, if the fraction is above 0 [m]
@@ -281,7 +281,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
-      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
+      integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: tile                     !! Index
       type(store_t), intent(inout) :: store
@@ -324,7 +324,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer, intent(in) :: body
-      integer, intent(in) :: later(:)                 !! Later bodies that may take sites
+      integer, intent(in) :: later(:)                 !! Later bodies, which replace this one
       integer, intent(in) :: coordinate(3)            !! Tile, counted from 0
       integer, intent(in) :: tile                     !! Index
       type(store_t), intent(inout) :: store

@@ -46,7 +46,7 @@ module particle_framed
 
 contains
 
-   !> Whether a point belongs to the shape.
+   !> True if a point is inside the shape.
    pure recursive logical function framed_contains(self, x) result(inside)
       class(framed_t), intent(in) :: self
       real(wp), intent(in) :: x(3)                       !! Point [m]

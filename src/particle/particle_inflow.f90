@@ -3,7 +3,7 @@
 !! length of the body, and each particle enters where its position passes the plane behind the body.
 !! Equations (O.6) and (O.7) of doc/theory/instruments.md.
 !!
-!! The material that has entered follows from the time alone, so checkpoints need not store it. A
+!! The entered material follows from the time alone, so checkpoints need not store it. A
 !! rank holds the particles of the tiles that it has counted; those that enter are sent to the
 !! owners of their tiles.
 module particle_inflow
@@ -23,7 +23,7 @@ module particle_inflow
       integer :: store = 1                           !! Index of its store
       integer :: wall = 0                            !! Index of the rigid region that holds it
       real(wp) :: mass_rate = 0.0_wp                 !! If given instead of a speed [kg/s]
-      type(motion_t) :: motion                       !! Velocity, and until when material enters
+      type(motion_t) :: motion                       !! Velocity, and end of the inflow
       integer :: axis = 1                            !! Direction of the flow
       real(wp) :: sense = 1.0_wp                     !! -1 = against the axis
       real(wp) :: plane = 0.0_wp                     !! Where material enters, along the axis [m]
@@ -49,7 +49,7 @@ module particle_inflow
 
 contains
 
-   !> How far material has come at a time, d of (O.6) [m].
+   !> Distance that the material has moved at a time, d of (O.6) [m].
    pure real(wp) function inflow_travel(self, time) result(way)
       class(inflow_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Particles of a moving cell: the sums of which its stress is made, and their positions when its
+!> Particles of a moving cell: the sums for its stress, and their positions when its
 !! edges are replaced by equivalent ones.
 module particle_moving_cell
    use base_communicator, only: communicator_t
@@ -20,8 +20,8 @@ module particle_moving_cell
 
 contains
 
-   !> Sums over all particles for the stress of the cell; those before are kept. The sum of a tile
-   !! is in the order of its particles, the sum of tiles is exact. Collective.
+   !> Sums over all particles for the stress of the cell; the previous sums are kept. The sum of a
+   !! tile is in the order of its particles, the sum of tiles is exact. Collective.
    subroutine measure_cell(communicator, stores, cell)
       type(communicator_t), intent(in) :: communicator
       type(store_t), intent(in) :: stores(:)         !! Sorted
@@ -91,8 +91,8 @@ contains
       mass = total%value()
    end function find_mass
 
-   !> Put all particles where they are on the mesh of the equivalent edges. They are to be sorted
-   !! after it.
+   !> Convert the positions of all particles to the mesh of the equivalent edges. The caller must
+   !! sort them afterwards.
    subroutine shift_particles(grid, boundary, tiles, cell, stores)
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary

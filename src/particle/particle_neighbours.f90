@@ -19,7 +19,7 @@ module particle_neighbours
       integer(int64) :: first = 1                    !! Identity of the first site
       integer(int64) :: origin = 1                   !! First site of the first body on this lattice
       integer(int64) :: sites(3) = 1                 !! Along each direction
-      logical :: regular = .false.                   !! Do its particles lie on the lattice?
+      logical :: regular = .false.                   !! Are its particles on the lattice?
    end type lattice_t
 
    !> Finds particles of a tile by their identities.
@@ -223,7 +223,7 @@ contains
    !! Arithmeticae (1801); in space by pairs, and by all sums and differences of the others).
    pure real(wp) function shortest_longest(edge) result(length)
       real(wp), intent(in) :: edge(:, :)             !! (component, vector) One to three vectors [m]
-      integer, parameter :: most = 60                ! sweeps; shears of 1e15 take fewer
+      integer, parameter :: most = 60                ! sweeps; shears of 1e15 need fewer
       real(wp) :: basis(3, size(edge, 2))
       integer :: sweep
       logical :: shorter

@@ -84,7 +84,7 @@ contains
 
       lower = grid%lower
       limit = real(grid%tile_extent(coordinate), wp)
-      ! a missing direction has one cell, which contains every position
+      ! a missing direction has a single cell for all positions
       scale = merge(1.0_wp/grid%spacing, 0.0_wp, grid%active)
       shift = merge(real(coordinate*grid%width, wp), 0.0_wp, grid%active)
       width = grid%width(1)

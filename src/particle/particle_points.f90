@@ -31,7 +31,7 @@ module particle_points
       integer(int64), allocatable, private :: row(:)     !! (particle) From 1
       integer(int64), allocatable, private :: key(:)     !! (particle) Of its tile, ascending
    contains
-      procedure :: numbers => points_numbers             !! Numbers that its particles may have
+      procedure :: numbers => points_numbers             !! Number of possible identities
       procedure :: collect => points_collect             !! The particles of a tile
       procedure :: whole_volume => points_whole_volume   !! Volume of all
       procedure :: positions => points_positions               !! Positions of all
@@ -117,7 +117,7 @@ contains
       points%key = key(order)
    end subroutine set_points
 
-   !> Numbers that particles may have: the rows of the list.
+   !> Number of possible identities of particles: the rows of the list.
    pure function points_numbers(self, grid) result(numbers)
       class(points_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -18,7 +18,7 @@ module particle_shape
    real(wp), parameter :: unturned(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, &
       0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
    real(wp), parameter :: unmoved(3) = 0.0_wp
-   !> Bounds of an empty shape: the lower corner lies above the upper one.
+   !> Bounds of an empty shape: the lower corner is above the upper one.
    real(wp), parameter :: empty_lower = 1.0_wp, empty_upper = -1.0_wp
 
    !> A set of points.

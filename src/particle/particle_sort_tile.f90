@@ -48,7 +48,7 @@ contains
       class(tile_sorter_t), intent(inout) :: sorter      !! Scratch, with the rows
       integer, intent(in) :: tile
       integer, intent(in) :: now                      !! Present first particle
-      integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
+      integer, intent(in) :: newcomer(:)              !! Rows that enter this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
       integer :: p, cell
 
@@ -66,13 +66,13 @@ contains
       store%leaving(tile) = 0
    end subroutine sort_tile
 
-   !> Find where each particle of the new range of a tile comes from, and the range of each cell.
+   !> Find the old row of each particle in the new range of a tile, and the range of each cell.
    subroutine order_tile(store, sorter, tile, now, newcomer, home)
       type(store_t), intent(inout) :: store           !! Gets the ranges of cells
       class(tile_sorter_t), intent(inout) :: sorter !! Scratch, with the rows; gets the sources
       integer, intent(in) :: tile
       integer, intent(in) :: now                      !! Present first particle
-      integer, intent(in) :: newcomer(:)              !! Rows that come to this tile
+      integer, intent(in) :: newcomer(:)              !! Rows that enter this tile
       integer, intent(in) :: home(:)                  !! (row) Cells of all rows
       integer, parameter :: identity_word = 1
       integer :: p, n, cell, row
@@ -115,7 +115,7 @@ contains
          start(cell) = start(cell) + start(cell - 1)
       end do
       do p = number, 1, -1
-         ! backwards, so that start serves as the cursor of each cell
+         ! backwards, with start as the cursor of each cell
          cell = sorter%cell(p)
          place = start(cell + 1)
          sorter%source(place) = sorter%order(p)

@@ -4,11 +4,11 @@
 !!
 !! A half has half the mass and volume of the whole and the same state, and is a quarter of the edge
 !! to one side of it. In axisymmetry halves are rings of half the cross-section, with mass and
-!! volume
-!! in proportion to their radii. The velocities of the halves differ along the line between them by
-!! the velocity gradient, which conserves momentum and angular momentum; the kinetic energy of it is
-!! taken from the internal energy, or returned for the energy balance. The upper bits of an identity
-!! are the path from the whole to the half, which needs no counter and does not depend on ranks.
+!! volume in proportion to their radii. The velocities of the halves differ along the line between
+!! them by the velocity gradient, which conserves momentum and angular momentum; its kinetic energy
+!! is subtracted from the internal energy, or returned for the energy balance. The upper bits of an
+!! identity are the path from the whole to the half, which needs no counter and does not depend on
+!! ranks.
 module particle_split
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp
@@ -24,14 +24,13 @@ module particle_split
       splitting_t
 
    integer, parameter, public :: root_bits = 40      !! Lower bits: the identity of the first whole
-   integer, parameter, public :: most_generations = 20 !! That the upper bits can hold
+   integer, parameter, public :: most_generations = 20 !! Limit of the upper bits
 
-   !> Greatest fraction of the internal energy of a gas that a split may take: the pressure keeps
-   !! its
-   !! order of magnitude [1]
+   !> Greatest fraction of the internal energy of a gas that a split may convert to kinetic energy:
+   !! the pressure keeps its order of magnitude [1]
    real(wp), parameter :: greatest_share = 0.5_wp
 
-   !> When particles are split.
+   !> Criteria for the splitting of particles.
    type :: splitting_t
       real(wp) :: longest = huge(1.0_wp)             !! Greatest edge of a particle [cells]
       integer :: generations = 0                     !! Most splits from the start to a particle
@@ -77,7 +76,7 @@ contains
          allocate (opening(halved), source=0.0_wp)
       end if
       if (any(new_count > store%capacity)) then
-         ! particles have moved, so they are listed again
+         ! ranges of particles have moved, so list them again
          call store%layout(new_count)
          call list_long(splitting, full, grid, store, copier%from, edge, new_count)
       end if
@@ -107,7 +106,7 @@ contains
       end do
    end subroutine split_store
 
-   !> Has the step found how fast edges grow?
+   !> Has the step computed the growth rates of edges?
    pure logical function has_opening(store) result(has)
       type(store_t), intent(in) :: store
 

@@ -16,11 +16,11 @@ module particle_store
 
    integer, parameter, public :: moved_away = -1      !! Home of a particle that left its tile
    integer, parameter, public :: moved_out = -2       !! Home of a particle that left the box
-   integer, parameter, public :: moved_off = -3       !! Home of a particle that is taken out
+   integer, parameter, public :: moved_off = -3       !! Home of a removed particle
 
    !> Fields that the method or the scene requests of all particles.
    type :: traits_t
-      logical :: body = .false.                       !! Which body a particle belongs to
+      logical :: body = .false.                       !! Body of each particle
       logical :: extent = .false.                     !! Half the edges of its box
       logical :: stretching = .false.                 !! These follow the stretch of the material
       logical :: domain = .false.                     !! Half the edges of its parallelepiped
@@ -69,7 +69,7 @@ module particle_store
       integer :: words = 0                            !! Words of 8 bytes
    contains
       procedure :: scalar => counter_scalar           !! One word
-      procedure :: vector => counter_vector           !! One word a component
+      procedure :: vector => counter_vector           !! One word per component
       procedure :: whole => counter_whole             !! One word
    end type counter_t
 
@@ -173,8 +173,8 @@ contains
       self%first = mover%to
    end subroutine store_layout
 
-   !> Move the particles to the beginning of the arrays, so that a reader outside sees them in one
-   !! piece. Tiles that grow then get ranges at the end; no result depends on it.
+   !> Move the particles to the beginning of the arrays, so that external readers get one contiguous
+   !! array. Tiles that grow then get ranges at the end; no result depends on it.
    subroutine store_pack(self)
       class(store_t), intent(inout) :: self
       type(mover_t) :: mover
@@ -207,7 +207,7 @@ contains
    end function store_fits
 
    !> Make the new count of each tile fit. Ranges may change before their particles are moved:
-   !! `now` is where these are.
+   !! `now` holds their current indices.
    subroutine store_reserve(self, new_count, now)
       class(store_t), intent(inout) :: self
       integer, intent(in) :: new_count(:)             !! (tile)

@@ -3,8 +3,8 @@
 !! get from the nodes in a step, one half with the velocity that they bring to the nodes after they
 !! have moved.
 !!
-!! Stress and motion then work with the same mean velocities, so the energy that one loses the other
-!! gains (J. A. Nairn, Comput. Model. Eng. Sci. 4 (2003) 649). The second half is known only when
+!! Stress and motion then work with the same mean velocities, so one gains the energy that the other
+!! loses (J. A. Nairn, Comput. Model. Eng. Sci. 4 (2003) 649). The second half is known only when
 !! the particles have moved, after the force of the next step. So each step predicts it at the
 !! present positions and keeps it, and the next step replaces it by the computed one. Equation
 !! (T.14) of doc/theory/transfers.md.
@@ -22,7 +22,7 @@ module particle_strain_average
 
 contains
 
-   !> Keep half of the strain with the velocity that particles have brought, as a prediction. Both
+   !> Keep half of the strain of the particle velocities on the nodes as a prediction. Both
    !! strains refer to the middle of their step: positions are those at the end of the first and at
    !! the begin of the second.
    pure subroutine keep_earlier(count, gradient, earlier)
@@ -47,8 +47,7 @@ contains
       type(store_t), intent(inout) :: store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: earlier(:, :) !! (particle of the tile, 9) Half strain [1]
-      !> (particle of the tile, 9) Strain with the velocity that they take with them, then that of
-      !! the step [1]
+      !> (particle of the tile, 9) In: strain of the advection velocity; out: strain of the step [1]
       real(wp), contiguous, intent(inout) :: gradient(:, :)
       real(wp) :: half
       integer :: p, q, k

@@ -154,7 +154,7 @@ contains
       end do
    end subroutine ranges_extend
 
-   !> True if `extend` needs no arrays longer than a given length.
+   !> True if `extend` fits into arrays of a given length.
    pure logical function ranges_fit_into(self, length, new_count) result(fits)
       class(tile_ranges_t), intent(in) :: self
       integer, intent(in) :: length                   !! Of the arrays

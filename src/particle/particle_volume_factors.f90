@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Volume factors of bodies whose particles lie at random: the total volume of a body is exactly
+!> Volume factors of bodies with randomly placed particles: the total volume of a body is exactly
 !! that
 !! of its lattice sites, whatever the number of particles.
 module particle_volume_factors

@@ -16,7 +16,7 @@ module particle_voxels
       integer(int64) :: filled = 0                       !! Number of filled voxels
       integer, private :: first(3) = 0                   !! First layers with filled voxels, from 0
       integer, private :: last(3) = -1                   !! Last layers with filled voxels
-      character(len=:), allocatable, private :: mask     !! One bit a voxel, x fastest
+      character(len=:), allocatable, private :: mask     !! One bit per voxel, x fastest
    contains
       procedure :: holds => voxels_hold                  !! Is a point in local coordinates inside?
       procedure :: own_bounds => voxels_own_bounds       !! A bounding box in local coordinates

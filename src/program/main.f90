@@ -7,7 +7,7 @@ program scree
    implicit none
 
    interface
-      !> exit(3) of the C library: `stop` with a code prints text of its own.
+      !> exit(3) of the C library: `stop` with a code prints additional text.
       subroutine c_exit(code) bind(c, name="exit")
          import :: c_int
          implicit none

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Advice to lower the bulk modulus of a slow flow that would take many steps because of it. Section
+!> Advice to lower the bulk modulus of a slow flow, where a high modulus causes many steps. Section
 !! "Stiffness of slow flows" of doc/theory/time_step.md.
 module program_bulk_modulus_advice
    use base_kinds, only: int64, wp
@@ -59,7 +59,7 @@ contains
       end associate
    end function bulk_modulus_advice
 
-   !> True if waves or initial stresses may determine the result: then the loads are not known here.
+   !> True if waves or initial stresses may determine the result: then the loads are unknown here.
    pure logical function has_wave_loads(simulation, bodies) result(state)
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The command line: options, their values, and the checks that they fit each other.
+!> The command line: options, their values, and the checks of their combinations.
 module program_command_line
    use base_clock, only: clock_seconds, is_clock
    use base_deck_override, only: removal_mark
@@ -146,7 +146,7 @@ contains
       call check_command(command, error)
    end subroutine parse_command_line
 
-   !> Take the argument that is not an option as the deck.
+   !> Use the argument that is not an option as the deck.
    subroutine set_deck(argument, command, error)
       character(len=*), intent(in) :: argument           !! Path of a deck
       type(command_t), intent(inout) :: command          !! Gets the deck
@@ -254,7 +254,7 @@ contains
       if (text /= "") text = "; did you mean --"//text//"?"
    end function suggested_option
 
-   !> Take the next argument as value of an option that needs one. The file of --restart is optional
+   !> Use the next argument as value of an option that needs one. The file of --restart is optional
    !! and must end in .h5, since the next argument may be the deck.
    subroutine find_value(arguments, next, option, value)
       type(text_t), intent(in) :: arguments(:)           !! All arguments
@@ -335,7 +335,7 @@ contains
       end select
    end subroutine apply_option
 
-   !> Refuse an option without the value that it takes.
+   !> Refuse an option without its value.
    subroutine require_value(option, value, error)
       type(option_t), intent(in) :: option
       character(len=:), allocatable, intent(in) :: value !! Value
@@ -389,7 +389,7 @@ contains
          "' must be an integer above 0")
    end subroutine read_count
 
-   !> Check that the options fit each other.
+   !> Check combinations of options.
    subroutine check_command(command, error)
       type(command_t), intent(inout) :: command          !! Content of the command line
       type(error_t), allocatable, intent(out) :: error   !! Missing or conflicting options

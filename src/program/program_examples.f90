@@ -18,7 +18,7 @@ module program_examples
 
    !> An example that was copied.
    type :: copied_t
-      character(len=:), allocatable :: folder        !! Where the copy is
+      character(len=:), allocatable :: folder        !! Folder of the copy
       character(len=:), allocatable :: deck          !! Name of its deck
       type(text_t), allocatable :: files(:)          !! Names of its files
       logical :: has_grains = .false.                !! Is the deck for scree --grains?
@@ -35,7 +35,7 @@ contains
       home = folder_of(program_path())
       folder = join_path(home, share_folder//"/input")
       if (file_exists(folder//"/.")) return
-      ! the build tree has them here for any names of the folders of an installation
+      ! the build tree has them here, whatever the names of the installation folders
       folder = join_path(home, "../share/scree/input")
       if (file_exists(folder//"/.")) return
       call fail(error, exit_file, "the examples are not in the folder of this installation, '"// &
@@ -62,8 +62,8 @@ contains
 
    !> One line for each example: its name and the title of its README.
    subroutine examples_text(text, error)
-      character(len=:), allocatable, intent(out) :: text !! One line an example
-      type(error_t), allocatable, intent(out) :: error !! They cannot be found or read
+      character(len=:), allocatable, intent(out) :: text !! One line per example
+      type(error_t), allocatable, intent(out) :: error !! Not found or unreadable
       character(len=:), allocatable :: folder, readme
       type(text_t), allocatable :: names(:)
       integer :: n
@@ -86,7 +86,7 @@ contains
    !! the tools of the sources.
    subroutine copy_example(name, target_folder, copied, error)
       character(len=*), intent(in) :: name           !! Name of the example
-      character(len=*), intent(in) :: target_folder  !! Where to
+      character(len=*), intent(in) :: target_folder  !! Folder to create
       type(copied_t), intent(out) :: copied          !! Copied files
       type(error_t), allocatable, intent(out) :: error !! No such example, or not writable
       character(len=:), allocatable :: near, folder, text
@@ -242,7 +242,7 @@ contains
          "  sbatch job.slurm       # on a cluster"//newline
    end function next_steps
 
-   !> True if the program was started by a path: then its bare name may not be found.
+   !> True if the program was started by a path: then its name alone may not be found.
    logical function started_by_path() result(by_path)
       character(len=:), allocatable :: word
       integer :: length

@@ -23,7 +23,7 @@ module program_expected_steps
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, body) Corners of the boxes [m]
       real(wp), allocatable :: extent(:, :)          !! (3, body) With mirror images [m]
       real(wp), allocatable :: met(:)                !! (body) Time of its first impact [s]
-      logical, allocatable :: passes(:)              !! (body) Does it perforate its target?
+      logical, allocatable :: passes(:)              !! (body) Does it perforate the target?
    end type flight_t
 
    !> Impact of two bodies.
@@ -93,8 +93,8 @@ contains
       end do
    end subroutine find_impacts
 
-   !> Bodies that touch or meet slowly and have no contact: they move with one velocity there, so
-   !! they stick. In an impact near the speed of sound this has little effect.
+   !> Bodies without contact that touch or collide slowly: they have one velocity field, so they
+   !! stick. In an impact near the speed of sound this has little effect.
    function meetings_text(simulation, bodies, time_end) result(text)
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
@@ -151,7 +151,7 @@ contains
       end do
    end subroutine set_boxes
 
-   !> When and how the boxes of two bodies meet: their impact.
+   !> Time and conditions of the impact of two bodies, from their bounding boxes.
    pure type(meeting_t) function meeting_of(simulation, bodies, flight, one, other) &
       result(meeting)
       type(simulation_t), intent(in) :: simulation
@@ -321,10 +321,10 @@ contains
       signal(first:last) = max(signal(first:last), fastest)
    end subroutine raise_signal
 
-   !> Wave speed with artificial viscosity where surfaces meet [m/s]. Equation (S.5).
+   !> Wave speed with artificial viscosity where surfaces collide [m/s]. Equation (S.5).
    pure real(wp) function contact_signal(material, closing, jump) result(speed)
       type(material_t), intent(in) :: material
-      real(wp), intent(in) :: closing                !! Speed at which the surfaces meet [m/s]
+      real(wp), intent(in) :: closing                !! Impact speed of the surfaces [m/s]
       real(wp), intent(in) :: jump                   !! Velocity jump of this material [m/s]
       real(wp), parameter :: width = 3.0_wp          ! over which the velocity changes [cells]
       real(wp) :: damping, sound

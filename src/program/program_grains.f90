@@ -35,7 +35,7 @@ module program_grains
    public :: run_grains
 
    real(wp), parameter :: grain_steps_per_second = 5.0e6_wp !! For estimates, of one core
-   integer, parameter :: grains_per_thread = 300     !! Fewest that pay
+   integer, parameter :: grains_per_thread = 300     !! Fewest for a speed-up
 
 contains
 
@@ -61,7 +61,7 @@ contains
       call read_cell(setup%deck, run%cell)
       call read_stages(setup%deck, run%cell, run%cell%law%friction, run%path)
       call read_limits(setup%deck, run%limits)
-      ! a thread with fewer grains waits longer for the others than it works
+      ! with fewer grains per thread, waiting takes longer than the work
       call omp_set_num_threads(max(1, min(most_threads, run%cell%grains%count &
          /(grains_per_thread*run%cell%communicator%size))))
       call describe_run(setup, run)

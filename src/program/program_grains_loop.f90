@@ -28,7 +28,7 @@ module program_grains_loop
    public :: follow_path, grains_run_t, restart_cell, start_run
 
    integer, parameter :: check_steps = 50            !! Steps between checks of clock and signals
-   integer(int64), parameter :: not_begun = -1       !! Start of a stage that the deck did not have
+   integer(int64), parameter :: not_begun = -1       !! Start of an implicit stage
    real(wp), parameter :: deepest = 0.1_wp           !! Overlap over diameter that ends a run
 
    !> A run of a cell.
@@ -78,8 +78,8 @@ contains
    end subroutine enter_stage
 
    !> Drive, friction and servo of the present stage. The servo follows a little faster than a wave
-   !! crosses the cell as it was at the start of the stage, so that a restart finds the same rate,
-   !! and a part of the shear.
+   !! crosses the cell as it was at the start of the stage, so that a restart has the same rate, and
+   !! a fraction of the shear.
    subroutine set_stage(run)
       type(grains_run_t), intent(inout) :: run
       real(wp) :: speed, modulus
@@ -165,7 +165,7 @@ contains
       end if
    end subroutine follow_path
 
-   !> Go through the rest of the present stage and enter the next one. Collective.
+   !> Run the rest of the current stage and start the next one. Collective.
    subroutine follow_stage(run, log, code, error)
       type(grains_run_t), intent(inout) :: run
       type(log_t), intent(inout) :: log

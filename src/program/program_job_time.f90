@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Wall time that is left to a Slurm job, requested once at the start of a run.
+!> Remaining wall time of a Slurm job, requested once at the start of a run.
 ! allow(C071, C072): texts of C have no length
 module program_job_time
    use base_communicator, only: communicator_t
@@ -25,7 +25,7 @@ module program_job_time
          integer(c_long) :: seconds
       end function c_time
 
-      !> Start a command whose output can be read.
+      !> Start a command and return its output as a stream.
       function c_popen(command, mode) bind(c, name="popen") result(stream)
          import :: c_char, c_ptr
          implicit none

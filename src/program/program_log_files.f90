@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Opens the log of a run and writes its beginning: versions, effects, costs, and the resolved deck
-!! in a file of its own.
+!! in a separate file.
 module program_log_files
    use base_agreement, only: agree
    use base_deck, only: deck_t, group_t

@@ -31,7 +31,7 @@ module program_loop_clock
       integer(int64) :: checkpoint_intervals = 0     !! Complete intervals of checkpoint_time
    contains
       procedure :: start => loop_clock_start         !! Start the clocks
-      procedure :: is_wall_limit_near => loop_clock_is_wall_limit_near !! Must the run end now?
+      procedure :: is_wall_limit_near => loop_clock_is_wall_limit_near !! Does the run end now?
       procedure :: is_checkpoint_due => loop_clock_is_checkpoint_due !! Write one now?
    end type loop_clock_t
 
@@ -63,7 +63,7 @@ contains
          self%checkpoint_intervals = int(simulation%clock%time/limits%checkpoint_time, int64)
    end subroutine loop_clock_start
 
-   !> True if the wall time that is left is needed for the last checkpoint. The reserve is twice the
+   !> True if the remaining wall time is needed for the last checkpoint. The reserve is twice the
    !! time of the last checkpoint and three steps.
    logical function loop_clock_is_wall_limit_near(self, step) result(near)
       class(loop_clock_t), intent(in) :: self

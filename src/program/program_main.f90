@@ -61,7 +61,7 @@ contains
          call print_preview(session)
    end subroutine run_program
 
-   !> Draw a preview whose files are written, and print where it is.
+   !> Draw a preview from its files, and print its path.
    subroutine print_preview(session)
       type(session_t), intent(in) :: session
       character(len=:), allocatable :: text

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Codes of messages, such as D209, and what `scree --explain` and `scree --list messages` print
-!! about them. The texts are those of src/program/messages. A message gets its code where it is
-!! printed, by its words, so that the code which reports an error knows nothing of codes.
+!! about them. The texts are those of src/program/messages. The code of a message follows from its
+!! text when it is printed, so the procedures that report errors do not contain codes.
 module program_messages
    use base_error, only: error_t, exit_input, fail
    use base_text, only: append, buffer_t, join, lower, split, text_t
@@ -12,11 +12,11 @@ module program_messages
    public :: add_codes, coded, explain_message, is_message, message_code, message_list, with_code
 
    character(len=*), parameter :: newline = new_line("a")
-   character(len=*), parameter :: wildcard = "..."  !! Stands for any text in a pattern
+   character(len=*), parameter :: wildcard = "..."  !! Any text in a pattern
    integer, parameter :: columns = 80               !! Width of explanations
    integer, parameter :: most_similar = 5           !! Messages that are suggested
 
-   !> A message as far as it is needed to find it.
+   !> Code and pattern of a message.
    type :: message_t
       character(len=:), allocatable :: code         !! Such as D209
       type(text_t), allocatable :: patterns(:)      !! Texts of the message
@@ -24,7 +24,7 @@ module program_messages
 
 contains
 
-   !> Add to each line that is a message its code in brackets.
+   !> Add the code in brackets to each line that is a message.
    subroutine add_codes(text, with_codes, hint)
       character(len=*), intent(in) :: text          !! One or more lines
       character(len=:), allocatable, intent(out) :: with_codes !! The same lines
@@ -50,7 +50,7 @@ contains
       with_codes = buffer%content()
    end subroutine add_codes
 
-   !> A text with codes, and the hint how to read more in a line of its own.
+   !> A text with codes; the hint how to read more is on a separate line.
    function coded(text) result(with_codes)
       character(len=*), intent(in) :: text          !! One or more lines
       character(len=:), allocatable :: with_codes, hint
@@ -69,7 +69,7 @@ contains
       call add_codes(line, text, hint)
    end function with_code
 
-   !> Code of a line; empty if it is no message.
+   !> Code of a line; empty if it is not a message.
    function message_code(line) result(code)
       character(len=*), intent(in) :: line          !! As printed
       character(len=:), allocatable :: code
@@ -133,7 +133,7 @@ contains
 
    !> The code in a text: alone, in brackets at the end of a line, or that of the message.
    subroutine find_code(words, code)
-      character(len=*), intent(in) :: words         !! What the user gave
+      character(len=*), intent(in) :: words         !! Words of the user
       character(len=:), allocatable, intent(out) :: code !! Empty without one
       integer :: i
 
@@ -149,10 +149,10 @@ contains
       end if
    end subroutine find_code
 
-   !> Up to five messages that share words with a text, each in a line of its own.
+   !> Up to five messages that share words with a text, one per line.
    function similar_messages(messages, text) result(lines)
       type(message_t), intent(in) :: messages(:)    !! All messages
-      character(len=*), intent(in) :: text          !! What the user wrote
+      character(len=*), intent(in) :: text          !! Text of the user
       character(len=:), allocatable :: lines
       type(text_t), allocatable :: words(:)
       integer, allocatable :: shared(:)
@@ -239,7 +239,7 @@ contains
 
    !> Letters of a pattern, wildcards apart, if its parts are in a line in their order; else 0.
    pure integer function fitting_letters(pattern, line) result(letters)
-      character(len=*), intent(in) :: pattern       !! Parts with wildcards between them
+      character(len=*), intent(in) :: pattern       !! Parts, separated by wildcards
       character(len=*), intent(in) :: line          !! As printed
       integer :: first, from, last, place
 
@@ -286,7 +286,7 @@ contains
       text = buffer%content()
    end function explanation
 
-   !> Some lines as one.
+   !> Join lines into one.
    pure function joined_lines(lines, first, last) result(text)
       character(len=*), intent(in) :: lines(:)      !! Lines of a message
       integer, intent(in) :: first                  !! The first of them
@@ -347,7 +347,7 @@ contains
       call buffer%line(line)
    end subroutine add_wrapped
 
-   !> A text of Markdown with the words of links alone, and without marks of code.
+   !> A Markdown text as plain text: links as their words, and no code marks.
    pure function without_links(text) result(plain)
       character(len=*), intent(in) :: text          !! Such as [the deck](../guide/deck.md)
       character(len=:), allocatable :: plain

@@ -37,8 +37,8 @@ contains
          if (limits%dt_max < simulation%clock%dt_next .or. limits%dt_fixed > 0.0_wp) rule = &
             rule_deck
          if (limits%dt_fixed > 0.0_wp) dt = limits%dt_fixed
-         ! the last step of the run or of a stage ends at its time, without a remainder as short as
-         ! rounding errors
+         ! the last step of the run or of a stage ends exactly at its time, without a remainder of
+         ! the size of rounding errors
          if (simulation%clock%time + dt*(1.0_wp + 1.0e-9_wp) >= stop) then
             dt = stop - simulation%clock%time
             rule = rule_end
@@ -58,7 +58,7 @@ contains
       end associate
    end function is_step_allowed
 
-   !> Make the error of a step that is too short; it names the particle that limits it. Collective.
+   !> Error for a step that is too short; it names the limiting particle. Collective.
    subroutine refuse_step(simulation, limits, dt, error)
       type(simulation_t), intent(inout) :: simulation
       type(limits_t), intent(in) :: limits

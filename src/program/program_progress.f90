@@ -70,7 +70,8 @@ contains
       end associate
    end subroutine log_stage
 
-   !> Warn once if wall time is far longer than processor time, of the steps or of the whole run.
+   !> Warn once if the wall time is much longer than the processor time, of the steps or of the
+   !! whole run.
    subroutine warn_if_starved(simulation, log, clock, warned)
       type(simulation_t), intent(in) :: simulation   !! With the processor time of its steps
       type(log_t), intent(inout) :: log              !! Gets the warning

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The setup of a run: everything that is known and checked before there are particles. `--check`
+!> The setup of a run: all data that are set and checked before particles exist. `--check`
 !! ends after it; runs, previews and job scripts continue with it. It writes no files.
 module program_run_setup
    use base_agreement, only: agree
@@ -91,7 +91,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! Errors in the deck
 
       call set_up_scene(setup%deck, setup%simulation, setup%bodies, setup%shapes)
-      ! errors in other groups do not hide errors in the positions of bodies
+      ! positions of bodies are also checked if other groups have errors
       if (allocated(setup%bodies) .and. setup%deck%sound("body")) call check_size(setup%deck, &
          setup%simulation%space%grid, setup%bodies, setup%most_points, setup%command%force)
       if (allocated(setup%bodies) .and. setup%deck%sound("body")) then

@@ -67,8 +67,8 @@ contains
    end subroutine estimate_text
 
    !> Ratio of wall time to processor time of all threads. A ratio above that of busy threads is due
-   !! to waiting; far above it, other programs use the cores, and the estimate is for an idle
-   !! machine.
+   !! to waiting; a much higher ratio means that other programs use the cores; the estimate is then
+   !! for an idle machine.
    pure real(wp) function wall_share(wall, processor, threads) result(share)
       real(wp), intent(in) :: wall                   !! Of the first steps [s]
       real(wp), intent(in) :: processor              !! The same of all threads [s]
@@ -85,7 +85,7 @@ contains
       class(run_setup_t), intent(in) :: setup
       type(trial_t), intent(in) :: trial             !! Its first steps
       real(wp), intent(inout) :: seconds             !! Of the first steps in, of the run out [s]
-      real(wp), intent(inout) :: steps               !! Likewise, number of steps
+      real(wp), intent(inout) :: steps               !! Number of steps, scaled too
       character(len=:), allocatable, intent(out) :: basis !! Basis of the estimate, for the user
       type(trial_t) :: copy
       real(wp) :: left, cost, more, most
@@ -125,7 +125,7 @@ contains
 
    !> Steps that remain, from those of the copy after the same time. The stable step is proportional
    !! to the cell size, for waves and for shocks with artificial viscosity, which are a number of
-   !! cells wide. If the first steps of both have another ratio, that one is used.
+   !! cells wide. If the ratio of the first steps differs from this, it is used instead.
    pure real(wp) function steps_left(setup, trial, copy, coarser) result(steps)
       class(run_setup_t), intent(in) :: setup
       type(trial_t), intent(in) :: trial             !! Its first steps
@@ -145,7 +145,7 @@ contains
       steps = scale*late
    end function steps_left
 
-   !> Ratio of cell sizes with which the copy takes about `copy_seconds`. If possible an integer
+   !> Ratio of cell sizes for which the copy runs about `copy_seconds`. If possible an integer
    !! number of its cells fits the grid.
    pure integer function cell_size_ratio(grid, seconds) result(coarser)
       type(grid_t), intent(in) :: grid               !! Of the run

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A run from its first state to its summary, step by step. The program and the library for other
-!! programs (src/library) run every simulation through this module.
+!> A run from its first state to its summary, step by step. The program scree and the library
+!! (src/library) run every simulation with this module.
 module program_session
    use base_agreement, only: agree
    use base_deck, only: group_t
@@ -40,7 +40,7 @@ module program_session
 
 contains
 
-   !> Use no more threads than the scene keeps busy.
+   !> Limit the number of threads to what the scene can use.
    subroutine limit_threads(session)
       class(session_t), intent(inout) :: session
 
@@ -74,11 +74,11 @@ contains
       if (allocated(session%failure)) session%loop%finished = .true.
    end subroutine advance_run
 
-   !> End a run, finished or not: last output, summary, and why it ended. Collective.
+   !> End a run, finished or not: last output, summary, and the reason. Collective.
    subroutine end_run(session, code, error)
       class(session_t), intent(inout) :: session
       integer, intent(out) :: code                   !! Exit code
-      type(error_t), allocatable, intent(out) :: error !! Why it failed
+      type(error_t), allocatable, intent(out) :: error !! Reason of the failure
       type(error_t), allocatable :: late
       type(group_t) :: group
       logical :: timing

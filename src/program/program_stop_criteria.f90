@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Reasons to end a run: the end of its time or of its steps, wall time, signals, kinetic energy, or
-!! no material left.
+!! no remaining material.
 module program_stop_criteria
    use base_error, only: exit_again, exit_success
    use base_kinds, only: int64, wp
@@ -15,7 +15,7 @@ module program_stop_criteria
 
    public :: is_finished, stop_criteria_t
 
-   integer, parameter, public :: wall_limit_request = 1000 !! Stop request that is not a signal
+   integer, parameter, public :: wall_limit_request = 1000 !! Stop request other than a signal
    character(len=*), parameter, public :: none_left = "all material has left the grid"
    integer(int64), parameter :: kinetic_interval = 20 !! Steps between tests of kinetic energy
 
@@ -36,7 +36,7 @@ contains
       type(limits_t), intent(in) :: limits           !! When to stop
       logical, intent(out) :: finished               !! Does the run end?
       integer, intent(out) :: code                   !! Exit code
-      character(len=:), allocatable, intent(out) :: reason !! Why it ends
+      character(len=:), allocatable, intent(out) :: reason !! Reason for the end
       type(balance_t) :: balance
       real(wp) :: ratio
       integer :: request

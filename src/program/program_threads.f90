@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Number of threads of a rank, and how they wait for each other. Environment variables that the
+!> Number of threads of a rank, and their waiting policy. Environment variables that the
 !! user has set have precedence.
 module program_threads
    use base_kinds, only: int64, wp
@@ -29,7 +29,7 @@ module program_threads
 
 contains
 
-   !> Share the cores of a node between its ranks, unless OMP_NUM_THREADS is set.
+   !> Divide the cores of a node among its ranks, unless OMP_NUM_THREADS is set.
    subroutine share_cores()
       if (is_set("OMP_NUM_THREADS")) return
       call omp_set_num_threads(max(1, min(omp_get_num_procs(), cores_here()/ranks_here())))
@@ -57,7 +57,7 @@ contains
       if (len(program_path()) > 0) call restart_process(program_path(), name, arguments)
    end subroutine yield_when_waiting
 
-   !> Number of threads that tiles and particles keep busy.
+   !> Number of threads for which there are enough tiles and particles.
    pure integer function warranted_threads(most, tiles, particles) result(threads)
       integer, intent(in) :: most                    !! Greatest number
       integer, intent(in) :: tiles                   !! Tiles with particles of this rank

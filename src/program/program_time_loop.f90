@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The time loop: steps, output, checkpoints, progress lines. The program makes all steps of a run
-!! in one go; a program that Scree is a part of makes them one by one.
+!> The time loop: steps, output, checkpoints, progress lines. The program scree makes all steps of a
+!! run in one call; a host program makes them one by one.
 module program_time_loop
    use base_error, only: error_t, exit_again, exit_success
    use base_kinds, only: wp
@@ -65,9 +65,9 @@ contains
       call test_criteria(self, simulation, limits)
    end subroutine time_loop_begin
 
-   !> Do one step, write what is due after it, and test whether it was the last one. Without an
-   !! error the state is that of a run that has made all its steps in one call. After an error the
-   !! last valid checkpoint is unchanged. Collective.
+   !> Do one step, write the outputs due after it, and test whether it was the last one. Without an
+   !! error the state is the same as after a run with all steps in one call. After an error the last
+   !! valid checkpoint is unchanged. Collective.
    subroutine time_loop_step(self, simulation, outputs, place, limits, log, error)
       class(time_loop_t), intent(inout) :: self      !! Not finished
       type(simulation_t), intent(inout) :: simulation
@@ -95,7 +95,7 @@ contains
       call test_criteria(self, simulation, limits)
    end subroutine time_loop_step
 
-   !> Advance the simulation by a step of the length that it allows, and watch the result.
+   !> Advance the simulation by a step of the stable length, and check the result.
    subroutine advance_once(self, simulation, limits, log, advanced, error)
       class(time_loop_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation
@@ -132,8 +132,8 @@ contains
       self%reason = reason
    end subroutine test_criteria
 
-   !> Write the present state to all streams that have not written it yet. What is due later does
-   !! not change. Collective.
+   !> Write the present state to all streams that have not written it yet. Outputs due later do not
+   !! change. Collective.
    subroutine time_loop_write_all(self, simulation, outputs, log, error)
       class(time_loop_t), intent(in) :: self
       type(simulation_t), intent(inout) :: simulation
@@ -206,7 +206,7 @@ contains
       call log%info(progress_heading())
    end subroutine start_loop
 
-   !> Set the requests of this rank to all ranks, which the next step distributes: to stop, and,
+   !> Set the requests of this rank, which the next step sends to all ranks: to stop, and,
    !! from the clock of rank 0, a progress line or a checkpoint.
    subroutine set_requests(simulation, limits, clock)
       type(simulation_t), intent(inout) :: simulation

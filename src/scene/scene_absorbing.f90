@@ -18,7 +18,7 @@ module scene_absorbing
 
 contains
 
-   !> Set the dashpots of absorbing boundaries, if there are some.
+   !> Set the dashpots of absorbing boundaries, if any.
    subroutine read_absorbing(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! The run, its faces are read
@@ -86,7 +86,7 @@ contains
       end do
    end subroutine refuse
 
-   !> Area of the boundary that belongs to a node on it over the volume of the node [1/m].
+   !> Area of the boundary of a node divided by the volume of the node [1/m].
    pure real(wp) function share_of_face(grid, face, at_wall) result(share)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: face                    !! 1 to 6
@@ -108,8 +108,8 @@ contains
       end associate
    end function share_of_face
 
-   !> Indices of the materials that reach the nodes of a boundary at the start: those of the
-   !! adjacent cells; 0 where there is none.
+   !> Index of the material at each node of a boundary at the start, from the adjacent cells; 0 if
+   !! none.
    subroutine find_beyond(grid, bodies, face, beyond)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
@@ -151,7 +151,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body
       integer, intent(in) :: face                    !! 1 to 6
-      integer, intent(inout) :: beside(0:, 0:, 0:)   !! (x, y, z) Gets the material of the body
+      integer, intent(inout) :: beside(0:, 0:, 0:)   !! (x, y, z) Set to the material of the body
       real(wp), allocatable :: position(:, :)
       integer :: cell(3), x, y, z, n, normal
       real(wp) :: place(3)

@@ -89,7 +89,7 @@ contains
       end do
    end subroutine check_bodies
 
-   !> A speed needs a direction, and takes the place of a velocity.
+   !> A speed needs a direction and replaces a velocity.
    subroutine check_speed(deck, body)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: body                  !! The &body
@@ -100,7 +100,7 @@ contains
          call deck%complain(body, "speed and direction belong together; give both, or velocity", &
             merge("speed    ", "direction", body%given("speed")))
       else if (body%given("speed")) then
-         ! an echo of the deck names the default, a velocity of zero
+         ! an echo of the deck contains the default, a velocity of zero
          call body%get("velocity", velocity)
          call body%get("direction", direction)
          if (any(abs(velocity) > 0.0_wp)) call deck%complain(body, &
@@ -202,7 +202,7 @@ contains
       allocate (body%given, source=disks)
    end subroutine pack_disks
 
-   !> Particles from a list, if region and packing request it, and the fields they take from it.
+   !> Particles from a list, if region and packing request it, and the fields that the list gives.
    subroutine read_points(deck, simulation, group, shape, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Materials and grid

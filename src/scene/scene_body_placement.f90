@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checks of bodies against the grid and each other: how many points, where, and how thick.
+!> Checks of bodies against the grid and each other: number of particles, position and thickness.
 module scene_body_placement
    use base_deck, only: deck_t
    use base_kinds, only: int64, wp
@@ -16,23 +16,24 @@ module scene_body_placement
    public :: check_elastic, check_placement, check_size
 
    real(wp), parameter, public :: default_most_points = 1.0e10_wp !! About 2 TB of memory
-   real(wp), parameter :: most_tiles = 2.0e8_wp      !! Tiles that a body may reach
+   real(wp), parameter :: most_tiles = 2.0e8_wp      !! Greatest number of tiles of a body
    real(wp), parameter :: most_identities = 4.0e18_wp !! 64-bit integers end at 9e18
-   !> Of the speed of waves, from which on bodies that meet are strained by a quarter and more [1]
+   !> Impact speed over wave speed above which colliding bodies are strained by a quarter or more
+   !! [1]
    real(wp), parameter :: fast = 0.5_wp
    real(wp), parameter :: thinnest = 2.0_wp          !! Cells across a body
    real(wp), parameter :: round_off = 1.0e-9_wp      !! Of lengths, in cells
 
 contains
 
-   !> Refuse bodies of too many particles or tiles. Needs no survey, whose work grows
-   !! with the number of points.
+   !> Refuse bodies with too many particles or tiles. The test needs no survey, because the cost of
+   !! a survey grows with the number of particles.
    subroutine check_size(deck, grid, bodies, most_points, force)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
-      real(wp), intent(in) :: most_points            !! More in one body need the user's word
-      logical, intent(in) :: force                   !! The user gave it
+      real(wp), intent(in) :: most_points            !! More need permission by the user
+      logical, intent(in) :: force                   !! Set by the user
       real(wp) :: identities, points, reach(3), low(3), high(3), tiles
       integer :: n
 
@@ -72,8 +73,8 @@ contains
       end where
    end subroutine cut_bounds
 
-   !> Bodies without points are errors; those that are cut, thin or on top of each other may be
-   !! meant.
+   !> Bodies without particles are errors; bodies that are cut, thin or overlapping are allowed,
+   !! with a warning.
    subroutine check_placement(deck, simulation, bodies, survey)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
@@ -97,8 +98,8 @@ contains
       end do
    end subroutine check_placement
 
-   !> Warn of bodies that meet so fast that a material without yield strength or failure is strained
-   !! beyond the range of a law of small elastic strains.
+   !> Warn of impacts fast enough to strain a material without yield strength or failure beyond the
+   !! range of a law of small elastic strains.
    subroutine check_elastic(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation   !! Materials, walls
@@ -146,7 +147,7 @@ contains
       end if
    end subroutine refuse_empty
 
-   !> Warn if a part of a body lies outside the grid. Parts behind a mirror plane are images and are
+   !> Warn if a part of a body is outside the grid. Parts behind a mirror plane are images and are
    !! not counted.
    subroutine check_outside(deck, simulation, body, place)
       type(deck_t), intent(inout) :: deck            !! Collects errors
@@ -201,7 +202,7 @@ contains
       inside = points - outside
    end subroutine count_samples
 
-   !> Coordinates of points along the directions that the scene does not have [m].
+   !> Coordinates of particles along missing directions [m].
    pure function resting_place(grid) result(point)
       type(grid_t), intent(in) :: grid
       real(wp) :: point(3)
@@ -209,8 +210,8 @@ contains
       point = merge(0.0_wp, 0.5_wp*(grid%lower + grid%upper), grid%axisymmetric)
    end function resting_place
 
-   !> Warn if a body is thinner than two cells. Along a direction in which it reaches from one
-   !! closed face to the other it has no thickness; at a mirror plane it has half of it.
+   !> Warn if a body is thinner than two cells. Directions in which it extends from one closed
+   !! boundary to the other are not tested; at a mirror plane half the thickness is enough.
    subroutine check_thickness(deck, simulation, body, place)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
@@ -239,7 +240,7 @@ contains
       end associate
    end subroutine check_thickness
 
-   !> Warn of two bodies that overlap, with the number of points that the earlier one loses.
+   !> Warn of two bodies that overlap, with the number of particles that the earlier one loses.
    subroutine check_overlap(deck, grid, bodies, pair, pairs)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid

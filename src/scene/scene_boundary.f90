@@ -115,7 +115,7 @@ contains
       end do
    end subroutine check_boundaries
 
-   !> Required keys of a wall, and contradictions.
+   !> Check required and contradictory keys of a wall.
    subroutine check_wall(deck, boundary, condition)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
@@ -134,7 +134,7 @@ contains
       end if
    end subroutine check_wall
 
-   !> Whether a type suits a region, a motion and a temperature.
+   !> Check that the type of a boundary allows its region, motion and temperature.
    subroutine check_type(deck, boundary, condition)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
@@ -150,7 +150,7 @@ contains
       if (boundary%given("region") .and. .not. suits) call deck%complain(boundary, &
          "a region cannot be type = '"//trim(condition%name)//"'; use "//fitting, "type")
       if (part .and. .not. condition%moves()) then
-         ! an echo of the deck names the default, a velocity of zero
+         ! an echo of the deck contains the default, a velocity of zero
          velocity = 0.0_wp
          if (boundary%given("velocity")) call boundary%get("velocity", velocity)
          if (any(abs(velocity) > 0.0_wp)) call deck%complain(boundary, "a face moves only with "// &
@@ -171,7 +171,7 @@ contains
          "periodic; remove it", "temperature")
    end subroutine refuse_temperature
 
-   !> The types that suit a part of a boundary, or a rigid region, for a message.
+   !> The types allowed for a part of a boundary, or for a rigid region, for a message.
    function fitting_types(part) result(text)
       logical, intent(in) :: part                        !! A part of a boundary?
       character(len=:), allocatable :: text, last
@@ -193,7 +193,7 @@ contains
       text = text//" or "//last
    end function fitting_types
 
-   !> A boundary must exist in the scene; the axis of symmetry mirrors.
+   !> A boundary must exist in the scene; the axis of symmetry is a mirror plane.
    subroutine check_face(deck, boundary, face, condition)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
@@ -208,7 +208,7 @@ contains
       direction = (face + 1)/2
       if (dimension == "") return
       if (allocated(condition)) then
-         ! material in plane strain lies between mirrors and does not move along y
+         ! material in plane strain is between mirrors and does not move along y
          if (direction == 2 .and. dimension == "plane_strain" .and. condition%slides() .and. &
             .not. (condition%has_friction() .or. boundary%given("region") .or. &
             boundary%given("temperature") .or. boundary%given("t_on") .or. &
@@ -228,7 +228,7 @@ contains
       end if
    end subroutine check_face
 
-   !> A periodic face needs its partner.
+   !> A periodic boundary needs the opposite one.
    subroutine check_pair(deck, boundary, face, periodic)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
@@ -391,7 +391,7 @@ contains
       end do
    end subroutine add_region
 
-   !> Set how whole boundaries move, and when they act.
+   !> Set the motion of whole boundaries, and the time interval in which they act.
    subroutine set_motion(deck, index, motion, simulation)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: index                   !! Number of the &boundary
@@ -408,7 +408,7 @@ contains
       end associate
    end subroutine set_motion
 
-   !> How a wall moves, and from when to when it acts. Collective.
+   !> Motion of a wall, and the time interval in which it acts. Collective.
    subroutine read_times(deck, communicator, group, motion)
       type(deck_t), intent(inout) :: deck            !! The deck, collects complaints
       type(communicator_t), intent(in) :: communicator !! The first rank reads

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Times at which the particles of explosives begin to burn, from the cells that hold explosive at
-!! the start. The same on any ranks, as all compute on the cells of all.
+!! the start. All ranks use the cells of all ranks, so the times do not depend on ranks.
 module scene_burn_times
    use base_kinds, only: int64, wp
    use explosive_burn, only: never_burns
@@ -15,7 +15,7 @@ module scene_burn_times
 
 contains
 
-   !> Give the particles of explosives their burn times, and the stress that they have before.
+   !> Set the burn times of the particles of explosives, and their stress before burning.
    !! Collective.
    subroutine light_explosives(simulation)
       type(simulation_t), intent(inout) :: simulation !! The run with particles

@@ -19,7 +19,7 @@ module scene_cell
 contains
 
    !> True if the particles of the scene are in a cell that deforms: there are stages, and no grains
-   !! whose they are. The echo of a deck holds &cell and &grains with their defaults in any case.
+   !! that use them. The echo of a deck holds &cell and &grains with their defaults in any case.
    logical function has_cell(deck) result(has)
       type(deck_t), intent(in) :: deck
       type(group_t) :: grains
@@ -28,8 +28,8 @@ contains
       has = deck%count("stage") > 0 .and. .not. grains%given("diameter")
    end function has_cell
 
-   !> Defaults of &method in a cell that deforms, and the values that it needs: particle fields
-   !! other than the velocity are not defined on the mesh of another shape.
+   !> Defaults of &method in a cell that deforms, and its required values: only the velocity, and no
+   !! other particle field, is defined on the mesh of another shape.
    subroutine set_cell_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! Gets defaults and errors
 
@@ -78,7 +78,7 @@ contains
       call deck%complain(group, "&cell needs "//key//" = "//list//", not '"//word//"'", key)
    end subroutine need
 
-   !> Read the cell and its stages. Grid, boundaries, method and effects are read.
+   !> Read the cell and its stages. Grid, boundaries, method and effects are already read.
    subroutine read_cell(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation
@@ -133,7 +133,7 @@ contains
          "give at least one, say rate = 0, 0, 0, 0, 1, 0   duration = 1.0")
    end subroutine check_stages
 
-   !> Warn if the run ends before the stages.
+   !> Warn if the run ends before the last stage.
    subroutine check_end(deck, time)
       type(deck_t), intent(inout) :: deck            !! Gets a warning
       real(wp), intent(in) :: time                   !! End of the last stage [s]
@@ -183,7 +183,7 @@ contains
          "&cell does not go with gravity: a periodic cell has no bottom; remove it", "gravity")
    end subroutine check_space
 
-   !> Keys that are for grains alone.
+   !> Keys that apply to grains only.
    subroutine check_keys(deck)
       type(deck_t), intent(inout) :: deck
       character(len=15), parameter :: of_cell(8) = [character(len=15) :: "packing", "cells", &
@@ -202,7 +202,7 @@ contains
       end do
    end subroutine check_keys
 
-   !> Refuse a key that is for grains.
+   !> Refuse a key that applies to grains only.
    subroutine refuse_key(deck, group, key)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: group
@@ -214,7 +214,7 @@ contains
          "scree --grains; remove it", key)
    end subroutine refuse_key
 
-   !> A stage has an end, directions of the scene, and a pressure if it holds one.
+   !> Check that a stage has an end, directions of the scene, and the pressure that it prescribes.
    subroutine check_stage(deck, n, active)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: n                       !! Number

@@ -19,7 +19,7 @@ module scene_contact
    public :: bond_stores, contact_columns, contact_text, declare_contact, read_contact, store_name
 
    integer, parameter, public :: most_fields = 8     !! Their pairs grow as the square
-   character(len=1), parameter :: any_body = "*"     !! Stands for every body
+   character(len=1), parameter :: any_body = "*"     !! Matches every body
 
 contains
 
@@ -43,7 +43,7 @@ contains
       call schema%refer("contact", "bodies", "body")
    end subroutine declare_contact
 
-   !> Give the bodies their velocity fields and these their stores, if contact is on.
+   !> Assign velocity fields to the bodies and stores to the fields, if contact is on.
    subroutine read_contact(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Materials are known
@@ -120,7 +120,7 @@ contains
       end do
    end subroutine find_parting
 
-   !> Give these fields a second one, for the other side, after all fields of bodies.
+   !> Add a second field for the other side of each, after all fields of bodies.
    subroutine pair_sides(simulation, parting)
       type(simulation_t), intent(inout) :: simulation !! Its velocity fields are new
       logical, intent(in) :: parting(:)              !! (field of bodies)
@@ -185,7 +185,7 @@ contains
       end function fails
    end subroutine refuse_parting
 
-   !> Methods whose sums know one velocity of a body at a node only.
+   !> Refuse methods whose sums have only one velocity of a body at a node.
    subroutine refuse_method(deck, group, simulation, bonded)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! &contact
@@ -240,7 +240,8 @@ contains
       end do
    end subroutine refuse_others
 
-   !> Each pair of velocity field and material gets a store of its own, those of a field in a row.
+   !> Assign a separate store to each pair of velocity field and material; the stores of a field are
+   !! consecutive.
    subroutine share_out(contact, simulation, bodies)
       type(contact_t), intent(inout) :: contact      !! Gets the stores of its fields
       type(simulation_t), intent(inout) :: simulation !! In the end one material a store
@@ -325,7 +326,7 @@ contains
       end subroutine set_law
    end subroutine read_pairs
 
-   !> The two names of a group; one that is missing is any body.
+   !> The two names of a group; a missing one matches any body.
    subroutine names_of(group, names)
       type(group_t), intent(in) :: group             !! &contact
       type(text_t), allocatable, intent(out) :: names(:) !! Two
@@ -340,7 +341,7 @@ contains
       end do
    end subroutine names_of
 
-   !> How many of two names stand for any body.
+   !> Number of names, of two, that match any body.
    pure integer function wild_cards(names) result(wild)
       type(text_t), intent(in) :: names(2)
 
@@ -400,7 +401,7 @@ contains
 
    !> Name of a store: that of its material, followed by a number if several stores have it.
    pure function store_name(materials, index) result(name)
-      type(material_t), intent(in) :: materials(:)   !! One a store
+      type(material_t), intent(in) :: materials(:)   !! One per store
       integer, intent(in) :: index                   !! Index of the store
       character(len=:), allocatable :: name
       integer :: earlier, same

@@ -36,8 +36,8 @@ contains
       call schema%refer("detonation", "material", "material")
    end subroutine declare_detonation
 
-   !> Give explosives the detonations that reach them, and warn of explosives without a detonation
-   !! and of detonations without an explosive.
+   !> Assign to explosives the detonations that reach them, and warn of explosives without a
+   !! detonation and of detonations without an explosive.
    subroutine read_detonations(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Grid, materials and stores are known
@@ -62,7 +62,8 @@ contains
       end do
    end subroutine read_detonations
 
-   !> Warn of explosives that nothing lights, and of a speed that their products do not have.
+   !> Warn of explosives without ignition, and of a detonation speed that differs from that of their
+   !! products.
    subroutine warn_of_materials(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation
@@ -135,7 +136,7 @@ contains
          "a plane needs a normal along the directions of the scene", "normal")
    end subroutine read_detonator
 
-   !> Add a detonation to the explosives that it lights.
+   !> Add a detonation to the explosives that it ignites.
    subroutine share_out(deck, group, detonator, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &detonation
@@ -174,7 +175,7 @@ contains
    end subroutine share_out
 
    !> Is a detonation within a cell of the box around a body? The nearest points of two convex sets
-   !! are found by going from one to the other.
+   !! are found by alternating projections.
    function touches_body(grid, body, detonator) result(touches)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body

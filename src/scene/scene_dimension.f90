@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Directions that the dimension of a scene has, and vectors that must not leave them.
+!> Directions that the dimension of a scene has, and checks that vectors have no other components.
 module scene_dimension
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -12,7 +12,7 @@ module scene_dimension
 
 contains
 
-   !> Dimension of the scene, empty if it is wrong, and the directions that it has.
+   !> Dimension of the scene, empty if invalid, and its active directions.
    subroutine dimension_of(deck, dimension, active)
       type(deck_t), intent(in) :: deck
       character(len=:), allocatable, intent(out) :: dimension !! As in the deck

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &exact of a deck: which exact solution, of which bodies.
+!> The group &exact of a deck: the exact solution, and the bodies that follow it.
 module scene_exact
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp

@@ -16,8 +16,8 @@ module scene_exact_start
 
 contains
 
-   !> Move the particles from their lattice to where the solution has them at the start, with their
-   !! velocities, and bring them to their tiles and ranks. The lattice remains their reference.
+   !> Move the particles from their lattice to the initial positions of the solution, set their
+   !! velocities, and send them to their tiles and ranks. The lattice remains their reference.
    subroutine place_exact(simulation, error)
       type(simulation_t), intent(inout) :: simulation !! The run, particles on their lattice
       type(error_t), allocatable, intent(out) :: error !! Some particle would be outside of the box
@@ -117,7 +117,7 @@ contains
    !! 1).
    pure function velocity_gradient(solution, point, dt) result(slopes)
       class(exact_t), intent(in) :: solution
-      real(wp), intent(in) :: point(3)               !! Place at rest [m]
+      real(wp), intent(in) :: point(3)               !! Position at rest [m]
       real(wp), intent(in) :: dt                     !! Over which F is compared, a step [s]
       real(wp) :: slopes(9), before(3, 3), after(3, 3), now(3, 3)
 

@@ -28,7 +28,7 @@ contains
       type(body_t), intent(inout) :: bodies(:)       !! The bodies; get their first identities
       type(survey_t), intent(in) :: survey           !! Counts of them
       type(named_shape_t), intent(in) :: shapes(:)
-      !> Bodies and exact solution do not agree, or a file cannot be read any more
+      !> Bodies do not match the exact solution, or a file has become unreadable
       type(error_t), allocatable, intent(out) :: error
 
       call fill_simulation(simulation, bodies, survey)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &inflow: bodies whose material keeps entering the domain. Equations (O.6) to (O.8) of
-!! doc/theory/instruments.md.
+!> The group &inflow: bodies whose material enters the domain continuously. Equations (O.6) to (O.8)
+!! of doc/theory/instruments.md.
 module scene_inflow
    use base_deck, only: deck_t, group_t
    use base_exact_sum, only: exact_sum_t
@@ -50,8 +50,8 @@ contains
       call schema%refer("inflow", "body", "body")
    end subroutine declare_inflow
 
-   !> Read the inflows, give their bodies their velocities, and hold the nodes around them.
-   !! Collective.
+   !> Read the inflows, set the velocities of their bodies, and prescribe those of the nodes around
+   !! them. Collective.
    subroutine read_inflows(deck, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(inout) :: simulation !! Gets inflows and rigid regions
@@ -83,7 +83,7 @@ contains
       type(group_t), intent(in) :: group             !! The &inflow
       type(simulation_t), intent(in) :: simulation
       type(body_t), intent(in) :: bodies(:)
-      logical, intent(inout) :: taken(:)             !! (body) Has it an inflow?
+      logical, intent(inout) :: taken(:)             !! (body) Has the body an inflow?
       type(inflow_t), intent(out) :: inflow
 
       if (.not. group%valid([character(len=9) :: "body", "velocity", "mass_rate", "t_off"])) return
@@ -108,8 +108,8 @@ contains
       if (deck%sound("inflow")) call find_axis(deck, group, simulation%space%grid, inflow)
    end subroutine read_one
 
-   !> Bodies whose first state is not the same all over, or that do not begin at rest in themselves,
-   !! do not follow each other without a seam.
+   !> Refuse bodies with a nonuniform initial state or with motion relative to the flow: their
+   !! copies would not join without a jump.
    subroutine refuse_body(deck, group, simulation, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &inflow
@@ -128,7 +128,7 @@ contains
          "; remove it from '"//body%name//"'", "body")
    end subroutine refuse_body
 
-   !> The direction of the flow, which is that of all entries of the table.
+   !> The direction of the flow; all entries of the table must have it.
    subroutine find_axis(deck, group, grid, inflow)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &inflow
@@ -197,7 +197,7 @@ contains
       inflow%wall = size(simulation%space%rigid%wall)
    end subroutine hold_nodes
 
-   !> Make the particles of the bodies that inflows repeat, and the speeds that follow from rates.
+   !> Make the particles of the bodies that inflows repeat, and compute speeds from rates.
    !! Collective.
    subroutine start_inflows(deck, simulation, bodies, keys)
       type(deck_t), intent(inout) :: deck            !! Collects errors
@@ -229,7 +229,8 @@ contains
       end do
    end subroutine start_inflows
 
-   !> Halves have a part of each identity for themselves, so those of all copies must leave it free.
+   !> Splitting uses a part of each identity, so the identities of all copies must leave these bits
+   !! free.
    subroutine check_identities(deck, group, simulation, inflow)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &inflow
@@ -289,8 +290,8 @@ contains
       end associate
    end subroutine make_pattern
 
-   !> Where material enters, the length of the body, and its mass. Each layer of particles across
-   !! the flow must have the same mass.
+   !> Position at which material enters, length of the body, and its mass. Each layer of particles
+   !! across the flow must have the same mass.
    subroutine measure_pattern(deck, group, simulation, body, inflow, mass)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &inflow

@@ -53,7 +53,7 @@ contains
          "is known to lie; write initial_stress = 'file' or 'zero'", "initial_stress")
    end subroutine read_lithostatic
 
-   !> Give the particles of bodies the stress of their weight. All shapes are still there.
+   !> Set the stress of particles to that of the weight above. All shapes still exist.
    subroutine add_weight_stress(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)
@@ -119,12 +119,12 @@ contains
    end subroutine weigh_tile
 
    !> Mass of the column above a place, a square metre wide, up to the first gap [kg/m2]. Bodies
-   !! that begin without stress weigh nothing: they are not yet at rest. Where one body follows on
-   !! another the place is found by halving.
+   !! without initial stress do not count: they are not yet at rest. Bisection finds the interface
+   !! between two bodies.
    pure real(wp) function mass_above(grid, bodies, own, place, up) result(mass)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
-      integer, intent(in) :: own                     !! Body at the place
+      integer, intent(in) :: own                     !! Body at the position
       real(wp), intent(in) :: place(3)               !! [m]
       real(wp), intent(in) :: up(3)                  !! Direction of length one
       integer, parameter :: halvings = 40, parts = 4
@@ -157,7 +157,7 @@ contains
       end do
    end function mass_above
 
-   !> Body that bears its weight and holds a place; 0 if there is none.
+   !> Body that supports its own weight and contains a position; 0 if none.
    pure integer function body_at(grid, bodies, place) result(body)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
@@ -172,11 +172,12 @@ contains
       if (bodies(body)%lateral < 0.0_wp) body = 0
    end function body_at
 
-   !> Give particles the density of their pressure, by secants. Others of the tile stay.
+   !> Set the density of particles to that of their pressure, by the secant method. Other particles
+   !! of the tile do not change.
    subroutine press(bodies, material, pressure, first, store)
       type(body_t), intent(in) :: bodies(:)
       type(material_t), intent(in) :: material       !! That of the particles
-      real(wp), intent(in) :: pressure(:)            !! (particle of the tile) 0: it stays [Pa]
+      real(wp), intent(in) :: pressure(:)            !! (particle of the tile) 0: unchanged [Pa]
       integer, intent(in) :: first                   !! First particle of the tile
       type(store_t), intent(inout) :: store
       integer, parameter :: rounds = 12

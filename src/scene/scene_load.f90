@@ -90,7 +90,7 @@ contains
       end do
    end subroutine read_one
 
-   !> Does any body of a load reach into its region, by the boxes around both?
+   !> Do the bounding boxes of a body of a load and of its region overlap?
    pure logical function finds_body(load, bodies) result(finds)
       type(surface_load_t), intent(in) :: load
       type(body_t), intent(in) :: bodies(:)

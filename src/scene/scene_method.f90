@@ -154,7 +154,7 @@ contains
       call read_splitting(method, group)
    end subroutine read_method
 
-   !> When long particles are halved.
+   !> Criteria for the splitting of long particles.
    subroutine read_splitting(method, group)
       type(method_t), intent(inout) :: method
       type(group_t), intent(in) :: group             !! &method

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Defaults of &method that depend on other keys and on the material, and keys that do not go
-!! together. All are by measurement: see doc/theory/methods_compared.md.
+!> Defaults of &method that depend on other keys and on the material, and checks of incompatible
+!! keys. All defaults come from measurements: see doc/theory/methods_compared.md.
 module scene_method_defaults
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -11,13 +11,13 @@ module scene_method_defaults
 
    public :: set_method_defaults
 
-   !> Share of unseen node velocities in the strain where not all material is elastic [1]
+   !> Fraction of unresolved node velocities in the strain unless all material is elastic [1]
    real(wp), parameter, public :: unseen_usual = 0.2_wp
 
 contains
 
-   !> Set the defaults of &method that depend on other keys and on the material, and refuse keys
-   !! that do not go together.
+   !> Set the defaults of &method that depend on other keys and on the material, and refuse
+   !! incompatible keys.
    subroutine set_method_defaults(deck, stored, gases, some_gas)
       type(deck_t), intent(inout) :: deck            !! The deck, gets defaults and complaints
       logical, intent(in) :: stored                  !! Does all material give back all work?
@@ -101,8 +101,8 @@ contains
          0.0_wp)
    end subroutine set_elastic_defaults
 
-   !> With two velocities the rotation is that of the surroundings: that of single particles makes
-   !! energy there.
+   !> With two velocities the default rotation is that of the surroundings, because the rotation of
+   !! single particles creates energy.
    subroutine set_turn_default(deck)
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: transfer, update, turn
@@ -121,8 +121,8 @@ contains
          "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
    end subroutine set_turn_default
 
-   !> Gas expands without bound, and cells without particles have no volume. An exact solution needs
-   !! undivided particles.
+   !> Long particles of a gas are split, because it expands without bound and cells without
+   !! particles have no volume. An exact solution needs undivided particles.
    subroutine set_split_default(deck, gases)
       type(deck_t), intent(inout) :: deck            !! The deck, gets the default
       logical, intent(in) :: gases                   !! Is all material a gas?
@@ -151,7 +151,7 @@ contains
       call group%get("stress_update", update)
       call group%get("unseen_strain", share)
       if (update == stress_names(stress_average)) return
-      ! a deck that the program has written has its default
+      ! a deck written by the program contains its default
       if (.not. abs(share - unseen_usual) > 0.0_wp) return
       call deck%complain(group, "unseen_strain needs stress_update = 'usavg', not '"//update// &
          "'; remove one of the two", "unseen_strain")

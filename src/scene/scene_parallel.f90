@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &parallel: its keys, and when tiles move between ranks.
+!> The group &parallel: its keys, and the conditions for moving tiles between ranks.
 module scene_parallel
    use base_deck, only: deck_t, group_t
    use base_schema, only: schema_t

@@ -33,17 +33,17 @@ module scene_particles
    !> Counts of particles that the bodies will have, found before particles exist.
    type :: survey_t
       integer(int64) :: particles = 0                !! In all bodies
-      integer(int64) :: tiles = 0                    !! Tiles that hold some, on all ranks
+      integer(int64) :: tiles = 0                    !! Tiles with particles, on all ranks
       integer(int64), allocatable :: body(:)         !! (body) Particles
-      !> (tile) Tiles with particles that this rank has counted, ascending. They can be anywhere;
-      !! each tile is on the list of one rank.
+      !> (tile) Tiles with particles that this rank has counted, ascending. They can be anywhere in
+      !! the domain; each tile is on the list of one rank.
       integer(int64), allocatable :: key(:)
       integer(int64), allocatable :: particles_of(:) !! (tile) Their particles
    end type survey_t
 
 contains
 
-   !> Scratch, timers, the dual gradient: everything that does not depend on particles. Grid,
+   !> Allocate scratch, timers and the dual gradient, which do not depend on particles. Grid,
    !! boundary, materials and method are set.
    subroutine prepare_simulation(simulation)
       type(simulation_t), intent(inout) :: simulation
@@ -167,7 +167,7 @@ contains
       call sort_particles(simulation)
    end subroutine fill_simulation
 
-   !> Give bodies their identities, one after another.
+   !> Assign ranges of identities to bodies, one after another.
    pure subroutine number_bodies(grid, bodies, next)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(inout) :: bodies(:)
@@ -229,7 +229,7 @@ contains
       end associate
    end subroutine share_out_tiles
 
-   !> Set the state of the particles of a tile at the start. Those of a body follow each other.
+   !> Set the state of the particles of a tile at the start. The particles of a body are contiguous.
    subroutine start_tile(bodies, material, tile, store)
       type(body_t), intent(in) :: bodies(:)
       type(material_t), intent(in) :: material
@@ -327,7 +327,7 @@ contains
       end do
    end subroutine add_spin
 
-   !> Index of the body that a particle belongs to.
+   !> Index of the body of a particle.
    pure integer function body_of(bodies, identity) result(body)
       type(body_t), intent(in) :: bodies(:)
       integer(int64), intent(in) :: identity         !! Of the particle

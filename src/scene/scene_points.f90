@@ -90,7 +90,7 @@ contains
       yes = ending == "hdf" .or. ending == "h5" .or. ending == "hdf5"
    end function is_snapshot
 
-   !> Bring the numbers of a text from the units of the deck to SI.
+   !> Convert the numbers of a text from the units of the deck to SI.
    subroutine to_si(deck, list)
       type(deck_t), intent(in) :: deck               !! Its system of units
       type(point_list_t), intent(inout) :: list      !! Changed
@@ -132,7 +132,7 @@ contains
       end if
    end subroutine find_volumes
 
-   !> Make a body of the points of a region that are meant for it.
+   !> Make a body of the points of a region that belong to it.
    subroutine pack_points(deck, grid, boundary, group, points, body)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
@@ -166,7 +166,7 @@ contains
       allocate (body%given, source=given)
    end subroutine pack_points
 
-   !> Of a list that names materials a body takes the points of its own.
+   !> From a list with names of materials, a body uses the points of its own material.
    subroutine choose_material(deck, group, list, meant)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
@@ -187,7 +187,7 @@ contains
          "'; there are: "//join(list%material_names, ", "), "material")
    end subroutine choose_material
 
-   !> Of a snapshot a region may mean the points of one body.
+   !> A region may select the points of one body of a snapshot.
    subroutine choose_body(deck, group, points, meant)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group
@@ -300,7 +300,7 @@ contains
       text = "("//text(2:)//")"
    end function place_text
 
-   !> Warn of points that are larger than a cell: their neighbours lose sight of them.
+   !> Warn of points larger than a cell: they may share no node with their neighbours.
    subroutine check_sizes(deck, grid, group, list, place)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(grid_t), intent(in) :: grid
@@ -321,11 +321,11 @@ contains
          " points are larger than a cell: the material has gaps; use larger cells or more "// &
          "points", "region")
    end subroutine check_sizes
-   !> True for fields that particles take from a snapshot in addition to position and volume. They
+   !> True for fields that particles read from a snapshot in addition to position and volume. They
    !! get new identities.
    pure logical function comes_from_file(name, stress) result(yes)
       character(len=*), intent(in) :: name           !! Of the field
-      logical, intent(in) :: stress                  !! Is the stress wanted?
+      logical, intent(in) :: stress                  !! Is the stress requested?
 
       select case (name)
       case ("identity", "body", "material", "position", "volume", "reference", "density", "speed", &
@@ -345,7 +345,7 @@ contains
       type(material_t), intent(in) :: material       !! Its material
       type(traits_t), intent(in) :: traits           !! Particle fields that the method needs
       type(point_region_t), intent(in) :: points
-      logical, intent(in) :: stress                  !! Is the stress wanted?
+      logical, intent(in) :: stress                  !! Is the stress requested?
       type(field_requests_t) :: requests
       type(text_t), allocatable :: missing(:)
       integer :: n, k

@@ -3,7 +3,7 @@
 !!
 !! Velocities of a snapshot are half of the last step behind its positions. The first forces must
 !! lead from there to the middle of the first step: half a step alone, as at the start of other
-!! runs, would leave the velocities behind by half a kick for the whole run.
+!! runs, would leave an error of half an increment in the velocities for the whole run.
 module scene_points_clock
    use base_deck, only: deck_t
    use base_kinds, only: wp

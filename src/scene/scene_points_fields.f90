@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> State of particles from the file that their positions come from.
+!> Reads the state of particles from the file with their positions.
 module scene_points_fields
    use base_agreement, only: agree
    use base_error, only: error_t, exit_file, fail
@@ -21,7 +21,7 @@ module scene_points_fields
 
    integer, parameter :: piece = 1048576             !! Rows that are read at once
 
-   !> Puts values of rows into the particles of a store that stand for them.
+   !> Copies values of rows to the corresponding particles of a store.
    type, extends(field_worker_t) :: putter_t
       character(len=:), allocatable :: name
       integer :: count = 0                           !! Particles of the body
@@ -38,12 +38,12 @@ module scene_points_fields
 
 contains
 
-   !> Give the particles of bodies from files the fields in the files. Collective.
+   !> Set the fields of the particles of bodies from files to those in the files. Collective.
    subroutine read_point_fields(simulation, bodies, shapes, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(body_t), intent(in) :: bodies(:)
       type(named_shape_t), intent(in) :: shapes(:)
-      type(error_t), allocatable, intent(out) :: error !! A file cannot be read any more
+      type(error_t), allocatable, intent(out) :: error !! A file has become unreadable
       type(putter_t) :: putter
       integer :: n
 
@@ -90,7 +90,7 @@ contains
       putter%count = found
    end subroutine find_particles
 
-   !> Read the fields of a snapshot that the particles carry, a piece at a time.
+   !> Read the fields of a snapshot that the particles carry, one chunk at a time.
    subroutine take_snapshot(simulation, points, body, putter, error)
       type(simulation_t), intent(inout) :: simulation !! The run with particles
       type(point_region_t), intent(in) :: points     !! Position of the file, and its fields

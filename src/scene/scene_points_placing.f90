@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Scales, rotates and translates points of a file with all their fields, as if the run that wrote
-!! it had been scaled, turned and moved as a whole.
+!! it had been scaled, rotated and translated as a whole.
 !!
 !! Scaling does not change velocities, stresses and densities, so masses grow with volumes, times
 !! with lengths, and rates fall.
@@ -15,7 +15,7 @@ module scene_points_placing
 
    public :: components_of, placing_t, read_placing
 
-   !> Where the points of a region go.
+   !> Placement of the points of a region.
    type :: placing_t
       real(wp) :: scale = 1.0_wp                     !! Factor, applied first [1]
       real(wp) :: volume_scale = 1.0_wp              !! Factor of volumes [1]
@@ -23,14 +23,14 @@ module scene_points_placing
       real(wp) :: translate(3) = 0.0_wp              !! Applied last [m]
       logical :: changes = .false.                   !! Are there a factor or angles?
    contains
-      procedure :: keeps => placing_keeps            !! Can a field be turned?
+      procedure :: keeps => placing_keeps            !! Can a field be rotated?
       procedure :: move => placing_move              !! Positions, volumes, velocities of a list
       procedure :: turn => placing_turn              !! Values of a field
    end type placing_t
 
 contains
 
-   !> Read it. A turn out of the plane or line of the scene is refused.
+   !> Read it. A rotation out of the plane or line of the scene is refused.
    subroutine read_placing(deck, grid, group, placing)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid               !! Active directions
@@ -60,9 +60,9 @@ contains
          "rings around the axis, which cannot be turned; write rotate = 0 0 0", "rotate")
    end subroutine read_placing
 
-   !> False for boxes along the coordinates that are turned by other than right angles.
+   !> False for boxes along the coordinates that are rotated by other than right angles.
    pure logical function placing_keeps(self, name) result(keeps)
-      class(placing_t), intent(in) :: self           !! Where points go
+      class(placing_t), intent(in) :: self           !! Placement of points
       character(len=*), intent(in) :: name
       real(wp), parameter :: little = 1.0e-12_wp
 
@@ -73,7 +73,7 @@ contains
 
    !> Move the points of a list to their positions.
    pure subroutine placing_move(self, grid, list)
-      class(placing_t), intent(in) :: self           !! Where points go
+      class(placing_t), intent(in) :: self           !! Placement of points
       type(grid_t), intent(in) :: grid               !! Active directions
       type(point_list_t), intent(inout) :: list      !! Changed
       real(wp) :: middle(3)
@@ -98,7 +98,7 @@ contains
 
    !> Scale and turn the values of a field.
    pure subroutine placing_turn(self, name, values)
-      class(placing_t), intent(in) :: self           !! Where points go
+      class(placing_t), intent(in) :: self           !! Placement of points
       character(len=*), intent(in) :: name
       real(wp), intent(inout) :: values(:, :)        !! (component, row)
       integer :: n, k

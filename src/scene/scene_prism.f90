@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Regions that are prisms: a polygon of the deck, drawn out across its plane.
+!> Regions that are prisms: a polygon of the deck, extruded normal to its plane.
 module scene_prism
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -50,7 +50,7 @@ contains
       axis = 2
    end subroutine find_axis
 
-   !> Where it begins and ends.
+   !> Its extent along the axis.
    subroutine find_span(deck, grid, group, span)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid               !! Gives the active directions

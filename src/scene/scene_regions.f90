@@ -152,7 +152,7 @@ contains
       end select
    end subroutine check_region
 
-   !> Follow the operands of a region; one that leads back to itself has no shape.
+   !> Follow the operands of a region; a region that refers to itself has no shape.
    recursive subroutine check_operands(deck, place, state)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: place                       !! Number of the region
@@ -196,7 +196,7 @@ contains
       end do
    end subroutine read_shapes
 
-   !> Build one region and those that it is made of.
+   !> Build one region and its operands.
    recursive subroutine build(deck, communicator, grid, shapes, index)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(communicator_t), intent(in) :: communicator !! Broadcasts the data of files
@@ -244,7 +244,7 @@ contains
       else if (own_centre .and. allocated(shapes(index)%shape%shape)) then
          call keep_centre(shapes(index)%shape, scale, rotate, translate)
       end if
-      ! points are at their positions already
+      ! points are already at their positions
       if (allocated(shapes(index)%shape%shape) .and. .not. allocated(shapes(index)%points)) &
          call shapes(index)%shape%shape%place(scale, rotate, translate)
       shapes(index)%ready = .true.
@@ -266,8 +266,8 @@ contains
       translate = translate + (centre - turned)
    end subroutine keep_centre
 
-   !> A box, sphere or cylinder. In directions without cells a box is unbounded and a
-   !! centre lies where the particles are.
+   !> A box, sphere or cylinder. In directions without cells a box is unbounded and the centre is at
+   !! the coordinate of the particles.
    subroutine build_simple(grid, group, word, holder)
       type(grid_t), intent(in) :: grid               !! Gives the active directions
       type(group_t), intent(in) :: group

@@ -12,7 +12,8 @@ module scene_run
 
    public :: check_case, declare_run, declare_units, set_output_units
 
-   !> Format of decks. It rises where an earlier deck would change its meaning without an error.
+   !> Format of decks. It increases with each change that alters the meaning of older decks without
+   !! an error.
    integer, parameter :: deck_version = 1
 
 contains

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Sets up a simulation without particles from a deck that `check_deck` has checked. `program_plan`
-!! calls it for a run and for `--check`; `scene_first_state` comes next.
+!! calls it for a run and for `--check`; then `scene_first_state` adds the particles.
 module scene_setup
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -42,7 +42,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(body_t), allocatable, intent(out) :: bodies(:) !! Simulation to build
       type(named_shape_t), allocatable, intent(out) :: shapes(:)
-      integer, intent(in), optional :: coarser       !! Cells so many times as large as in the deck
+      integer, intent(in), optional :: coarser       !! Factor on the cell size of the deck
       integer :: n
 
       call read_materials(deck, simulation)
@@ -72,7 +72,7 @@ contains
       call read_bodies(deck, simulation, shapes, bodies)
       call read_walls(deck, simulation, shapes)
       if (is_sound(deck)) call read_inflows(deck, simulation, bodies)
-      ! errors in groups that the stores do not depend on, such as &time, hide nothing
+      ! errors in groups that the stores do not depend on, such as &time, do not stop these checks
       if (.not. is_sound(deck)) return
       call read_absorbing(deck, simulation, bodies)
       if (.not. is_sound(deck)) return
@@ -161,7 +161,7 @@ contains
       simulation%materials%record = read_record(deck)
    end subroutine read_materials
 
-   !> Width of the bands that cracks open in, and cells small enough for them.
+   !> Set the width of crack bands, and check that cells are small enough for them.
    subroutine set_crack_bands(deck, simulation)
       type(deck_t), intent(inout) :: deck
       type(simulation_t), intent(inout) :: simulation

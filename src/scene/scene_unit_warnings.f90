@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Numbers that only forgotten or mistaken units explain. They are allowed, so this only warns.
+!> Warnings of values that suggest forgotten or mistaken units. The values are allowed.
 module scene_unit_warnings
    use base_constants, only: pi
    use base_deck, only: deck_t, group_t
@@ -10,7 +10,7 @@ module scene_unit_warnings
 
    public :: check_angles, check_kelvin, check_material_units
 
-   !> A key of &material, its plausible range, and the warnings outside of it.
+   !> A key of &material, its plausible range, and the warnings outside this range.
    type :: usual_t
       character(len=14) :: key                           !! Of &material
       real(wp) :: least                                  !! [SI]
@@ -19,9 +19,10 @@ module scene_unit_warnings
       character(len=46) :: heavy                         !! Warning above the range
    end type usual_t
 
-   !> Foam and osmium; a sound wave in rubber foam and in diamond; from lead to hydrogen; a yield
-   !! stress of gel and the strength of whiskers; the shear modulus of metals gains a few per cent a
-   !! gigapascal (D. J. Steinberg, S. G. Cochran, M. W. Guinan, J. Appl. Phys. 51 (1980) 1498).
+   !> Limits are the density of foam and osmium; sound speed of rubber foam and diamond; heat
+   !! capacity of lead and hydrogen; yield stress of gel and of whiskers; the shear modulus of
+   !! metals increases by a few per cent per gigapascal (D. J. Steinberg, S. G. Cochran, M. W.
+   !! Guinan, J. Appl. Phys. 51 (1980) 1498).
    type(usual_t), parameter :: usual(5) = [ &
       usual_t("density       ", 15.0_wp, 2.5e4_wp, "is lighter than polystyrene", &
       "is heavier than osmium"), &
@@ -65,8 +66,8 @@ contains
       call check_wave(deck, material)
    end subroutine check_material_units
 
-   !> True for a gas, which may be as thin as it likes: by its equation of state, or as a fluid with
-   !! the wave speed of one.
+   !> True for a gas, whose density has no lower limit: by its equation of state, or as a fluid with
+   !! the wave speed of a gas.
    logical function is_gas(material) result(yes)
       type(group_t), intent(in) :: material              !! One material
       real(wp), parameter :: slow = 80.0_wp, fast = 1.5e3_wp !! Waves in gases: SF6, hydrogen [m/s]
@@ -106,7 +107,7 @@ contains
       end select
    end function unit_of_key
 
-   !> A question about units, which depends on whether the deck names some.
+   !> Hint about units, which depends on whether the deck sets them.
    function question(deck) result(text)
       type(deck_t), intent(in) :: deck
       character(len=:), allocatable :: text, system
@@ -119,7 +120,8 @@ contains
       text = "; is &units system = '"//system//"' right?"
    end function question
 
-   !> The wave that stiffness and density give: a modulus in GPa, kbar or Mbar shows here.
+   !> Warn of an implausible wave speed from modulus and density: a modulus in GPa, kbar or Mbar
+   !! gives one.
    subroutine check_wave(deck, material)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: material              !! One material
@@ -140,7 +142,7 @@ contains
       end do
    end subroutine check_wave
 
-   !> A temperature that is one in degrees Celsius.
+   !> Warn of a temperature that is probably in degrees Celsius.
    subroutine check_kelvin(deck, body)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: body                  !! One body
@@ -153,7 +155,7 @@ contains
          brief(temperature + 273.15_wp)//" K)?", "temperature")
    end subroutine check_kelvin
 
-   !> Angles that are whole parts of a turn in radians.
+   !> Warn of angles that are simple fractions of a turn in radians.
    subroutine check_angles(deck, region)
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: region                !! One region

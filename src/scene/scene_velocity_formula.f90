@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Velocities at the start by a formula of the place (`velocity_formula` of &body).
+!> Initial velocities by a formula of the position (`velocity_formula` of &body).
 module scene_velocity_formula
    use base_agreement, only: agree
    use base_deck, only: deck_t
@@ -45,13 +45,13 @@ contains
       end do
    end subroutine add_formula_velocities
 
-   !> Report formulas without a value at a particle, before there are particles: those of a tile are
-   !! made at a time, and dropped again. Collective.
+   !> Report formulas without a value at a particle before the first state: the particles of one
+   !! tile at a time are made and dropped again. Collective.
    subroutine check_formulas(deck, simulation, bodies, keys)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! The run with empty stores
       type(body_t), intent(in) :: bodies(:)
-      integer(int64), intent(in) :: keys(:)          !! Tiles that hold particles
+      integer(int64), intent(in) :: keys(:)          !! Tiles with particles
       type(body_t), allocatable :: numbered(:)
       type(formula_t) :: formula(3)
       type(error_t), allocatable :: error
@@ -78,7 +78,7 @@ contains
       type(body_t), intent(in) :: bodies(:)          !! The bodies with their first identities
       integer, intent(in) :: body
       type(formula_t), intent(in) :: formula(3)      !! Of the components
-      integer(int64), intent(in) :: keys(:)          !! Tiles that hold particles
+      integer(int64), intent(in) :: keys(:)          !! Tiles with particles
       type(error_t), allocatable, intent(out) :: error !! There is one
       character(len=:), allocatable :: fault
       type(store_t) :: store
@@ -97,7 +97,7 @@ contains
       end do
    end subroutine check_body
 
-   !> Make formulas of the texts of a body, which the check of the deck has found to be right.
+   !> Make formulas of the texts of a body, which the check of the deck has accepted.
    subroutine compile_formula(body, formula)
       type(body_t), intent(in) :: body
       type(formula_t), intent(out) :: formula(3)     !! Of the components
@@ -140,10 +140,10 @@ contains
       end do
    end subroutine add_to_body
 
-   !> The velocity at a place; 0 in directions that the scene does not have.
+   !> The velocity at a position; 0 along missing directions.
    subroutine evaluate(formula, active, point, velocity, fault)
       type(formula_t), intent(in) :: formula(3)      !! Of the components
-      logical, intent(in) :: active(3)               !! Which directions there are
+      logical, intent(in) :: active(3)               !! Active directions
       real(wp), intent(in) :: point(3)               !! [m]
       real(wp), intent(out) :: velocity(3)           !! [m/s]
       character(len=:), allocatable, intent(out) :: fault !! Not allocated if there is a value
@@ -163,7 +163,7 @@ contains
    !> Velocity gradient by differences over half a cell, component (k, l) at k + 3 (l - 1).
    subroutine find_slopes(formula, active, point, reach, slopes, fault)
       type(formula_t), intent(in) :: formula(3)      !! Of the components
-      logical, intent(in) :: active(3)               !! Which directions there are
+      logical, intent(in) :: active(3)               !! Active directions
       real(wp), intent(in) :: point(3)               !! [m]
       real(wp), intent(in) :: reach                  !! To either side [m]
       real(wp), intent(out) :: slopes(9)             !! [1/s]

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Regions that are voxels of a file.
+!> Regions of voxels from a file.
 module scene_voxels
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
@@ -71,8 +71,8 @@ contains
       call communicator%broadcast(file%mask)
    end subroutine share
 
-   !> Bring voxels into the scene: lengths in the unit of the deck, one layer that reaches
-   !! everywhere along directions without cells.
+   !> Convert voxels to the scene: lengths from the unit of the deck, and a single layer without
+   !! bounds along missing directions.
    subroutine fit(deck, grid, group, file)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid               !! Gives the active directions

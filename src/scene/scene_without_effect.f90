@@ -26,7 +26,7 @@ contains
       call warn_of_loads(deck)
    end subroutine warn_without_effect
 
-   !> Materials of which no body is made.
+   !> Materials that no body uses.
    subroutine warn_of_materials(deck)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(group_t) :: body
@@ -47,7 +47,7 @@ contains
       end do
    end subroutine warn_of_materials
 
-   !> Effects that are on in &effects and used by no material, or that have nothing to act on.
+   !> Effects that are on in &effects but used by no material or without anything to act on.
    subroutine warn_of_effects(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation
@@ -84,7 +84,7 @@ contains
       if (on) call group%get(key, on)
    end function is_on
 
-   !> Walls that come after the end of the run, and rigid regions at rest outside of the grid.
+   !> Walls that start after the end of the run, and rigid regions at rest outside of the grid.
    subroutine warn_of_walls(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects warnings
       type(simulation_t), intent(in) :: simulation
@@ -114,7 +114,7 @@ contains
       end do
    end subroutine warn_of_walls
 
-   !> Whether the bounds of a region do not meet the grid.
+   !> True if the bounds of a region and the grid do not overlap.
    pure logical function is_outside(simulation, wall) result(outside)
       type(simulation_t), intent(in) :: simulation
       type(wall_t), intent(in) :: wall
@@ -150,7 +150,7 @@ contains
          call load%list("factors", factors)
          call time%get("t_end", finish)
          if (size(times) /= size(factors) .or. size(times) == 0) cycle
-         ! straight between entries, so the first one after the end of the run counts too
+         ! linear between entries, so the first one after the end of the run counts too
          if (.not. any(abs(factors(:min(size(times), count(times < finish) + 1))) > 0.0_wp)) call &
             deck%warn(load, "its factors are 0 until the end of the run; it does nothing", &
             "factors")

@@ -77,8 +77,8 @@ contains
       if (allocated(simulation%space%cell)) call deform_cell(simulation)
    end subroutine advance
 
-   !> The end of a step of a cell that deforms: particles go to where they are on the mesh
-   !! of equivalent edges, its stress gives the next velocity gradient. Collective.
+   !> The end of a step of a cell that deforms: particles are wrapped to the mesh of the equivalent
+   !! edges, and the stress of the cell gives the next velocity gradient. Collective.
    subroutine deform_cell(simulation)
       type(simulation_t), intent(inout) :: simulation
       real(wp) :: work
@@ -104,7 +104,7 @@ contains
    end subroutine deform_cell
 
    !> Strain the particles with the node velocities before the forces act. Each velocity field has
-   !! its own: after contact bodies do not approach each other.
+   !! separate velocities: after contact bodies do not approach each other.
    subroutine strain_before(simulation, dt)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: dt                     !! Time step [s]
@@ -124,7 +124,7 @@ contains
       end do
    end subroutine strain_before
 
-   !> Give explosives the time of the stress that is found next.
+   !> Set the time of explosives to that of the next stress update.
    subroutine set_burn_clock(simulation, time)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: time                   !! [s]
@@ -177,7 +177,7 @@ contains
          call record_body_force(simulation, simulation%fields(1), simulation%clock%kick)
    end subroutine move_all_nodes
 
-   !> Move the nodes of all velocity fields, whose bodies push each other.
+   !> Move the nodes of all velocity fields, with contact forces between their bodies.
    subroutine move_in_contact(simulation, dt)
       type(simulation_t), intent(inout) :: simulation
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]

@@ -24,7 +24,7 @@ module step_body_force
 
 contains
 
-   !> Let gravity be its mean over the time in which the forces of a step act.
+   !> Set gravity to its mean over the time in which the forces of a step act.
    pure subroutine average_gravity(scheme, effects, clock)
       type(scheme_t), intent(in) :: scheme
       type(simulation_effects_t), intent(inout) :: effects
@@ -37,7 +37,7 @@ contains
          effects%gravity = effects%shaking%mean(from, clock%kick)
    end subroutine average_gravity
 
-   !> Let gravity be that of the present time.
+   !> Set gravity to that of the present time.
    pure subroutine update_gravity(simulation)
       type(simulation_t), intent(inout) :: simulation
 

@@ -9,19 +9,19 @@ module step_bounds
    public :: bounds_t, count_bad, find_fault, find_steepest, guard_t, are_nodes_slow, &
       limiting_gradient
 
-   integer, parameter, public :: rule_signal = 1      !! A step is as long as signal and motion let
-   integer, parameter, public :: rule_growth = 2      !! ... as growth from the one before lets
-   integer, parameter, public :: rule_strain = 3      !! ... as the velocity gradient lets
-   integer, parameter, public :: rule_conduction = 4  !! ... as conduction of heat lets
+   integer, parameter, public :: rule_signal = 1      !! Limited by wave speed and motion
+   integer, parameter, public :: rule_growth = 2      !! ... by growth from the previous step
+   integer, parameter, public :: rule_strain = 3      !! ... by the velocity gradient
+   integer, parameter, public :: rule_conduction = 4  !! ... by heat conduction
    integer, parameter, public :: rule_deck = 5        !! ... by dt_max or dt_fixed
-   integer, parameter, public :: rule_end = 6         !! ... as t_end lets
-   integer, parameter, public :: rule_retry = 7       !! ... as nodes let that would go too far
+   integer, parameter, public :: rule_end = 6         !! ... by t_end
+   integer, parameter, public :: rule_retry = 7       !! ... by nodes that would move too far
    integer, parameter, public :: rules = 7            !! Number of these
    !> Their names in the summary.
    character(len=10), parameter, public :: rule_names(rules) = [character(len=10) :: "signal", &
       "growth", "strain", "conduction", "deck", "end", "retry"]
 
-   integer, parameter, public :: fault_none = 0       !! All is well
+   integer, parameter, public :: fault_none = 0       !! No error
    integer, parameter, public :: fault_velocity = 1   !! Velocity is not a finite number
    integer, parameter, public :: fault_stress = 2     !! Stress is not a finite number
    integer, parameter, public :: fault_volume = 3     !! Volume is not a finite number
@@ -30,7 +30,7 @@ module step_bounds
    integer, parameter, public :: fault_large = 6      !! Expanded beyond the bound
    integer, parameter, public :: fault_fast = 7       !! Faster than the bound
 
-   !> Bounds that hold in every step; there are none until the deck sets them.
+   !> Bounds in every step; unlimited until the deck sets them.
    type :: bounds_t
       real(wp) :: ratio_min = 0.0_wp                 !! Least volume over that at rest [1]
       real(wp) :: ratio_max = sqrt(huge(1.0_wp))     !! Greatest volume over that at rest [1]

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Conduction of heat on the grid, for materials that have a conductivity.
 !!
-!! Temperatures go to the nodes weighted with heat capacity. The heat flow uses the same modified
-!! gradient and its adjoint as strain and force, so it only smooths, and the sum of m c T is kept to
-!! rounding. Particles take the changes of their nodes, which adds no diffusion. Differences between
-!! the particles of a cell, which nodes do not see, decay at the rate of the shortest resolved wave,
-!! by a second-order term without effect on the nodes, as in the filtered transfers of C. C.
-!! Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724. See
+!! Temperatures are averaged to the nodes with the heat capacity as weight. The heat flow uses the
+!! same modified gradient and its adjoint as strain and force, so it only smooths, and the sum of m
+!! c T is kept to rounding. Particles receive the changes of their nodes, which adds no diffusion.
+!! Differences between the particles of a cell, which nodes do not resolve, decay at the rate of the
+!! shortest resolved wave, by a second-order term without effect on the nodes, as in the filtered
+!! transfers of C. C. Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724. See
 !! doc/theory/matter.md.
 module step_conduction
    use base_constants, only: pi
@@ -405,7 +405,7 @@ contains
       end associate
    end subroutine push_tile
 
-   !> New temperatures of the particles of a tile. Heat that goes into or out of material without an
+   !> New temperatures of the particles of a tile. The heat gained or lost by material without
    !! internal energy is recorded, so that the energy balance closes. The first of (A.15).
    subroutine give_heat(simulation, scratch, tile, dt)
       type(simulation_t), intent(inout) :: simulation

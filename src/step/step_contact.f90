@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Contact between bodies that have velocity fields of their own, on the nodes that several of them
-!! share. See doc/theory/contact.md. Each node is treated on its own, in ghost tiles as well, so the
-!! result does not depend on the number of ranks.
+!> Contact between bodies with separate velocity fields, on the nodes that several of them share.
+!! See doc/theory/contact.md. Each node is treated on its own, in ghost tiles as well, so the result
+!! does not depend on the number of ranks.
 module step_contact
    use base_kinds, only: wp
    use mesh_patch, only: assemble_greatest, ensure_patch
@@ -23,7 +23,7 @@ module step_contact
 
    real(wp), parameter :: slack = 1.0e-3_wp            !! Gap that counts as none, in cells
    real(wp), parameter :: bond_reach = 0.5_wp        !! Widest gap of a bond, in cells
-   real(wp), parameter :: held = 0.5_wp              !! Share of the mass that must hold in a bond
+   real(wp), parameter :: held = 0.5_wp              !! Least bonded mass fraction of a bond
 
 contains
 
@@ -202,7 +202,7 @@ contains
          if (all(abs(direction) <= 0.0_wp)) cycle
          one = reach(reach_row(simulation%effects%contact, pair(1), pair(2), guess))
          other = reach(reach_row(simulation%effects%contact, pair(2), pair(1), guess))
-         ! not in contact here: with extended support, mass comes from farther away
+         ! not in contact here: with extended support the mass belongs to particles farther away
          if (min(one, other) <= -huge(gap)) cycle
          if (-(one + other) <= wide) cycle
          wide = -(one + other)

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Surfaces of bodies that have velocity fields of their own, on the nodes that several of them
-!! share. See doc/theory/contact.md.
+!> Surfaces of bodies with separate velocity fields, on the nodes that several of them share. See
+!! doc/theory/contact.md.
 !!
-!! Particles give the nodes their outward areas, A_i = sum V_p grad S_i, which vanish inside of a
-!! body, and then their extent along the normals of these areas. Both are exchanged between ranks as
+!! The outward areas of the nodes, A_i = sum V_p grad S_i, vanish inside of a body. The extent of
+!! the particles along the normals of these areas follows. Both are exchanged between ranks as
 !! patches.
 module step_contact_surface
    use base_kinds, only: wp
@@ -202,7 +202,7 @@ contains
       if (.not. allocated(fields(field)%sides)) first = fields(field)%other
    end function first_side
 
-   !> Number of the side that a field with two stands for: 0 or 1.
+   !> Side of a velocity field with two sides: 0 or 1.
    pure integer function side_of(fields, field) result(side)
       type(velocity_field_t), intent(in) :: fields(:)
       integer, intent(in) :: field                   !! Index of the velocity field
@@ -223,7 +223,7 @@ contains
       end do
    end subroutine hold
 
-   !> Areas of the nodes of all tiles; boundaries of the domain are no surfaces.
+   !> Areas of the nodes of all tiles; boundaries of the domain are not surfaces.
    subroutine sum_areas(simulation)
       type(simulation_t), intent(inout) :: simulation
       real(wp) :: began
@@ -345,7 +345,7 @@ contains
       integer, intent(in) :: tile
       integer, intent(in) :: a, b                    !! From which field to which, a < b
       integer, intent(in) :: guess                   !! 1 to 3
-      real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 where they do not meet [1]
+      real(wp), intent(out) :: normal(:, :)          !! (3, node) 0 without contact [1]
       integer :: node
 
       normal = 0.0_wp

@@ -37,7 +37,7 @@ module step_diagnostics
    type :: shapes_look_t
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
       real(wp) :: share = 0.0_wp                     !! Of the mass, with neighbours apart [1]
-      real(wp) :: overlap = 0.0_wp                   !! Volume claimed beyond that there is [1]
+      real(wp) :: overlap = 0.0_wp                   !! Volume in excess of the cells [1]
       real(wp) :: pressure = 0.0_wp                  !! Root mean square of pressure [Pa]
       real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy of a volume [Pa]
       real(wp) :: difference = 0.0_wp                !! The same, of that from the node means [Pa]

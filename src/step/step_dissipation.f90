@@ -19,7 +19,7 @@ contains
    subroutine record_losses(ledger, material, state, deformation, count)
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       type(material_t), intent(in) :: material       !! Materials with dissipation
-      type(material_state_t), intent(in) :: state           !! Which fields there are
+      type(material_state_t), intent(in) :: state           !! Existing fields
       type(deformation_t), intent(in) :: deformation !! The step of the particles
       integer, intent(in) :: count                   !! Particles
       real(wp) :: losses(2)
@@ -62,7 +62,7 @@ contains
       type(store_t), intent(in) :: store             !! The particles after the step
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: moved(:, :) !! (particle of the tile, 3) c [m/s]
-      real(wp), intent(in) :: keep                   !! Share f of FLIP [1]
+      real(wp), intent(in) :: keep                   !! FLIP fraction f [1]
       real(wp) :: taken, lost
       integer :: p, q, k
 
@@ -78,7 +78,7 @@ contains
       call record_damped(ledger, taken)
    end subroutine record_damping
 
-   !> Record energy that the PIC fraction removed.
+   !> Record the energy removed by the PIC fraction.
    subroutine record_damped(ledger, energy)
       type(ledger_t), intent(inout) :: ledger        !! Private to this thread
       real(wp), intent(in) :: energy                 !! [J]

@@ -18,7 +18,7 @@ module step_dual_gradient
 
    public :: calm_tile, apply_dual_gradient, find_volumes, node_gradient, store_gradient
 
-   real(wp), parameter :: small = 3.0e-3_wp          !! Share of a cell that is let pass
+   real(wp), parameter :: small = 3.0e-3_wp          !! Ignored cell fraction
 
 contains
 
@@ -148,7 +148,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      integer, intent(in) :: slot                    !! Where its fields are
+      integer, intent(in) :: slot                    !! Index of its fields
 
       associate (nodes => field%nodes)
          call nodes%dual%share%assemble(simulation%space%grid, simulation%space%tiles, &
@@ -193,7 +193,7 @@ contains
    !! Equation (Q.8) of doc/theory/quadratures.md.
    pure subroutine normalise(volume, normal, values)
       real(wp), contiguous, intent(in) :: volume(:, :)     !! (1, node) Of the dual gradient [m3]
-      real(wp), contiguous, intent(in) :: normal(:, :)     !! (7, node) Over sums; plain share
+      real(wp), contiguous, intent(in) :: normal(:, :)     !! (7, node) Over sums; plain weight
       real(wp), contiguous, intent(inout) :: values(:, :)  !! (9, node) (k, l) in row k + 3 (l - 1)
       real(wp) :: inverse
       integer :: node, l
@@ -227,7 +227,7 @@ contains
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      integer, intent(in) :: slot                    !! Where its fields are
+      integer, intent(in) :: slot                    !! Index of its fields
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
 
       if (.not. (simulation%scheme%method%dual .and. simulation%scheme%method%stress == &
@@ -265,7 +265,7 @@ contains
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      type(packed_patch_t), intent(in) :: shares           !! Shares of the cells [m3/s]
+      type(packed_patch_t), intent(in) :: shares           !! Contributions of cells [m3/s]
       !> (9, node) [1/s]; only where the particles of the tile see it
       real(wp), allocatable, intent(inout) :: gradient(:, :)
       integer :: low, high
@@ -286,7 +286,7 @@ contains
    end subroutine node_gradient
 
    !> May any node gain so much that its volume matters? Most tiles have none and need no volumes.
-   !! Each component is compared with a bound that holds whatever the others are.
+   !! Each component is compared with a bound that is independent of the others.
    pure logical function light_may_gain(grid, dt, acceleration) result(may)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: dt                     !! Time over which the forces act [s]
@@ -298,9 +298,9 @@ contains
 
    !> Bound the gain of a node of small mass in the step in the velocity that strains: its force
    !! over its mass has no bound, while particles near it gain only a fraction of the force. Node
-   !! volumes count with the weights of cells, so they show how light a node and its cells are.
-   !! Gains that move a node by less than a small fraction of a cell are not changed. Equation
-   !! (M.17) of doc/theory/method.md.
+   !! volumes count with the weights of cells, so they measure the small mass of a node and its
+   !! cells. Gains that move a node by less than a small fraction of a cell are not changed.
+   !! Equation (M.17) of doc/theory/method.md.
    pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Boundaries of the domain that are held at a temperature.
+!> Boundaries of the domain with a prescribed temperature.
 module step_heat_boundaries
    use base_kinds, only: wp
    use step_ledger, only: external_work, ledger_t
@@ -23,8 +23,8 @@ contains
       where (held >= 0.0_wp) effects%conduction%temperature(1, :, tile) = held
    end subroutine hold_temperature
 
-   !> Heat that nodes on such boundaries exchange with the boundary; the tile records the part of
-   !! its own particles.
+   !> Heat that nodes on such boundaries exchange with the boundary; the tile records the part due
+   !! to its own particles.
    pure subroutine take_heat(space, effects, ledger, tile, heat, change)
       type(space_t), intent(in) :: space
       type(simulation_effects_t), intent(in) :: effects

@@ -4,12 +4,12 @@
 !! artificial viscosity. As q is rho h D (q2 h D + q1 c) this is the flux of Noh with the speed of
 !! the viscosity, sqrt(q/rho), in place of a linear and a quadratic one, and zero in expansion.
 !!
-!! Energies of a material go to the nodes weighted with mass, and flow along the edges of the cells
-!! from node to node, so the sum is kept to round-off. Conductances of edges are positive and a node
-!! gives at most the energy that it has. The gain of a node is distributed to the particles around
-!! it by mass, its loss by energy, so no particle gives more than it has. Energy below zero, as in
-!! cold material in tension, does not flow. Materials do not heat each other, and no flux crosses
-!! surfaces and boundaries. Equation (M.23) of doc/theory/method.md.
+!! Energies of a material are averaged to the nodes with the mass as weight, and flow along the
+!! edges of the cells from node to node, so the sum is kept to round-off. Conductances of edges are
+!! positive and a node gives at most the energy that it has. The gain of a node is distributed to
+!! the particles around it by mass, its loss by energy, so no particle gives more than it has.
+!! Energy below zero, as in cold material in tension, does not flow. Materials do not heat each
+!! other, and no flux crosses surfaces and boundaries. Equation (M.23) of doc/theory/method.md.
 module step_heat_flux
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -263,7 +263,7 @@ contains
       integer, intent(in) :: low(:)                  !! (edge) Node at the lower end
       real(wp), intent(in) :: weight(:)              !! (edge) At the particle
       real(wp), intent(in) :: conductance            !! Of the particle [W kg/J]
-      real(wp), intent(in) :: share(:)               !! (node) Of its flux that it lets pass [1]
+      real(wp), intent(in) :: share(:)               !! (node) Transmitted fraction of its flux [1]
       real(wp), intent(in) :: energy(:, :)           !! (1, node) [J/kg]
       real(wp), intent(inout) :: patch(:, :)         !! (1, node)
       real(wp) :: flow
@@ -301,10 +301,10 @@ contains
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                    !! Which cell of a tile, from 0
       integer, intent(in) :: direction               !! Of the edges
-      real(wp), intent(in) :: local(3)               !! Place in the cell, 0 to 1
+      real(wp), intent(in) :: local(3)               !! Local coordinate, 0 to 1
       integer, intent(out) :: edges                  !! How many: 1, 2 or 4
       integer, intent(out) :: low(4)                 !! Node at their lower end
-      real(wp), intent(out) :: weight(4)             !! At the place
+      real(wp), intent(out) :: weight(4)             !! At the position
       integer :: across, edge
 
       edges = 1

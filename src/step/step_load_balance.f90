@@ -13,11 +13,11 @@ module step_load_balance
 
    integer(int64), parameter :: measured_steps = 4   !! Before loads are compared
 
-   !> Conditions for moving tiles between ranks; never unless the deck allows it.
+   !> Conditions for moving tiles between ranks. By default tiles do not move.
    type :: balancing_t
       logical :: allowed = .false.                   !! True if tiles may move
       integer(int64) :: every = 1                    !! Steps between two comparisons
-      real(wp) :: tolerance = 1.0_wp                 !! Greatest over mean work that is kept [1]
+      real(wp) :: tolerance = 1.0_wp                 !! Accepted greatest over mean work [1]
    end type balancing_t
 
 contains

@@ -43,8 +43,8 @@ module step_method
       real(wp) :: cfl = 0.0_wp                       !! Fraction of the stable step [1]
       real(wp) :: step_growth = 1.1_wp               !! Greatest ratio of successive time steps [1]
    contains
-      procedure :: choose => method_choose           !! Make it from words
-      procedure :: controlled => method_controlled   !! Is a mean stress taken out?
+      procedure :: choose => method_choose           !! Create it from words
+      procedure :: controlled => method_controlled   !! Is a mean stress subtracted?
       procedure :: strains_first => method_strains_first !! Is there strain before the force?
       procedure :: remaps => method_remaps           !! Are new velocities mapped for the strain?
       procedure :: averages => method_averages       !! Is the strain of two velocities?

@@ -66,8 +66,8 @@ contains
    end subroutine move_nodes
 
    !> Is the work of walls and gravity recorded with the velocity that strains, which `musl`
-   !! computes after the particles have got theirs? If materials carry internal energy, energy and
-   !! work both use the velocities of the forces.
+   !! computes after the particles have received their velocities? If materials carry internal
+   !! energy, energy and work both use the velocities of the forces.
    pure logical function records_later(space, scheme, effects) result(later)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -92,7 +92,7 @@ contains
       end associate
    end subroutine ensure_later
 
-   !> Keep the fields that the particles of a tile will see, and examine how far its nodes go.
+   !> Keep the fields that the particles of a tile need, and examine the displacements of its nodes.
    subroutine keep_seen(simulation, field, scratch, tile, whole)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -114,7 +114,7 @@ contains
       end associate
    end subroutine keep_seen
 
-   !> Restore the fields that the particles of a tile see, if they are kept as packed patches.
+   !> Restore the fields that the particles of a tile need, if they are kept as packed patches.
    subroutine restore_velocities(simulation, field, tile)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -129,7 +129,7 @@ contains
          call nodes%motion%seen(2)%get(grid, nodes%motion%touched, tile, &
             nodes%motion%acceleration(:, :, slot))
          if (simulation%scheme%method%dual) call find_volumes(simulation, field, tile, slot)
-         ! with the same numbers as before, so to the same bits where the particles see it
+         ! with the same numbers as before, so to the same bits where particles need it
          call combine(1.0_wp, nodes%motion%velocity(:, :, slot), nodes%motion%acting, &
             nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
          call calm_tile(simulation, field, tile, slot, nodes%motion%acting)

@@ -12,7 +12,7 @@ module step_node_displacement
 
    public :: checks_displacement, examine_tile, worse
 
-   real(wp), parameter :: part_moved = 0.5_wp        !! Cells that a node may go, or more if cfl is
+   real(wp), parameter :: part_moved = 0.5_wp        !! Displacement [cells]; cfl if greater
    real(wp), parameter :: strain_share = 2.0_wp      !! Strain between nodes over strain_max
 
 contains
@@ -27,11 +27,10 @@ contains
          reach%number < other%number .and. reach%excess >= other%excess)
    end function worse
 
-   !> Are the node displacements of the coming step checked? Where particles have been strained
-   !! before the force, or see the velocity gain of nodes of any mass, a shorter step does not help;
-   !! a step that the deck fixes is kept; and with contact, bonds may have broken, so the step
-   !! cannot
-   !! be repeated.
+   !> Are the node displacements of the coming step checked? They are not if particles are strained
+   !! before the force or receive the gain of nodes of any mass, because a shorter step does not
+   !! help; if the deck fixes the step; or with contact, because bonds may have broken, so the step
+   !! cannot be repeated.
    pure logical function checks_displacement(simulation) result(checked)
       type(simulation_t), intent(in) :: simulation
 
@@ -43,14 +42,14 @@ contains
          .not. allocated(simulation%effects%contact)
    end function checks_displacement
 
-   !> Displacement of the nodes of a tile that its particles see. Most tiles are so slow that their
+   !> Displacement of the nodes of a tile that its particles use. Most tiles are so slow that their
    !! greatest velocity decides, others move as rigid bodies. Equation (S.7) of
    !! doc/theory/time_step.md.
    pure subroutine examine_tile(simulation, field, tile, slot, dt, reach)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
-      integer, intent(in) :: slot                    !! Where its fields are
+      integer, intent(in) :: slot                    !! Index of its fields
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: reach            !! The worst of the tile
       real(wp) :: far, apart
@@ -59,7 +58,7 @@ contains
       apart = strain_share*simulation%clock%guard%bounds%strain_max
       associate (velocity => field%nodes%motion%strain(:, :, slot), grid => simulation%space%grid, &
          mass => field%nodes%motion%mass(1, :, slot))
-         ! bounds for each component that hold for any values of the others
+         ! bounds for each component that are independent of the others
          if (are_nodes_slow(size(velocity), velocity, min(far/sqrt(3.0_wp), apart/sqrt(12.0_wp)) &
             *grid%spacing/dt)) return
          call examine_nodes(velocity, mass, far*grid%spacing/dt, reach)

@@ -20,8 +20,8 @@ module step_node_fields
    !> Columns of the sums for differences of stress: those of the force, and force of unit stress
    integer, parameter, public :: difference_columns = dual_columns + 3
 
-   !> Nodes with less mass or volume than this are empty: below any fraction of any mass, and a
-   !! number
+   !> Nodes with less mass or volume than this are empty: below the contribution of any particle,
+   !! but with a finite inverse
    !> it divides stays finite.
    real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 
@@ -68,7 +68,7 @@ module step_node_fields
       !! volume
       type(packed_patch_t) :: packed(2)
       !> Are the sums and velocities of a tile kept only while a thread works on it? Then packed
-      !! patches keep what the particles see: velocity and acceleration
+      !! patches keep the velocity and acceleration that the particles need
       logical :: lean = .false.
       type(packed_patch_t) :: seen(2)
       real(wp) :: acting = 0.0_wp                    !! Time that the forces acted to move them [s]
@@ -101,7 +101,7 @@ module step_node_fields
       real(wp), allocatable :: extra(:, :, :)
       real(wp), allocatable :: filtered(:, :, :)     !! (3) Sum of the series of velocities [m/s]
       real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
-      real(wp), allocatable :: loss(:, :, :)         !! (1) Kinetic energy that it loses [J/kg]
+      real(wp), allocatable :: loss(:, :, :)         !! (1) Lost kinetic energy [J/kg]
    contains
       procedure :: count => count_series
    end type series_nodes_t
@@ -113,7 +113,7 @@ module step_node_fields
       real(wp), allocatable :: mean(:, :, :)
       real(wp), allocatable :: star(:, :, :)         !! (6) Mean stress [Pa]
       real(wp), allocatable :: unit(:, :, :)         !! Patch (3): wrong force of unit stress [m2]
-      real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force for that [N]
+      real(wp), allocatable :: difference(:, :, :)   !! (3) Change of the force [N]
    contains
       procedure :: count => count_stress
    end type stress_nodes_t
@@ -124,8 +124,8 @@ module step_node_fields
       !! scope
       real(wp), allocatable :: counted(:, :, :)
       real(wp), allocatable :: covered(:, :, :)      !! Patch (1): volume of full cells [m3]
-      !> (7) Factors of the three directions [1/m3], how far cells around are full [1], and of the
-      !! three directions those of the plain sums [1]
+      !> (7) Factors of the three directions [1/m3], fill of the cells around [1], and of the three
+      !! directions those of the plain sums [1]
       real(wp), allocatable :: normal(:, :, :)
       real(wp), allocatable :: present(:, :, :)      !! (1) Of all cells, with rigid regions [m3]
       real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]

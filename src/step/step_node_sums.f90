@@ -42,7 +42,7 @@ contains
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
-      integer, intent(in) :: slot                    !! Where its fields are
+      integer, intent(in) :: slot                    !! Index of its fields
       real(wp) :: sums(field%nodes%motion%packed(1)%rows, space%grid%tile_nodes)
 
       call field%nodes%motion%packed(1)%assemble(space%grid, space%tiles, &
@@ -53,7 +53,7 @@ contains
    !> Keep the sums of the nodes of a tile.
    pure subroutine keep_sums(nodes, slot, sums)
       type(nodes_t), intent(inout) :: nodes          !! Receives them
-      integer, intent(in) :: slot                    !! Where the fields of the tile are
+      integer, intent(in) :: slot                    !! Index of the fields of the tile
       real(wp), intent(in) :: sums(:, :)             !! (column, node) Mass, momentum, force, more
 
       nodes%motion%mass(1, :, slot) = sums(1, :)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Node fields of a tile as its particles see them. Fields that are not needed are not allocated,
+!> Node fields of a tile for its particles. Fields that are not needed are not allocated,
 !! and the memory is reused for the next tile.
 module step_node_view
    use base_kinds, only: wp
@@ -19,14 +19,14 @@ module step_node_view
 
    public :: gather_parts_t, look, look_other, view_t
 
-   !> Which parts of the transfer to the particles are to be done.
+   !> Selected parts of the transfer to the particles.
    type :: gather_parts_t
       logical :: work = .false.                      !! Work of the stress of the force
       logical :: strain = .false.                    !! Strain and stress
       logical :: motion = .false.                    !! Particle velocities, positions and cells
    end type gather_parts_t
 
-   !> Kinetic energy lost at the nodes of a tile, as the particles see it.
+   !> Kinetic energy lost at the nodes of a tile, for its particles.
    type :: loss_view_t
       real(wp), allocatable :: heat(:, :)            !! (column, node) Of the particles
       real(wp), allocatable :: scalar(:, :)          !! (1, node) Of the nodes [J/kg]
@@ -34,7 +34,7 @@ module step_node_view
       real(wp), allocatable :: moments(:, :)         !! (9, node) Their moments [m2/s]
    end type loss_view_t
 
-   !> Node fields of one tile that the particles see. Fields that are not needed are not allocated.
+   !> Node fields of one tile that the particles need. Fields that are not needed are not allocated.
    type :: view_t
       real(wp), allocatable :: centre(:, :)          !! (3, node) Mid-step velocity [m/s]
       real(wp), allocatable :: push(:, :) !! (3, node) Velocity increment [m/s]
@@ -42,7 +42,7 @@ module step_node_view
       real(wp), allocatable :: after(:, :)           !! (3, node) Velocity after the step [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
       real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
-      real(wp), allocatable :: earlier(:, :)         !! (9, node) Of that before the step [1/s]
+      real(wp), allocatable :: earlier(:, :)         !! (9, node) Before the step [1/s]
       type(loss_view_t) :: loss                      !! Lost kinetic energy
       type(increments_t) :: increments               !! Increments and heat, if gathered at once
       logical :: at_once = .false.                   !! Is it?
@@ -51,12 +51,12 @@ module step_node_view
       real(wp) :: matters = 0.0_wp                   !! Smaller |grad v| do not limit steps [1/s]
       logical :: slow = .false.                      !! Is no gradient that steep?
       logical :: moved = .false.                     !! Have the particles moved already?
-      integer :: slot = 0                            !! Where the fields of the tile are
+      integer :: slot = 0                            !! Index of the fields of the tile
    end type view_t
 
 contains
 
-   !> The node fields of a tile as the particles see them.
+   !> Set the node fields of a tile for its particles.
    subroutine look(simulation, field, tile, parts, view)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
@@ -133,8 +133,8 @@ contains
    end function needs_velocity_after
 
    !> True if particles can get their velocity, their displacement and the lost kinetic energy from
-   !! fields that are gathered once. Without energy and damping the fields go straight to velocity
-   !! and position.
+   !! fields that are gathered once. Without energy and damping the fields update velocity and
+   !! position directly.
    pure logical function gathers_at_once(scheme) result(at_once)
       type(scheme_t), intent(in) :: scheme
 

@@ -54,8 +54,8 @@ contains
       call simulation%machine%timer%stop(simulation%machine%phase%gather)
    end subroutine nodes_to_particles
 
-   !> The tiles of one thread. The view keeps its memory from tile to tile: allocating it again
-   !! costs as much as the transfer itself for a tile of one or two particles.
+   !> The tiles of one thread. The view keeps its memory from tile to tile, because allocating it
+   !! again costs as much as the transfer itself for a tile of one or two particles.
    subroutine gather_some(simulation, field, parts, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field

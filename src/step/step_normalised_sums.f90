@@ -103,7 +103,7 @@ contains
       columns = rows + merge(moments - 1, 0, relaxes_any(scheme, stores))
    end function normal_columns
 
-   !> Are the pressures of some material brought nearer to each other?
+   !> Are the pressures of some material relaxed?
    pure logical function relaxes_any(scheme, stores) result(yes)
       type(scheme_t), intent(in) :: scheme
       type(store_t), intent(in) :: stores(:)
@@ -171,8 +171,8 @@ contains
       end associate
    end subroutine find_edge_factors
 
-   !> Cells whose nodes count as full, of a material without strength; others are not halved by the
-   !! place there is.
+   !> Cells whose nodes count as full, of a material without strength; in other cells particles are
+   !! not split.
    subroutine find_full(space, scheme, machine, field, index, full)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -412,7 +412,7 @@ contains
    ! gate: long kernel because an edge needs all quantities of its integral
    pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
-      real(wp), intent(in) :: own                    !! How far its material is in the scope, 0 to 1
+      real(wp), intent(in) :: own                    !! Fraction of its material in the scope
       real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
       real(wp), intent(in) :: rest(:)                !! (edge) Fraction transmitted by nodes [1]
       real(wp), intent(in) :: share(:)               !! (edge) Fraction outside of walls [1]
@@ -423,7 +423,8 @@ contains
 
       target = whole*max(share - rest, 0.0_wp)
       do e = 1, size(factor)
-         ! a ring weighs with the function of its node, so with the square of the rest of a cell
+         ! the weight of a ring is the shape function of its node, so its sum scales with the square
+         ! of the free cell fraction
          most = greatest
          if (axisymmetric .and. any(hoop_edges == e)) most = greatest**2
          if (mod(e - 1, edges) == 0) then
@@ -455,8 +456,8 @@ contains
       associate (grid => simulation%space%grid, nodes => field%nodes)
          call assemble(grid, simulation%space%tiles, nodes%sums%covered, tile, covered)
          call grid%node_volume(simulation%space%tiles%coordinate(:, tile), around)
-         ! a cell without material, beside the axis also one with the smaller fraction, ends the
-         ! region
+         ! a cell without material ends the region, and next to the axis also the cell with the
+         ! smaller fraction
          cells = merge(6.0_wp, real(2**grid%dimensions, wp), grid%axisymmetric)
          call find_due(simulation%space, field, tile, around, due)
          do node = 1, size(around)

@@ -62,8 +62,8 @@ contains
       text = step_text(simulation%clock)//": "//text//new_line("a")//replay_text(simulation)
    end subroutine name_offending_particle
 
-   !> How to get the state before the last step. It is not kept, as this would double the memory; a
-   !! repeated run gives the same bits.
+   !> How to get the state before the last step. The program does not store it, because this would
+   !! double the memory; a repeated run gives the same bits.
    function replay_text(simulation) result(text)
       type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable :: text
@@ -114,7 +114,7 @@ contains
    subroutine name_particle(simulation, identity, text)
       type(simulation_t), intent(in) :: simulation   !! Between two steps
       integer(int64), intent(in) :: identity         !! Identity
-      character(len=:), allocatable, intent(out) :: text !! Body, material and place
+      character(len=:), allocatable, intent(out) :: text !! Body, material and position
       type(found_t) :: found
 
       found%identity = identity
@@ -307,7 +307,7 @@ contains
       if (len(text) > 0) text = "; "//text
    end function reason_text
 
-   !> Send the text of the one rank that has one to all.
+   !> Send the text of the one rank with a text to all ranks.
    subroutine spread(simulation, text)
       type(simulation_t), intent(in) :: simulation
       character(len=:), allocatable, intent(inout) :: text !! Own in, that of all out

@@ -37,7 +37,7 @@ contains
       integer :: part, n
       real(wp) :: began
 
-      ! the other side gets its sums with the first one
+      ! the sums of the other side are computed with those of the first
       if (field%last_store < field%first_store) return
       call simulation%machine%timer%start(simulation%machine%phase%scatter)
       call find_boxes(simulation, field)
@@ -288,7 +288,8 @@ contains
       end associate
    end subroutine scatter_store
 
-   !> The stress that the particles of a tile scatter to the nodes, where it differs from their own.
+   !> The stress that the particles of a tile scatter to the nodes, where it differs from the
+   !! particle stress.
    subroutine change_stress(space, scheme, field, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -412,7 +413,7 @@ contains
       if (allocated(field%sides)) call field%sides%take_cells(space%grid, tile, scratch%shape)
    end subroutine locate_particles
 
-   !> The same without factors, for effects with sums of their own or of all velocity fields.
+   !> The same without factors, for effects with separate sums or with sums of all velocity fields.
    subroutine locate_particles_plainly(space, scheme, scratch, store, tile)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme
@@ -441,7 +442,7 @@ contains
       end associate
    end subroutine locate_tile
 
-   !> First and last of the nodes that the particles of a tile see.
+   !> First and last of the nodes that the particles of a tile use.
    pure subroutine nodes_seen(space, field, tile, low, high)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field

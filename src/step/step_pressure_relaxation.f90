@@ -19,7 +19,7 @@ module step_pressure_relaxation
 
    public :: relaxes_pressure, normalised, relax_pressures
 
-   real(wp), parameter :: most = 0.05_wp             !! Of a volume or an energy in a step [1]
+   real(wp), parameter :: most = 0.05_wp             !! Relative change in a step [1]
    !> Fraction of a difference that decays in the time that a signal needs for a cell [1]
    real(wp), parameter :: pace = 0.2_wp
 
@@ -85,7 +85,7 @@ contains
       real(wp), contiguous, intent(in) :: local(:, :) !! (particle of the tile, 3) Local coordinates
       real(wp), contiguous, intent(in) :: speed(:)   !! (particle of the tile) Of waves [m/s]
       real(wp), intent(in) :: slope(3)               !! Slope of the nodal pressure, per cell [Pa]
-      real(wp), intent(in) :: rate                   !! Share of a step over that speed [s/m]
+      real(wp), intent(in) :: rate                   !! Fraction of a step over that speed [s/m]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
       real(wp), contiguous, intent(inout) :: volume(:) !! (particle) [m3]
       real(wp), contiguous, intent(inout) :: energy(:) !! (particle) [J/kg]
@@ -94,7 +94,8 @@ contains
       real(wp) :: steepest
       integer :: p, q
 
-      ! volume over the stiffness against its change; material without waves has no pressure either
+      ! volume over the stiffness against its change; material with zero wave speed has no pressure
+      ! either
       if (.not. minval(speed(low:high)) > 0.0_wp) return
       do p = low, high
          q = before + p
@@ -112,7 +113,8 @@ contains
          - seen*min(1.0_wp, max(0.0_wp, sum(soft*seen*excess)/share))
       share = 1.0_wp - exponential(-rate*maxval(speed(low:high)))
       steepest = maxval(soft*abs(excess)/volume(before + low:before + high))
-      ! an expanding particle loses its own energy, of which thin gas near a shock has little
+      ! expansion work comes from the energy of the particle, which is small in thin gas near a
+      ! shock
       do p = low, high
          q = before + p
          if (excess(p)*mean > 0.0_wp) steepest = max(steepest, soft(p)*excess(p)*mean &

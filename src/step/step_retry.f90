@@ -16,14 +16,14 @@ module step_retry
 
    public :: check_node_displacement
 
-   real(wp), parameter :: slack = 0.9_wp             !! Share of the bounds to be aimed at
+   real(wp), parameter :: slack = 0.9_wp             !! Target fraction of the bounds
    real(wp), parameter :: least_cut = 0.1_wp         !! Least ratio of a step to that before
 
 contains
 
-   !> Would a node move too far in the step, or two nodes of a cell too far apart? Then the state
-   !! before the nodes moved is restored, and the step is repeated with a shorter time step.
-   !! Collective. Equation (S.7) of doc/theory/time_step.md.
+   !> Would a node move too far in the step, or two nodes of a cell too far apart? If so, restore
+   !! the state before the nodes moved; the step is repeated with a shorter time step. Collective.
+   !! Equation (S.7) of doc/theory/time_step.md.
    subroutine check_node_displacement(simulation, dt, again, error)
       type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
       real(wp), intent(inout) :: dt                  !! Time step [s]

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The sides of failed material of bodies that have contact with themselves, found again at the
-!! start of a step: four sums over the particles, each exchanged between ranks as patches. See
-!! section "Failed material" of doc/theory/contact.md.
+!> The sides of failed material of bodies that have contact with themselves, determined at the start
+!! of each step: four sums over the particles, each exchanged between ranks as patches. See section
+!! "Failed material" of doc/theory/contact.md.
 module step_sides
    use base_kinds, only: wp
    use contact_sides, only: add_cell_slopes, choose_sides, find_axis, is_split, join_sides, &
@@ -191,7 +191,7 @@ contains
       end select
    end subroutine finish_tile
 
-   !> Particles go back to the first side at nodes whose sides have not parted.
+   !> Assign particles to the first side again at nodes whose sides have not separated.
    subroutine part(simulation, sides)
       type(simulation_t), intent(inout) :: simulation
       type(sides_t), intent(inout) :: sides          !! Of a field

@@ -41,18 +41,18 @@ module step_simulation
 
    integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
 
-   !> Bodies that move with one velocity: all of them without contact.
+   !> Bodies with one velocity field: all bodies, if there is no contact.
    type :: velocity_field_t
       integer :: first_store = 1                     !! First of its stores
       integer :: last_store = 0                      !! Last of its stores
       type(nodes_t) :: nodes                         !! Its node fields
       integer :: other = 0                           !! Field of the other side, if it has one
-      type(sides_t), allocatable :: sides            !! Which side particles are on
+      type(sides_t), allocatable :: sides            !! Sides of particles
    contains
       procedure :: count => count_field
    end type velocity_field_t
 
-   !> Contact between bodies that have velocity fields of their own.
+   !> Contact between bodies with separate velocity fields.
    type :: contact_t
       type(pair_law_t), allocatable :: law(:, :)     !! (field, field) Contact law of two fields
       logical :: bonded = .false.                    !! Can bonds break?
@@ -75,7 +75,7 @@ module step_simulation
       real(wp), allocatable :: content(:, :, :)      !! Patch of heat capacity, heat, volume
       real(wp), allocatable :: total(:, :, :)        !! The sums of these
       real(wp), allocatable :: temperature(:, :, :)  !! (1) [K]
-      !> Patch of heat from cells [W], heat that the nodes do not see [J], flux times volume [W m]
+      !> Patch of heat from cells [W], heat that nodes do not resolve [J], flux times volume [W m]
       real(wp), allocatable :: flow(:, :, :)
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of the dual gradient
       real(wp), allocatable :: share(:, :, :)        !! Patch (1): volume of the dual gradient [m3]
@@ -108,7 +108,7 @@ module step_simulation
    !> Scratch space of one thread.
    type :: scratch_t
       type(shape_data_t) :: shape !! Shape data of the particles of the tile
-      type(pushed_stress_t) :: pushed !! Their stress, if changed on its way to nodes
+      type(pushed_stress_t) :: pushed !! Their stress for the nodes, if different
       type(deformation_t) :: deformation             !! Step of the particles of the tile
       !> (particle, 9) Half of the strain with the velocity before the step, if needed [1]
       real(wp), allocatable :: earlier(:, :)
@@ -132,10 +132,10 @@ module step_simulation
       real(wp) :: present = -1.0_wp                  !! 1 = it has particles, -1 = not counted
    end type requests_t
 
-   !> Load balance: greatest over mean work of the ranks in the steps that were measured.
+   !> Load balance: ratio of the greatest to the mean work of the ranks, in the measured steps.
    type :: load_t
       integer :: looks = 0                           !! Steps measured
-      integer :: cuts = 0                            !! Times that the curve was cut again
+      integer :: cuts = 0                            !! Number of repartitions of the curve
       integer(int64) :: sent = 0                     !! Tiles that this rank sent then
       integer(int64) :: listed = 0                   !! Longest list of tiles here at the start
       real(wp) :: last = 1.0_wp                      !! At the last look [1]
@@ -156,10 +156,10 @@ module step_simulation
    type :: space_t
       type(grid_t) :: grid
       type(boundary_t) :: boundary                   !! Six boundaries of the domain
-      type(rigid_t), allocatable :: rigid            !! Rigid regions that hold nodes
+      type(rigid_t), allocatable :: rigid            !! Rigid regions that constrain nodes
       type(tiles_t) :: tiles                         !! Tiles of this rank
       type(halo_t) :: halo                           !! Tiles that other ranks need
-      type(moving_cell_t), allocatable :: cell       !! Periodic cell that deforms, if it does
+      type(moving_cell_t), allocatable :: cell       !! Periodic cell, if it deforms
    contains
       procedure :: mesh_time => space_mesh_time      !! A time on the mesh
    end type space_t
@@ -168,7 +168,8 @@ module step_simulation
    type :: scheme_t
       type(method_t) :: method                       !! Choices of &method
       type(dual_t) :: dual                           !! The dual gradient
-      !> (material) With normalised sums: are its own normalised, and is it without strength?
+      !> (material) With normalised sums: are those of the material normalised, and is it without
+      !! strength?
       logical, allocatable :: normalises(:), flows(:)
       real(wp) :: mean_alpha = 0.0_wp                !! Mean of alpha over a cell, for that [1]
       logical :: repacks = .false.                   !! Do nodes correct volumes of some material?
@@ -230,7 +231,7 @@ module step_simulation
       type(space_t) :: space
       type(material_t), allocatable :: materials(:)
       type(store_t), allocatable :: stores(:)        !! (material) Particles, with contact more
-      type(velocity_field_t), allocatable :: fields(:) !! One without contact
+      type(velocity_field_t), allocatable :: fields(:) !! One field without contact
       type(scheme_t) :: scheme
       type(simulation_effects_t) :: effects
       type(clock_t) :: clock

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Sorts particles after they have moved: long particles are split, those of inflows enter, and all
-!! go to their tiles and ranks.
+!! move to their tiles and ranks.
 module step_sort_particles
    use base_kinds, only: int64, wp
    use particle_inflow, only: fed_t
@@ -60,7 +60,7 @@ contains
       waited = simulation%machine%communicator%traffic%waiting
       call simulation%machine%timer%start(simulation%machine%phase%sort)
       call simulation%balance%ledger%record_lost(simulation%stores, simulation%materials)
-      ! not allocated, it is an argument that is not present
+      ! an array that is not allocated is an absent argument
       if (present(began) .and. allocated(simulation%effects%inflows)) &
          call feed_particles(simulation, began, fed)
       call migrate(simulation%machine%communicator, simulation%space%grid, &

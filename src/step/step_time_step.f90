@@ -100,7 +100,7 @@ contains
       real(wp), intent(inout) :: fastest             !! Of this rank in, of all out [m/s]
       real(wp), intent(inout) :: diffusivity         !! The same [m2/s]
       real(wp), intent(inout) :: rate                !! The same, of velocity gradients [1/s]
-      logical, intent(inout) :: retired              !! The same: have particles been taken out?
+      logical, intent(inout) :: retired              !! Have particles been removed?
       real(wp) :: values(8)
 
       if (simulation%machine%communicator%size == 1) return

@@ -38,7 +38,7 @@ module step_trust
 
 contains
 
-   !> Number the lattices of the bodies, by which neighbours are found.
+   !> Number the lattices of the bodies, which identify neighbours.
    subroutine number_lattices(simulation, bodies)
       type(simulation_t), intent(inout) :: simulation
       type(body_t), intent(in) :: bodies(:)
@@ -142,7 +142,7 @@ contains
       type(simulation_t), intent(inout) :: simulation !! At its end; not changed
       integer, intent(in) :: code                    !! Exit code
       type(balance_t), intent(in) :: now             !! Its balance
-      type(trust_t), intent(out) :: trust            !! What is known
+      type(trust_t), intent(out) :: trust            !! Measures of trust
       type(bounds_look_t) :: bounds
       type(shapes_look_t) :: shapes
 
@@ -290,7 +290,7 @@ contains
    !> Warn of a speed or an energy without a physical cause, with the particle that has it.
    !! Collective.
    subroutine warn_of_bounds(simulation, look, log)
-      type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
+      type(simulation_t), intent(inout) :: simulation !! Set after the warning
       type(bounds_look_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=160) :: text
@@ -327,7 +327,7 @@ contains
 
    !> Warn of large gaps between neighbours, overlapping volumes, and noise. Collective.
    subroutine warn_of_shapes(simulation, look, log)
-      type(simulation_t), intent(inout) :: simulation !! Notes that it has warned
+      type(simulation_t), intent(inout) :: simulation !! Set after the warning
       type(shapes_look_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=200) :: text
@@ -361,7 +361,7 @@ contains
    subroutine warn_of_balance(simulation, now, trust, log)
       type(simulation_t), intent(in) :: simulation   !! Method and fields are used
       type(balance_t), intent(in) :: now             !! Its balance
-      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(trust_t), intent(in) :: trust             !! Measures at the end
       type(log_t), intent(inout) :: log              !! Gets the warnings
       logical :: parts
       integer :: n
@@ -376,7 +376,7 @@ contains
       type(method_t), intent(in) :: method           !! How the run was computed
       logical, intent(in) :: parts                   !! Does a body touch itself?
       type(balance_t), intent(in) :: now             !! Its balance
-      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(trust_t), intent(in) :: trust             !! Measures at the end
       type(log_t), intent(inout) :: log              !! Gets the warning
       character(len=:), allocatable :: remedy
       character(len=16) :: share
@@ -411,7 +411,7 @@ contains
    !> Report at the end that momentum is not conserved, with the error. Collective.
    subroutine warn_of_momentum(method, trust, log)
       type(method_t), intent(in) :: method           !! How the run was computed
-      type(trust_t), intent(in) :: trust             !! What is known at the end
+      type(trust_t), intent(in) :: trust             !! Measures at the end
       type(log_t), intent(inout) :: log              !! Gets the warning
       character(len=:), allocatable :: remedy
       character(len=16) :: share
@@ -440,7 +440,7 @@ contains
       trust%warned(entry) = due
    end function warns
 
-   !> Give a warning with step, time and a particle. Collective.
+   !> Print a warning with step, time and a particle. Collective.
    subroutine warn_of_particle(simulation, log, identity, words)
       type(simulation_t), intent(in) :: simulation
       type(log_t), intent(inout) :: log              !! Gets it

@@ -119,10 +119,9 @@ contains
    end subroutine spread_tile
 
    !> The next term, y - S^+ S y, without the components that walls hold in this step; it is added
-   !! to
-   !! the sum. Particles do not get what walls remove, so it is recorded, with the velocity at the
-   !! end of the step. Equation (L.12) of doc/theory/ledger.md: this needs the same orthogonal
-   !! projection for all terms, so the held components do not depend on them.
+   !! to the sum. Particles do not get what walls remove, so it is recorded, with the velocity at
+   !! the end of the step. Equation (L.12) of doc/theory/ledger.md: this needs the same orthogonal
+   !! projection for all terms, so the held components must not depend on the term.
    subroutine add_term(simulation, field, scratch, tile, sweep, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -163,7 +162,7 @@ contains
       end associate
    end subroutine add_term
 
-   !> Sum of the series of node velocities, or its only term, at the nodes that particles see.
+   !> Sum of the series of node velocities, or its only term, at the nodes that particles use.
    subroutine find_filtered(space, scheme, field, tile, low, high, dt, filtered)
       type(space_t), intent(in) :: space
       type(scheme_t), intent(in) :: scheme

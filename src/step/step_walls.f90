@@ -17,7 +17,7 @@ module step_walls
       record_stopped, record_unbalanced, record_walls, start_walls, stop_at_walls, take_held, &
       walls_touch
 
-   !> Stages of the action of walls on nodes, in this order: forces, velocities that they hold,
+   !> Stages of the action of walls on nodes, in this order: forces, prescribed velocities,
    !! friction.
    integer, parameter :: forcing = 1, holding = 2, rubbing = 3, stages = 3
 
@@ -146,8 +146,8 @@ contains
       work = (1.0_wp - 0.5_wp*share)*dt*sum(acceleration*(free_velocity - velocity), dim=1)
    end subroutine apply_walls
 
-   !> Impose the walls and record the work of walls and gravity. A tile records the part of its own
-   !! particles at each node, so that all parts add up to the node.
+   !> Impose the walls and record the work of walls and gravity. A tile records the part due to its
+   !! own particles at each node, so that all parts add up to the value of the node.
    subroutine constrain_tile(simulation, field, scratch, tile, dt, mass, velocity, acceleration)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
@@ -193,7 +193,7 @@ contains
          push(3, :) = push(3, :) + dt*simulation%effects%gravity(3)
       end if
       if (allocated(field%nodes%work%push)) then
-         ! contact and musl will change the velocities with which it works
+         ! contact and musl will change the velocities of this work
          field%nodes%work%push(:, :, tile) = push
          return
       end if
@@ -302,8 +302,8 @@ contains
       end do
    end subroutine record_walls
 
-   !> Record the unbalanced force of the nodes of a tile: the part of its own particles in their
-   !! mass times acceleration. Equation (O.5) of doc/theory/instruments.md.
+   !> Record the unbalanced force of the nodes of a tile: the part due to its own particles, by
+   !! their mass times acceleration. Equation (O.5) of doc/theory/instruments.md.
    subroutine record_unbalanced(space, field, scratch, tile, acceleration)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field
@@ -330,9 +330,9 @@ contains
       velocity = wall%condition%velocity + 0.5_wp*dt*wall%condition%acceleration
    end function middle_velocity
 
-   !> Where a wall with friction, or a rigid region, held a node in the step, it also holds the
-   !! straining velocity after the step. A one-sided condition would let the noise of particles lift
-   !! pressed material off the wall, step by step.
+   !> Where a wall with friction, or a rigid region, constrained a node in the step, it also
+   !! constrains the straining velocity after the step. A one-sided condition would let the noise of
+   !! particles lift pressed material off the wall, step by step.
    pure subroutine hold_at_walls(simulation, field, tile, velocity)
       type(simulation_t), intent(in) :: simulation
       type(velocity_field_t), intent(in) :: field
@@ -366,8 +366,9 @@ contains
          call simulation%space%rigid%constrain(tile, velocity, change, at_end=.true.)
    end subroutine stop_at_walls
 
-   !> Take from a change of node velocities the components that walls held before the forces act,
-   !! or changed: an orthogonal projection. Walls that hold a node in a step do so from its start.
+   !> Remove from a change of node velocities the components that walls prescribed or changed before
+   !! the forces act: an orthogonal projection. A wall that prescribes the velocity of a node in a
+   !! step does so from the start of the step.
    pure subroutine take_held(simulation, tile, velocity, change, each)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
@@ -400,13 +401,13 @@ contains
          change)
    end subroutine take_held
 
-   !> Close the components of velocities that boundaries hold, all boundaries or one.
+   !> Clear the mask of velocity components that boundaries prescribe, all boundaries or one.
    pure subroutine close_components(space, tile, velocity, moved, open, only)
       type(space_t), intent(in) :: space
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) With walls, before [m/s]
-      real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) The same, held [m/s]
-      real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Set to 0 where walls hold
+      real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) The same, with walls [m/s]
+      real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Set to 0 where prescribed
       integer, intent(in), optional :: only          !! Wall that acts; default: all
 
       associate (coordinate => space%tiles%coordinate(:, tile))
@@ -439,7 +440,7 @@ contains
       call record_damped(ledger, (1.0_wp - scheme%method%transfer%flip_fraction())*stopped)
    end subroutine record_stopped
 
-   !> Record impulse, its moment, and work of a push on the nodes of a tile.
+   !> Record impulse, its moment, and work of an impulse on the nodes of a tile.
    subroutine record_push(space, field, ledger, tile, push, velocity, more)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field

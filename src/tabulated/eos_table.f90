@@ -2,7 +2,7 @@
 !> Equation of state given as a table of pressures and energies over density and temperature.
 !!
 !! Particles carry their energy, from which the table finds the temperature and with it the
-!! pressure. The run holds a table once. Equations (E.15) to (E.18) of
+!! pressure. A run stores each table once. Equations (E.15) to (E.18) of
 !! doc/theory/equations_of_state.md.
 module eos_table
    use base_deck_group, only: group_t
@@ -62,7 +62,7 @@ contains
       call schema%require("material", "eos_table")
    end subroutine table_declare
 
-   !> Make the table from the text of its file, and check that it holds the reference state.
+   !> Make the table from the text of its file, and check that it contains the reference state.
    subroutine table_take_file(self, text, path, group, fault, doubt)
       class(eos_table_t), intent(inout) :: self
       character(len=*), intent(in) :: text           !! Content of the file
@@ -101,7 +101,7 @@ contains
       end associate
    end subroutine table_take_file
 
-   !> Read the keys of the equation of state; the table is known.
+   !> Read the keys of the equation of state; the table is already read.
    pure subroutine table_read(self, group)
       class(eos_table_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
@@ -185,7 +185,7 @@ contains
       square = speed(1)
    end subroutine find_state
 
-   !> The table has a temperature for each density and energy.
+   !> The table gives a temperature for each density and energy.
    pure logical function table_gives_temperature(self) result(gives)
       class(eos_table_t), intent(in) :: self
 

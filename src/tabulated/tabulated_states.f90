@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> A table of states: pressure and energy over density and temperature, and its values in between.
 !!
-!! All is linear in the density and in the temperature, so the energy of a density grows piecewise
+!! Values are bilinear in density and temperature, so the energy at a density increases piecewise
 !! linearly with the temperature and is inverted exactly. Equations (E.15) to (E.18) of
 !! doc/theory/equations_of_state.md.
 module tabulated_states
@@ -41,18 +41,18 @@ module tabulated_states
       real(wp) :: energy(most_lanes)                 !! (in) [J/kg]
       integer :: row(most_lanes)                     !! Density below it
       integer :: column(most_lanes)                  !! Temperature below it
-      real(wp) :: across(most_lanes)                 !! Share of the next density [1]
-      real(wp) :: along(most_lanes)                  !! Share of the next temperature [1]
+      real(wp) :: across(most_lanes)                 !! Weight of the next density [1]
+      real(wp) :: along(most_lanes)                  !! Weight of the next temperature [1]
    end type cell_lanes_t
 
-   !> Shares may leave their cell by so much at the edge of the table: rounding.
+   !> Tolerance of the weights for rounding at the edge of the table.
    real(wp), parameter :: slack = 1.0e-9_wp
 
 contains
 
    !> Square of the sound speed at each node, and the inconsistency of each cell.
    pure subroutine states_complete(self)
-      class(state_table_t), intent(inout) :: self    !! With all else
+      class(state_table_t), intent(inout) :: self    !! Other data are set
       integer :: i, j, k, n
 
       n = size(self%temperature)
@@ -108,8 +108,8 @@ contains
       derivative = first + curvature*(2.0_wp*x(place) - x(middle) - x(middle - 1))
    end function slope
 
-   !> Inconsistency of a cell: how far rho**2 de/drho is from p - T dp/dT in its middle, over the
-   !! bulk modulus. The worst is kept. Equation (E.18).
+   !> Inconsistency of a cell: difference of rho**2 de/drho and p - T dp/dT in its middle, over the
+   !! bulk modulus. The greatest one is kept. Equation (E.18).
    pure subroutine note_inconsistency(self, i, j)
       class(state_table_t), intent(inout) :: self
       integer, intent(in) :: i                       !! Density below the cell
@@ -214,7 +214,7 @@ contains
    end function first_stride
 
    !> Pressure and square of the sound speed of states whose cells are known. Outside of the table
-   !! both are not numbers, at which a run stops and names the particle.
+   !! both are NaN, at which a run stops and names the particle.
    pure subroutine states_interpolate(self, lanes, offset, pressure, square)
       class(state_table_t), intent(in) :: self
       type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
@@ -230,7 +230,7 @@ contains
    pure subroutine mix_nodes(lanes, nodes, offset, value, mixed)
       type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
       integer, intent(in) :: nodes                   !! Temperatures of the table
-      integer, intent(in) :: offset                  !! The result of lane l goes to offset + l
+      integer, intent(in) :: offset                  !! Lane l is stored at offset + l
       real(wp), contiguous, intent(in) :: value(:)   !! (node)
       real(wp), contiguous, intent(inout) :: mixed(:) !! (range)
       real(wp) :: low, high, none
@@ -253,7 +253,7 @@ contains
    pure subroutine states_find_temperatures(self, lanes, offset, temperature)
       class(state_table_t), intent(in) :: self
       type(cell_lanes_t), intent(in) :: lanes       !! Cells of the states
-      integer, intent(in) :: offset                  !! The result of lane l goes to offset + l
+      integer, intent(in) :: offset                  !! Lane l is stored at offset + l
       real(wp), contiguous, intent(inout) :: temperature(:) !! (store) [K]
       integer :: l
 

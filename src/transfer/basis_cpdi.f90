@@ -57,10 +57,10 @@ contains
       traits%domain = .true.
    end subroutine cpdi_request
 
-   !> Corners of the particles of a tile. A corner lies in the cell of its particle or in one next
-   !! to it, and not beyond a wall: corners there would need functions below zero, and a node that
-   !! only such a corner touches would have a negative mass. Where a particle is almost on the wall
-   !! the functions of the last cell are extrapolated, so that linear fields remain exact.
+   !> Corners of the particles of a tile. A corner is in the cell of its particle or in an adjacent
+   !! cell, and not beyond a wall: corners there would need negative shape functions, and a node
+   !! touched by such a corner alone would have a negative mass. Where a particle is almost on the
+   !! wall the functions of the last cell are extrapolated, so that linear fields remain exact.
    pure subroutine cpdi_locate(self, grid, coordinate, store, tile, shape)
       class(basis_cpdi_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -108,7 +108,7 @@ contains
    !> Half edges of the domain of a particle for the functions, in cells, and the inverse of their
    !! matrix.
    !!
-   !! A domain that reaches further than a cell, or than a wall, is scaled, as M. A. Homel, R. M.
+   !! A domain that extends beyond one cell, or beyond a wall, is scaled, as M. A. Homel, R. M.
    !! Brannon, J. Guilkey, Int. J. Numer. Methods Eng. (2016) do; here along the directions of the
    !! grid in which it is too long, so that it stays a parallelepiped. If the edges lie nearly in a
    !! plane, it is replaced by a cube. Equation (N.9).
@@ -136,7 +136,7 @@ contains
          reach(k) = wanted
       end do
       call invert(edge, inverse, volume)
-      ! a number that is not one is caught as well
+      ! this comparison also catches NaN
       if (volume > flat*product(reach)) return
       edge = 0.0_wp
       inverse = 0.0_wp

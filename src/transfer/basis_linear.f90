@@ -23,7 +23,7 @@ module basis_linear
 
    public :: basis_linear_t
 
-   !> Linear shape functions; every map has a kernel of its own.
+   !> Linear shape functions. Each map has its own kernel.
    type, extends(basis_t) :: basis_linear_t
    contains
       procedure :: locate => linear_locate

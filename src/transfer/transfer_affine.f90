@@ -20,7 +20,8 @@ module transfer_affine
 
 contains
 
-   !> Products of a node vector and the place of the node in its tile, (k, l) in row k + 3 (l - 1).
+   !> Products of a node vector and the position of the node in its tile, (k, l) in row k + 3 (l -
+   !! 1).
    pure subroutine moment_fields(grid, nodes, moments)
       type(grid_t), intent(in) :: grid
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node) [m/s]
@@ -94,7 +95,7 @@ contains
       end do
    end subroutine keep_affine
 
-   !> Take all but the rotation out of linear velocity fields.
+   !> Remove all but the rotation from linear velocity fields.
    pure subroutine turn_only(count, affine)
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(inout) :: affine(:, :)    !! (particle of the tile, 9)

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> What the shape functions of a method are: maps between the particles of a tile and its nodes.
+!> Shape functions of a method: maps between the particles of a tile and its nodes.
 !!
-!! A basis gives six maps; everything else is made of them here and may be overridden where one pass
-!! is faster than two. A particle q of the store has index q - first + 1 in its tile; `start` counts
-!! the particles of the tile before each cell.
+!! A basis defines six maps. The others are composed of them here, and a basis may override them
+!! where one pass is faster than two. A particle q of the store has index q - first + 1 in its tile;
+!! `start` counts the particles of the tile before each cell.
 module transfer_basis
    use base_kinds, only: wp
    use base_schema, only: schema_t
@@ -131,16 +131,16 @@ contains
    end function basis_margin
 
    !> Integral over the box of the function of a node on a face, along the normal of that face, in
-   !! cells; it is one on the face and the only one there.
+   !! cells; it is 1 on the face, and no other function is nonzero there.
    pure real(wp) function basis_at_wall(self) result(integral)
       class(basis_t), intent(in) :: self
 
       integral = 0.5_wp
    end function basis_at_wall
 
-   !> Width in cells of the band that a crack opens across an edge of the grid: one where the
-   !! gradient of a cell is that of its own nodes. Smoother gradients involve particles of adjacent
-   !! cells; their widths are measured with a bar (test/verify/crack).
+   !> Width in cells of the band that a crack opens across an edge of the grid: one if the gradient
+   !! of a cell uses its own nodes only. Smoother gradients involve particles of adjacent cells;
+   !! their widths are measured with a bar (test/verify/crack).
    pure real(wp) function basis_band_width(self) result(width)
       class(basis_t), intent(in) :: self
 
@@ -287,7 +287,7 @@ contains
       call self%scatter_values(grid, shape, 1, shape%values, 4, patch)
    end subroutine basis_scatter_hoop
 
-   !> Velocity and position at once: velocity = f velocity + sum S_i increment_i, position =
+   !> Velocity and position together: velocity = f velocity + sum S_i increment_i, position =
    !! position + dt sum S_i advection_i, f the flip fraction.
    ! gate: long kernel because it gives two fields at once
    pure subroutine basis_gather_motion(self, grid, shape, first, increment, advection, &
@@ -360,7 +360,7 @@ contains
       type(shape_data_t), intent(inout) :: shape
       !> (7, node) a dt + g u [m/s]; u + a dt/2 [m/s]; 1/2 |a dt|^2 + g (|u|^2 + u . a dt) [J/kg]
       real(wp), contiguous, intent(in) :: nodes(:, :)
-      real(wp), intent(in) :: share                          !! Share g of pic
+      real(wp), intent(in) :: share                          !! PIC fraction g
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
       real(wp) :: slow, gain, rest, heat

@@ -2,15 +2,15 @@
 !> Contact of bodies with separate velocity fields: their contact forces at one node, and the gap
 !! there.
 !!
-!! At a node where two bodies a and b touch, with the normal n from a to b, a push p on b and -p on
-!! a is found such that b does not approach a at the end of the step. Its normal part only pushes.
-!! Its part along the surface brings the slip to rest, but is not above mu times the normal one (S.
-!! G. Bardenhagen, J. U. Brackbill, D. Sulsky, Comput. Methods Appl. Mech. Eng. 187 (2000) 529; S.
-!! G. Bardenhagen et al., CMES 2 (2001) 509). Where more than two meet, pairs are treated in turn in
-!! a fixed order until no force changes. The gap at a node follows from the particles, not from
-!! shape functions, which extend across a cell: the greatest position along n of the particles of a
-!! in the cells around, with half their width, and the least of b (compare J. A. Nairn, C. C.
-!! Hammerquist, G. D. Smith, Comput. Methods Appl. Mech. Eng. 362 (2020) 112859).
+!! At a node where two bodies a and b touch, with the normal n from a to b, an impulse p on b and -p
+!! on a prevents b from approaching a at the end of the step. Its normal part is compressive. Its
+!! tangential part stops the slip, up to mu times the normal part (S. G. Bardenhagen, J. U.
+!! Brackbill, D. Sulsky, Comput. Methods Appl. Mech. Eng. 187 (2000) 529; S. G. Bardenhagen et al.,
+!! CMES 2 (2001) 509). Where more than two bodies meet, pairs are treated in turn in a fixed order
+!! until no force changes. The gap at a node follows from the particles, not from shape functions,
+!! which extend across a cell: the greatest position along n of the particles of a in the cells
+!! around, with half their width, and the least of b (compare J. A. Nairn, C. C. Hammerquist, G. D.
+!! Smith, Comput. Methods Appl. Mech. Eng. 362 (2020) 112859).
 module transfer_contact
    use base_elementary, only: take_fast_powers
    use base_kinds, only: wp
@@ -33,13 +33,13 @@ module transfer_contact
    integer, parameter, public :: state_bonded = 2        !! True if a bond holds
 
    integer, parameter :: most_turns = 50             !! Of the pairs at a node
-   real(wp), parameter :: enough = 1.0e-12_wp        !! Gain over the velocities that ends the turns
+   real(wp), parameter :: enough = 1.0e-12_wp        !! Relative gain for convergence
 
    !> Contact law of a pair of bodies.
    type :: pair_law_t
       integer :: kind = contact_friction             !! One of those above
       real(wp) :: friction = 0.0_wp                  !! Coefficient of friction [1]
-      real(wp) :: strength = huge(1.0_wp)            !! Greatest stress that a bond bears [Pa]
+      real(wp) :: strength = huge(1.0_wp)            !! Strength of a bond [Pa]
    end type pair_law_t
 
 contains
@@ -104,7 +104,7 @@ contains
       push = push + along
    end subroutine restrict
 
-   !> Stress [Pa] with which a push pulls at a bond and shears it; pressure does not harm it.
+   !> Tensile and shear stress [Pa] of an impulse on a bond; pressure does not count.
    !! Equation (C.5).
    pure real(wp) function bond_traction(push, normal, area, dt) result(stress)
       real(wp), intent(in) :: push(3)                !! On the body that n leads to [kg m/s]

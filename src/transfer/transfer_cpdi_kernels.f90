@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Maps with linear functions at the corners of particles. Each corner is a point in a cell, whose
 !! nodes are up to four lines along x with two nodes each. Components and nodes of a line are the
-!! lanes. Patches and node fields come as one row of numbers.
+!! lanes. Patches and node fields are one-dimensional arrays.
 module transfer_cpdi_kernels
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lanes

@@ -2,9 +2,10 @@
 !> Cells that rigid regions cut, for normalised sums: the fraction of the weight of each edge
 !! outside.
 !!
-!! Material fills the part of a cell outside of the region. Across its surface it transmits the
-!! pressure of the whole cell, since the node beyond moves with the wall; along the surface its
-!! fraction is that of the cell outside, found where the surface meets the edges that end in it.
+!! Material fills the part of a cell outside of the region. Normal to the surface it transmits the
+!! pressure of the whole cell, because the node inside the region moves with the wall. Along the
+!! surface it transmits the fraction of the cell outside, which follows from the intersections of
+!! the surface with the edges that end in the region.
 module transfer_cut_cells
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -22,12 +23,13 @@ module transfer_cut_cells
    !> From where on nodes beyond a surface carry pressure along it, as a position on the edge that
    !! it cuts, 1 at that node; nodes outside transmit this part in addition to their own [1]
    real(wp), parameter :: half = 0.5_wp
-   !> Thinner rests of cells carry no pressure along the surface, twice as thick ones all [1]
+   !> Cell fractions below this one carry no pressure along the surface, those above twice this
+   !! carry all of it [1]
    real(wp), parameter :: thin = 0.25_wp
 
 contains
 
-   !> Shares of the edges of the cells that regions cut.
+   !> Fractions of the edges of the cells that regions cut.
    pure subroutine cut_cells(grid, coordinate, rigid, tile, smooth, shares, ring)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
@@ -129,7 +131,8 @@ contains
          + node_place(grid, coordinate, grid%first_node(cell) + grid%lane_offset(lanes)))
    end function cell_centre
 
-   !> Share of the integral of the function of the near end of an edge up to a place along it [1].
+   !> Fraction of the integral of the function of the near end of an edge up to a position along it
+   !! [1].
    pure real(wp) function near_share(place, smooth) result(share)
       real(wp), intent(in) :: place                  !! 0 to 1
       logical, intent(in) :: smooth                  !! Does the place enter smoothly?
@@ -141,7 +144,7 @@ contains
       end if
    end function near_share
 
-   !> Where an edge from a node outside to one in a region meets it, 0 to 1 [1].
+   !> Intersection with a region of an edge from a node outside to a node inside, 0 to 1 [1].
    pure real(wp) function cut_at(grid, wall, place, direction, sense) result(at)
       type(grid_t), intent(in) :: grid
       type(wall_t), intent(in) :: wall

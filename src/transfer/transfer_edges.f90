@@ -22,7 +22,7 @@ module transfer_edges
 
 contains
 
-   !> Add the volume that particles have round each edge of their cells, sum v alpha_l N_e.
+   !> Add the volume that particles have around each edge of their cells, sum v alpha_l N_e.
    pure subroutine add_edge_sums(grid, start, first, local, alpha, volume, sums)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -127,7 +127,8 @@ contains
          + ishft(ibits(edge - 1, 1, 1), lane_bit(other(direction)))
    end function low_end
 
-   !> Coefficients of the slope along a direction, of 1, place along one, other, both.
+   !> Coefficients of the slope along a direction: of 1, of one other coordinate, the second, and
+   !! their product.
    pure subroutine find_slope(grid, direction, component, node, factor, velocity, scale, u)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: direction                       !! Of the slope

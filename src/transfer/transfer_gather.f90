@@ -152,7 +152,7 @@ contains
       real(wp), intent(inout) :: slopes(columns, 9)          !! (lane, component)
       integer :: k, l
 
-      ! one call, so that it is inlined: without that arguments cost as much as the work
+      ! one call, so that it is inlined: otherwise passing arguments costs as much as the work
       do l = 1, 3
          do k = 1, 3
             call blend(u(k, across(1, l)), u(k, across(2, l)), u(k, across(3, l)), u(k, lanes), &
@@ -171,7 +171,7 @@ contains
       real(wp), intent(in) :: other(lanes)                   !! (lane) Along the other one [1]
       real(wp), intent(in) :: w(tensor*(lanes - 1) + 1)      !! Each twelfth a coefficient
       real(wp), intent(in) :: x(lanes), y(lanes), z(lanes)   !! (lane) Local coordinates [1]
-      real(wp), intent(in) :: alpha(lanes)                   !! (lane) Share of the slope [1]
+      real(wp), intent(in) :: alpha(lanes)                   !! (lane) Fraction of the slope [1]
       real(wp), intent(inout) :: slopes(lanes)               !! (lane)
       integer :: lane
 
@@ -184,7 +184,7 @@ contains
       end do
    end subroutine blend
 
-   !> Velocity and position at once: velocity = f velocity + sum S_i increment_i, position =
+   !> Velocity and position together: velocity = f velocity + sum S_i increment_i, position =
    !! position + dt sum S_i advection_i, f the flip fraction.
    pure subroutine gather_motion(grid, start, first, local, increment, advection, flip_fraction, &
       dt, velocity, position)

@@ -3,10 +3,10 @@
 !!
 !! Vectors lie in the plane of x and z, or along x: components along y are zero and are not used.
 !! Between its nodes a field is a polynomial (u1 + u2 x) + (u3 + u4 x) z of the local coordinates;
-!! on a line u3 and u4 are zero. Four particles of a cell at a time are the lanes. Gradients go
-!! beyond the last particle of a cell as in `transfer_gather_values`. Velocity and position must
-!! not, so the last particles of a cell move one by one: a vectorised loop of unknown length costs
-!! more than the work in it.
+!! on a line u3 and u4 are zero. Four particles of a cell at a time are the lanes. Gradients are
+!! also computed for the lanes after the last particle of a cell, as in `transfer_gather_values`.
+!! Velocity and position must not be, so the last particles of a cell move one by one: a vectorised
+!! loop of unknown length costs more than the work in it.
 module transfer_gather_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -77,7 +77,7 @@ contains
       end do
    end subroutine dual_gradient_plane
 
-   !> Velocity and position at once: velocity = f velocity + sum S_i increment_i, position =
+   !> Velocity and position together: velocity = f velocity + sum S_i increment_i, position =
    !! position + dt sum S_i advection_i, f the flip fraction.
    ! gate: long kernel because two fields go to two others
    pure subroutine motion_plane(grid, start, first, local, increment, advection, flip_fraction, &
@@ -108,7 +108,7 @@ contains
       end do
    end subroutine motion_plane
 
-   !> Set the components of gradients that leave the plane to zero.
+   !> Set the out-of-plane components of gradients to zero.
    pure subroutine clear_columns(count, gradient)
       integer, intent(in) :: count                           !! Particles of the tile
       real(wp), contiguous, intent(inout) :: gradient(:, :)  !! (particle of the tile, 9)
@@ -120,7 +120,7 @@ contains
    end subroutine clear_columns
 
    !> Coefficients of the polynomials of all cells of a tile on their first nodes, by differences,
-   !! so that a uniform field has slopes of exactly zero. The nodes come as one row of numbers.
+   !! so that a uniform field has slopes of exactly zero. The node field is a one-dimensional array.
    pure subroutine find_terms(along_x, along_z, numbers, nodes, scale, u)
       integer, intent(in) :: along_x                 !! Numbers to the next node along x
       integer, intent(in) :: along_z                 !! The same along z

@@ -227,9 +227,9 @@ contains
          values(lane) = (u1 + u2*x(lane)) + (u3 + u4*x(lane))*z(lane)
       end do
    end subroutine evaluate_plane
-   !> Coefficients of the polynomials of the components of a field in a cell, the terms being
-   !! 1, x, z, xz, y, xy, yz, xyz. The nodes come as one row of numbers, of which four are the
-   !! lanes: those of the next node fill the row up to a multiple of four, and have no meaning.
+   !> Coefficients of the polynomials of the components of a field in a cell, the terms being 1, x,
+   !! z, xz, y, xy, yz, xyz. The node field is a one-dimensional array with four elements as lanes:
+   !! elements of the next node fill the lanes up to a multiple of four, and have no meaning.
    pure subroutine find_terms(components, rows, node, ways, numbers, nodes, scale, u)
       integer, intent(in) :: components              !! Numbers per node
       integer, intent(in) :: rows                    !! The same, a multiple of four
@@ -251,7 +251,7 @@ contains
       end do
    end subroutine find_terms
 
-   !> The same for a cell with the last node of the tile, which nothing follows.
+   !> The same for a cell with the last node of the tile, at the end of the array.
    pure subroutine find_last_terms(components, rows, before, ways, numbers, nodes, scale, u)
       integer, intent(in) :: components              !! Numbers per node
       integer, intent(in) :: rows                    !! The same, a multiple of four

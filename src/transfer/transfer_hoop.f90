@@ -102,7 +102,7 @@ contains
 
    !> Shape functions of the nodes of a cell in a plane [1].
    pure function shape_functions(x, z) result(values)
-      real(wp), intent(in) :: x, z                           !! Place in the cell, 0 to 1
+      real(wp), intent(in) :: x, z                           !! Local coordinate, 0 to 1
       real(wp) :: values(corners)
 
       values = [(1.0_wp - x)*(1.0_wp - z), x*(1.0_wp - z), (1.0_wp - x)*z, x*z]

@@ -6,7 +6,7 @@
 !! in the displacement, the columns are d + g u and u + c d along the active directions; then, for
 !! material with an internal energy, d.d/2 + g (u.u + u.d) and the moments of g u - (1 - g) d about
 !! the corner of the tile that linear velocity fields need. The velocity and the gain at a particle
-!! follow from the first two, so that g c must not be near 1. Equations (T.1), (T.2), (T.9) and
+!! follow from the first two, so g c must not be near 1. Equations (T.1), (T.2), (T.9) and
 !! (T.10) of doc/theory/transfers.md.
 module transfer_increments
    use base_kinds, only: wp
@@ -28,7 +28,7 @@ module transfer_increments
       integer :: columns = 0                         !! Columns of the fields
       integer :: moments = no_moments                !! Kind of the moments
       logical :: heats = .false.                     !! Is lost kinetic energy found?
-      real(wp) :: pic = 0.0_wp                       !! Share g of pic [1]
+      real(wp) :: pic = 0.0_wp                       !! PIC fraction g [1]
       real(wp) :: ahead = 1.0_wp !! Fraction c of the gain in the displacement [1]
       real(wp), allocatable, public :: nodes(:, :)   !! (column, node)
       real(wp), allocatable :: place(:, :) !! (3, node) In the tile, along active directions [m]
@@ -74,7 +74,7 @@ contains
          if (size(self%nodes, 1) == self%columns) return
          deallocate (self%nodes)
       end if
-      ! nodes that no particle uses are not set; their sums have no meaning
+      ! node values that no particle uses are undefined, and so are their sums
       allocate (self%nodes(self%columns, grid%tile_nodes), source=0.0_wp)
       if (allocated(self%place)) deallocate (self%place)
       allocate (self%place(3, grid%tile_nodes), source=0.0_wp)
@@ -108,7 +108,7 @@ contains
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) u [m/s]
       real(wp), contiguous, intent(in) :: acceleration(:, :) !! (3, node) a [m/s2]
 
-      ! with a compile-time number of directions there is no loop over them
+      ! a compile-time number of directions removes the loop over them
       select case (self%axes)
       case (3)
          call set_fields(self, 3, [1, 2, 3], low, high, dt, velocity, acceleration)
@@ -122,8 +122,8 @@ contains
    !> The same for given directions.
    pure subroutine set_fields(self, axes, axis, low, high, dt, velocity, acceleration)
       class(increments_t), intent(inout) :: self
-      integer, intent(in) :: axes                            !! Active directions
-      integer, intent(in) :: axis(axes)                      !! Which they are
+      integer, intent(in) :: axes                            !! Number of active directions
+      integer, intent(in) :: axis(axes)                      !! Active directions
       integer, intent(in) :: low                             !! First node that particles use
       integer, intent(in) :: high                            !! Last index
       real(wp), intent(in) :: dt                             !! Time over which the forces act [s]
@@ -159,7 +159,7 @@ contains
    pure subroutine set_rotation(axes, x, t, columns)
       integer, intent(in) :: axes                    !! Active directions
       real(wp), intent(in) :: x(3)                   !! Position in the tile along them [m]
-      real(wp), intent(in) :: t(3)                   !! Vector along them [m/s]
+      real(wp), intent(in) :: t(3)                   !! Vector along these directions [m/s]
       real(wp), intent(inout) :: columns(:)          !! Its moments [m2/s]
 
       select case (axes)
@@ -177,7 +177,7 @@ contains
    pure subroutine set_linear_field(axes, x, t, columns)
       integer, intent(in) :: axes                    !! Active directions
       real(wp), intent(in) :: x(3)                   !! Position in the tile along them [m]
-      real(wp), intent(in) :: t(3)                   !! Vector along them [m/s]
+      real(wp), intent(in) :: t(3)                   !! Vector along these directions [m/s]
       real(wp), intent(inout) :: columns(:)          !! (k, l) in k + axes (l - 1) [m2/s]
       integer :: k, l
 
@@ -257,7 +257,7 @@ contains
    pure subroutine lose_energy(count, first, pic, ahead, gain, way, velocity, moved, heat)
       integer, intent(in) :: count                           !! Particles of the tile
       integer, intent(in) :: first                           !! First of them
-      real(wp), intent(in) :: pic                            !! Share g of pic [1]
+      real(wp), intent(in) :: pic                            !! PIC fraction g [1]
       real(wp), intent(in) :: ahead !! Fraction c of the gain in the displacement [1]
       real(wp), contiguous, intent(in) :: gain(:)            !! d + g u [m/s]
       real(wp), contiguous, intent(in) :: way(:)             !! u + c d [m/s]
@@ -291,7 +291,7 @@ contains
       do l = 1, self%axes
          do cell = 0, grid%tile_cells - 1
             corner = real(grid%cell_position(self%axis(l), cell), wp)
-            ! the last lanes are those of the next cells, which come later
+            ! the last lanes belong to the next cells, which are processed later
             do p = shape%start(cell) + 1, shape%start(cell + 1), spare
                !$omp simd
                do lane = p, p + spare - 1

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Means of a particle field around nodes with the positions that they belong to, and the slope of
-!! the field in a cell that follows from them.
+!> Means of a particle field around nodes with the positions of these means, and the slope of the
+!! field in a cell from them.
 !!
-!! The mean around a node belongs to the centre of the particles that it is taken of, not to the
-!! node. The difference of the means over that of the centres is the slope of a linear field, for
-!! any positions of particles. Equation (Q.10) of doc/theory/quadratures.md.
+!! The mean around a node is the value of a linear field at the centre of the averaged particles,
+!! not at the node. The difference of two means over the distance of their centres is the slope of
+!! the field for any positions of particles. Equation (Q.10) of doc/theory/quadratures.md.
 module transfer_moments
    use base_kinds, only: wp
    use mesh_grid, only: grid_t, lane_bit, lanes
@@ -88,8 +88,8 @@ contains
       end do
    end subroutine divide_moments
 
-   !> Slope of the field in a cell [of the field, over a cell], 0 along directions that the scene
-   !! lacks and where the centres do not determine it.
+   !> Slope of the field in a cell [of the field, over a cell], 0 along missing directions and where
+   !! the centres do not determine it.
    pure function cell_slope(grid, node, means) result(slope)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: node                            !! First node of the cell
@@ -108,7 +108,7 @@ contains
             rise(:, l) = rise(:, l) + sense*means(:, node + grid%lane_offset(lane))
          end do
       end do
-      ! (k, l): how much farther along k the centres of the upper ends of l lie
+      ! (k, l): distance along k from the centres of the lower ends of l to those of the upper ends
       do l = 1, 3
          do k = 1, 3
             matrix(k, l) = rise(1 + k, l)

@@ -20,7 +20,7 @@ module transfer_pushed_stress
       procedure :: reserve_load => pushed_reserve_load !! Ensure capacity for loads
       procedure :: copy => pushed_copy               !! From the particles of a store
       procedure :: make_unit => pushed_make_unit     !! Give all unit stress
-      procedure :: subtract => pushed_subtract       !! Take a stress away
+      procedure :: subtract => pushed_subtract       !! Subtract a stress
    end type pushed_stress_t
 
 contains
@@ -80,7 +80,7 @@ contains
       end do
    end subroutine pushed_make_unit
 
-   !> Take a stress away from that of each particle.
+   !> Subtract a stress from that of each particle.
    pure subroutine pushed_subtract(self, count, values)
       class(pushed_stress_t), intent(inout) :: self
       integer, intent(in) :: count                           !! Particles of the tile

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Particles to nodes with the linear functions of the cell: common code of basis and quadrature.
 !!
-!! The sums of a cell are taken over its particles in their order and then added to the patch of the
+!! The sums of a cell run over its particles in their order and are then added to the patch of the
 !! tile. Columns of the patch: 1 mass, 2-4 momentum, 5-7 internal force, and for the dual domain
 !! method 8 volume, 9-17 node stress. Equations (M.1), (M.4) and (M.5) of doc/theory/method.md.
 module transfer_scatter

@@ -6,8 +6,8 @@
 !! registers, and the cell is added to the patch of the tile once. Stress along y gives no force,
 !! because the functions do not vary along y.
 !!
-!! Where particles are added there are two loops over the lanes: were they one, the compiler would
-!! take two particles at a time (unroll and jam), and keep the sums in memory. Equations (M.1),
+!! The sum over particles has two loops over the lanes: with a single loop the compiler would
+!! process two particles at a time (unroll and jam) and keep the sums in memory. Equations (M.1),
 !! (M.4) and (M.5) of doc/theory/method.md.
 module transfer_scatter_plane
    use base_kinds, only: wp
@@ -57,7 +57,7 @@ contains
       integer :: skip, at(4)
 
       do skip = 0, count - 1, 4
-         ! in place of columns that are not there stands the last one; it is not added again
+         ! missing columns repeat the last one, which is not added again
          at = min(skip + [1, 2, 3, 4], count)
          call add_columns(grid, start, local, values(:, at(1)), values(:, at(2)), &
             values(:, at(3)), values(:, at(4)), min(count - skip, 4), before + skip, patch)

@@ -7,8 +7,8 @@
 !! the sums of all eight nodes in registers; they are added to the patch of the tile once, or twice
 !! where a cell continues in the next group of particles.
 !!
-!! Where particles are added there are two loops over the lanes: were they one, the compiler would
-!! take two particles at a time (unroll and jam), and keep the sums in memory. Equations (M.1),
+!! The sum over particles has two loops over the lanes: with a single loop the compiler would
+!! process two particles at a time (unroll and jam) and keep the sums in memory. Equations (M.1),
 !! (M.4) and (M.5) of doc/theory/method.md.
 module transfer_scatter_space
    use base_kinds, only: wp
@@ -75,7 +75,7 @@ contains
          call next_particles(grid%tile_cells, start, skipped, cell, number)
          call weigh_lanes(skipped, number, size(local, 1), local, weight)
          do skip = 0, count - 1, block
-            ! in place of columns that are not there stands the last one; it is not added again
+            ! missing columns repeat the last one, which is not added again
             at = min(skip + [1, 2, 3, 4], count)
             do p = 1, number
                part(1, p) = values(skipped + p, at(1))
@@ -145,8 +145,8 @@ contains
          stress, patch, factor)
    end subroutine space_dual_force
 
-   !> Volume and stress that some particles hand to the nodes, in blocks of columns: volume and
-   !! stress along x; stress along y, and xz; nothing twice, yz and zz.
+   !> Volume and stress of some particles for the sums of the nodes, in blocks of columns: volume,
+   !! stress xx, xy and xz; then stress components along y and xz; then two zeros, yz and zz.
    pure subroutine share_stress(skipped, before, number, alpha, volume, stress, values)
       integer, intent(in) :: skipped                         !! Index offset in the tile
       integer, intent(in) :: before                          !! Particles before the tile
@@ -229,8 +229,8 @@ contains
       end do
    end subroutine weigh_lanes
 
-   !> Add sum weight value of up to four columns of some particles to the patch, which comes as one
-   !! row of numbers.
+   !> Add sum weight value of up to four columns of some particles to the patch, which is a
+   !! one-dimensional array.
    ! gate: long kernel because sums in registers are arrays of their own
    pure subroutine add_weighted(grid, start, cell, skipped, number, weight, columns, values, &
       before, rows, numbers, patch)

@@ -30,7 +30,7 @@ module transfer_shape_data
       real(wp), allocatable :: local(:, :)
       !> (particle, 3) Extent of functions beyond the cells adjacent to their node [cells]
       real(wp), allocatable :: overhang(:, :)
-      integer, allocatable :: low(:, :)              !! (particle, 3) First node that counts, 1 or 2
+      integer, allocatable :: low(:, :)              !! (particle, 3) First node in use, 1 or 2
    contains
       procedure :: reserve => spline_reserve
       procedure :: take_cells => spline_take_cells   !! First nodes are those before the cells
@@ -81,7 +81,7 @@ module transfer_shape_data
 
 contains
 
-   !> Reserve memory for a number of particles. Former values are lost.
+   !> Reserve memory for a number of particles. Previous values are lost.
    pure subroutine shape_reserve(self, particles)
       class(shape_data_t), intent(inout) :: self
       integer, intent(in) :: particles               !! Most particles in a tile
@@ -96,7 +96,7 @@ contains
          self%values(n, 9))
    end subroutine shape_reserve
 
-   !> Reserve memory for linear velocity fields. Former values are lost.
+   !> Reserve memory for linear velocity fields. Previous values are lost.
    pure subroutine shape_reserve_affine(self, particles)
       class(shape_data_t), intent(inout) :: self
       integer, intent(in) :: particles               !! Most particles in a tile
@@ -122,7 +122,7 @@ contains
       allocate (self%increments(column_length(particles), columns + 2))
    end subroutine shape_reserve_increments
 
-   !> Reserve memory for functions with extended support. Former values are lost.
+   !> Reserve memory for functions with extended support. Previous values are lost.
    pure subroutine spline_reserve(self, particles)
       class(spline_data_t), intent(inout) :: self
       integer, intent(in) :: particles               !! Most particles in a tile
@@ -175,7 +175,7 @@ contains
       high = high + (self%reach - 1)*sum(grid%stride)
    end subroutine spline_touched
 
-   !> Reserve memory for means of the dual gradient. Former values are lost.
+   !> Reserve memory for means of the dual gradient. Previous values are lost.
    pure subroutine mean_reserve(self, particles)
       class(mean_data_t), intent(inout) :: self
       integer, intent(in) :: particles               !! Most particles in a tile
@@ -189,7 +189,7 @@ contains
       allocate (self%value(n, line, 3), self%cell_slope(n, line, 3), self%node_value(n, line, 3))
    end subroutine mean_reserve
 
-   !> Reserve memory for the corners of particles. Former values are lost.
+   !> Reserve memory for the corners of particles. Previous values are lost.
    pure subroutine corner_reserve(self, particles, corners)
       class(corner_data_t), intent(inout) :: self
       integer, intent(in) :: particles               !! Most particles in a tile

@@ -3,11 +3,11 @@
 !! gradients of the nodes around predict.
 !!
 !! In a cell whose neighbours are compressed at the same rate the velocity is linear, and there is
-!! no jump to resist, however fast the flow converges (R. B. Christensen, UCRL-JC-105269 (1990);
-!! E. J. Caramana, M. J. Shashkov, P. P. Whalen, J. Comput. Phys. 144 (1998) 70). A shock is
-!! compressed in a cell or two: some neighbour is not. On a line the node gradient is the mean of
-!! the two cells beside the node, so twice the least of the nodes less that of the cell is the
-!! least of the neighbours, without another sum over nodes. Equations (V.1) and (V.2) of
+!! no jump to resist, however fast the flow converges (R. B. Christensen, UCRL-JC-105269 (1990); E.
+!! J. Caramana, M. J. Shashkov, P. P. Whalen, J. Comput. Phys. 144 (1998) 70). A shock compresses
+!! one or two cells, so some neighbour is not compressed. In one dimension the node gradient is the
+!! mean of the two adjacent cells, so twice the least node value less the cell value is the least
+!! value of the neighbours, without another sum over nodes. Equations (V.1) and (V.2) of
 !! doc/theory/viscosity.md.
 module transfer_shock_compression
    use base_kinds, only: wp
@@ -17,16 +17,16 @@ module transfer_shock_compression
 
    public :: bound_jump, find_jump
 
-   !> Compression of the least neighbour over that of the cell from which it counts as smooth; as
-   !! it reaches 1 nothing is left.
+   !> Ratio of the least compression of a neighbour to that of the cell above which the flow counts
+   !! as smooth; at a ratio of 1 viscosity resists nothing.
    real(wp), parameter :: onset = 0.5_wp
-   !> Share of a compression that viscosity resists in any case, where sums are normalised [1]
+   !> Least fraction of a compression that viscosity resists, where sums are normalised [1]
    real(wp), parameter :: kept = 0.25_wp
 
 contains
 
    !> Trace of the strain of the step that viscosity resists, for the particles of a tile. The hoop
-   !! strain of axisymmetry is not part of it: it is uniform around the axis, never a jump.
+   !! strain of axisymmetry is not part of it: it is uniform around the axis and has no jump.
    pure subroutine find_jump(grid, start, velocity, gradient, strain, jump)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -51,9 +51,9 @@ contains
    end subroutine find_jump
 
    !> Trace of the strain of the step that viscosity resists where sums are normalised, for the
-   !! particles of a tile: at most what the edges of the cell are compressed by, but a fourth of it
-   !! in any case. Particles that represent more than their own volume are strained more than their
-   !! surroundings, and viscosity depends on the square of that. Hoop strains are not limited.
+   !! particles of a tile: at most the compression of the edges of the cell, but at least a fourth
+   !! of the strain. Particles that represent more than their own volume are strained more than
+   !! their surroundings, and viscosity depends on the square of that. Hoop strains are not limited.
    pure subroutine bound_jump(grid, start, velocity, dt, strain, jump)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
@@ -117,7 +117,7 @@ contains
    end function compression
 
    !> Fraction of the compression of a cell that is not smooth: 0 to 1. A node without cells of
-   !! weight has no gradient, so isolated particles keep all of it.
+   !! weight has no gradient, so for isolated particles the fraction is 1.
    pure real(wp) function share_left(grid, base, velocity, gradient) result(left)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: base                            !! First node of the cell

@@ -2,10 +2,10 @@
 !> From nodes to particles in three dimensions, with shape functions that are products of functions
 !! of one coordinate.
 !!
-!! Four columns of the nodes are the lanes, and the particles are taken one by one. Lines of nodes
-!! are contracted along x first, with functions and derivatives, then lines along y, then layers
-!! along z. There are kernels for particles that touch three and four nodes along each direction.
-!! The functions of some particles are copied to an array with a compile-time stride.
+!! Four columns of the nodes are the lanes, and the particles are processed one by one. Lines of
+!! nodes are contracted along x first, with functions and derivatives, then lines along y, then
+!! layers along z. There are kernels for particles that touch three and four nodes along each
+!! direction. The functions of some particles are copied to an array with a compile-time stride.
 module transfer_spline_gather
    use base_kinds, only: wp
    use mesh_grid, only: grid_t
@@ -59,7 +59,7 @@ contains
       integer, intent(in) :: first                           !! First particle of the tile
       real(wp), contiguous, intent(in) :: increment(:, :)    !! (3, node) [m/s]
       real(wp), contiguous, intent(in) :: advection(:, :)    !! (3, node) [m/s]
-      real(wp), intent(in) :: kept                           !! Share of the old velocity [1]
+      real(wp), intent(in) :: kept                           !! Fraction of the old velocity [1]
       real(wp), intent(in) :: dt                             !! Time step [s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)  !! (particle, 3) [m/s]
       real(wp), contiguous, intent(inout) :: position(:, :)  !! (particle, 3) [m]
@@ -125,11 +125,11 @@ contains
       end do
    end subroutine gather_spline_gradient
 
-   !> Up to four columns of the nodes of a tile that particles touch, in place of columns that are
-   !! not there the last one.
+   !> Up to four columns of the nodes of a tile that particles touch; missing columns repeat the
+   !! last one.
    pure subroutine widen(columns, first, low, high, number, nodes, wide)
       integer, intent(in) :: columns                         !! Columns of the nodes
-      integer, intent(in) :: first                           !! First of those taken
+      integer, intent(in) :: first                           !! First particle
       integer, intent(in) :: low, high                       !! First and last node
       integer, intent(in) :: number                          !! Nodes
       real(wp), intent(in) :: nodes(columns, number)         !! (column, node)

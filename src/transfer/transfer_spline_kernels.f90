@@ -4,7 +4,7 @@
 !! In three dimensions products of functions along y and z of some particles are found at once, with
 !! particles as lanes. Then the particles are added one by one, with four columns as lanes, and only
 !! to the nodes that they touch: there are kernels for three and for four along each direction. The
-!! sums of a tile are kept in an array of their own, four per node, and are added to the patch at
+!! sums of a tile are kept in a separate array, four per node, and are added to the patch at
 !! the end. So cells with few particles cost little more than cells with many, and the bits of a
 !! particle do not depend on others.
 module transfer_spline_kernels
@@ -93,7 +93,7 @@ contains
 
       call shape%spline%touched(grid, shape%count, low, high)
       do skip = 0, count - 1, columns
-         ! in place of columns that are not there stands the last one; it is not added
+         ! missing columns repeat the last one, which is not added
          at = min(skip + [1, 2, 3, 4], count)
          sums(columns*(low - 1) + 1:columns*high) = 0.0_wp
          do skipped = 0, shape%count - 1, batch

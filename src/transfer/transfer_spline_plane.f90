@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Maps with shape functions that are products of functions of one coordinate, in one and two
-!! dimensions: a layer along z is one line along x. Otherwise as in `transfer_spline_kernels`, whose
-!! node sums and node values these are; functions come as whole arrays, so that they are indexed
-!! directly.
+!! dimensions: a layer along z is one line along x. Otherwise as in `transfer_spline_kernels`, with
+!! the same node sums and node values; functions are passed as whole arrays, so that they are
+!! indexed directly.
 module transfer_spline_plane
    use base_kinds, only: wp
    use mesh_grid, only: grid_t

@@ -185,7 +185,7 @@ contains
    pure subroutine fold(f, out, inward)
       real(wp), intent(inout) :: f(:)                        !! (node)
       integer, intent(in) :: out                             !! Node outside
-      integer, intent(in) :: inward                          !! Way to the next node inside
+      integer, intent(in) :: inward                          !! Offset to the next node inside
 
       f(out + inward) = f(out + inward) + 2.0_wp*f(out)
       f(out + 2*inward) = f(out + 2*inward) - f(out)

@@ -4,7 +4,7 @@
 !! By default a transfer is PIC: v <- S (u + a dt), with u and a velocity and acceleration of the
 !! nodes, dt the time that the forces act, and S the map from nodes to particles. Velocities are
 !! defined midway between positions, so u + a dt also moves the particles through the whole step.
-!! Each transfer overrides what differs.
+!! Each transfer overrides the procedures that differ.
 !!
 !! Some transfers use the series w = y_0 + y_1 + ... + y_n of node velocities with y_(s+1) = y_s -
 !! S^+ S y_s, where S^+ is the map from particles to nodes, divided by the mass of nodes. With n + 1
@@ -34,7 +34,7 @@ module transfer_velocity
       procedure :: flip_fraction => velocity_flip_fraction
       procedure :: sweeps => velocity_sweeps         !! Terms n of the series
       procedure :: first_term => velocity_first_term !! Its first term
-      procedure :: loss_weight => velocity_loss_weight !! Share of its terms in the lost energy
+      procedure :: loss_weight => velocity_loss_weight !! Weight of its terms in the lost energy
       procedure :: velocity_increment => velocity_increment !! Velocity increment of particles
       procedure :: advection_velocity => velocity_advection !! Advection velocity of particles
       procedure :: heat_fields => velocity_heat_fields !! Node fields of the lost kinetic energy
@@ -70,7 +70,7 @@ contains
       turning = .false.
    end function velocity_turning
 
-   !> Share of its own velocity that a particle keeps in a step.
+   !> FLIP fraction: fraction of its old velocity that a particle keeps in a step.
    pure real(wp) function velocity_flip_fraction(self) result(fraction)
       class(velocity_t), intent(in) :: self
 

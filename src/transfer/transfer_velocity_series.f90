@@ -3,11 +3,11 @@
 !! lose.
 !!
 !! With the inner product of node masses A = 1 - S^+ S has <y, A y> = sum m_p var_p(y) >= 0, var_p
-!! the variance of node values under the functions at a particle. All that is lost is then made of
-!! <y_0, A**n y_0> with whole n: products of neighbouring terms of the series, which nodes know, and
-!! for the greatest n = 2 k - 1 the variance of the last term, which needs the particles. None
-!! depends on a uniform velocity. Terms that only carry energy from particle to particle, and add up
-!! to zero, are left out. (Derived for this program; with k = 1 it is `gather_heat` of PIC.)
+!! the variance of node values under the functions at a particle. The whole loss then consists of
+!! <y_0, A**n y_0> with integer n: products of neighbouring terms of the series, which are sums over
+!! nodes, and for the greatest n = 2 k - 1 the variance of the last term, which needs the particles.
+!! None depends on a uniform velocity. Terms that only carry energy from particle to particle, and
+!! add up to zero, are left out. (Derived for this program; with k = 1 it is `gather_heat` of PIC.)
 !! Equations (T.11) and (T.12) of doc/theory/transfers.md.
 module transfer_velocity_series
    use base_deck, only: deck_t, group_t
@@ -32,8 +32,8 @@ module transfer_velocity_series
    end type velocity_series_t
 
    abstract interface
-      !> Factors of squares and products of a dt and y_(k-1) at a particle that are taken off the
-      !! heat: a.a, y.y, a.y, and a.x with the first field.
+      !> Factors of squares and products of a dt and y_(k-1) at a particle that are subtracted from
+      !! the heat: a.a, y.y, a.y, and a.x with the first field.
       pure function mixing_i(self) result(factors)
          import :: velocity_series_t, wp
          implicit none

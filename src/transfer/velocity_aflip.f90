@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> In AFLIP particles carry a linear velocity field to the nodes as with APIC and take increments
-!! back as with FLIP: Y. Fei, Q. Guo, R. Wu, L. Huang, M. Gao, ACM Trans. Graph. 40 (2021) 109,
-!! without the part for separation. Equations (T.1) and (T.3) of doc/theory/transfers.md.
+!> In AFLIP particles carry a linear velocity field to the nodes as with APIC and receive increments
+!! as with FLIP: Y. Fei, Q. Guo, R. Wu, L. Huang, M. Gao, ACM Trans. Graph. 40 (2021) 109, without
+!! the part for separation. Equations (T.1) and (T.3) of doc/theory/transfers.md.
 module velocity_aflip
    use base_schema, only: schema_t
    use velocity_flip, only: velocity_flip_t
@@ -13,7 +13,7 @@ module velocity_aflip
    !> Increments, and a linear velocity field.
    type, extends(velocity_flip_t) :: velocity_aflip_t
    contains
-      procedure :: declare => aflip_declare          !! Nothing of its own
+      procedure :: declare => aflip_declare          !! No keys of its own
       procedure :: affine => aflip_affine            !! Particles carry a linear velocity field
    end type velocity_aflip_t
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> In FLIP particles keep their velocity and take the increments of the nodes (J. U. Brackbill, H.
-!! M. Ruppel, J. Comput. Phys. 65 (1986) 314), with a PIC fraction. Equations (T.1) and (T.2) of
+!> In FLIP particles keep their velocity and receive the increments of the nodes (J. U. Brackbill,
+!! H. M. Ruppel, J. Comput. Phys. 65 (1986) 314), with a PIC fraction. Equations (T.1) and (T.2) of
 !! doc/theory/transfers.md.
 module velocity_flip
    use base_deck, only: deck_t, group_t
@@ -14,9 +14,9 @@ module velocity_flip
 
    !> Increments, blended with PIC.
    type, extends(velocity_t) :: velocity_flip_t
-      real(wp) :: share = 1.0_wp                     !! Share of increments, the rest is PIC [1]
+      real(wp) :: share = 1.0_wp                     !! FLIP fraction, the rest is PIC [1]
    contains
-      procedure :: declare => flip_declare           !! Share of increments
+      procedure :: declare => flip_declare           !! Key of the FLIP fraction
       procedure :: read => flip_read                 !! Reads it
       procedure :: flip_fraction => flip_flip_fraction
    end type velocity_flip_t
@@ -41,7 +41,7 @@ contains
       call group%get("flip", self%share)
    end subroutine flip_read
 
-   !> Share of its own velocity that a particle keeps in a step.
+   !> FLIP fraction: fraction of its old velocity that a particle keeps in a step.
    pure real(wp) function flip_flip_fraction(self) result(fraction)
       class(velocity_flip_t), intent(in) :: self
 

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> FMPM of order k: the node velocity after the forces is replaced by the sum of k terms of the
 !! series, which approximates the inverse of the full mass matrix. J. A. Nairn, C. C. Hammerquist,
-!! Comput. Methods Appl. Mech. Eng. 377 (2021) 113667; but the position moves with the new
-!! velocity, as velocities stand between positions. Equation (T.7) of doc/theory/transfers.md.
+!! Comput. Methods Appl. Mech. Eng. 377 (2021) 113667; but the position moves with the new velocity,
+!! because velocities are defined midway between positions. Equation (T.7) of
+!! doc/theory/transfers.md.
 module velocity_fmpm
    use base_kinds, only: wp
    use base_schema, only: schema_t
@@ -15,9 +16,9 @@ module velocity_fmpm
    !> Series of the velocity after the forces.
    type, extends(velocity_series_t) :: velocity_fmpm_t
    contains
-      procedure :: declare => fmpm_declare           !! Nothing of its own
+      procedure :: declare => fmpm_declare           !! No keys of its own
       procedure :: first_term => fmpm_first_term     !! Velocity after the forces
-      procedure :: loss_weight => fmpm_loss_weight   !! Share of terms in the lost energy
+      procedure :: loss_weight => fmpm_loss_weight   !! Weight of terms in the lost energy
       procedure :: velocity_increment => fmpm_increment !! Velocity increment
       procedure :: advection_velocity => fmpm_advection !! Advection velocity
       procedure :: heat_fields => fmpm_heat_fields   !! Node fields of the lost energy

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> With PIC particles take the velocity of the nodes (F. H. Harlow, Methods Comput. Phys. 3 (1964)
-!! 319), with the position of second order. Equations (T.1) and (T.2) of doc/theory/transfers.md.
+!> With PIC particles receive the velocity of the nodes (F. H. Harlow, Methods Comput. Phys. 3
+!! (1964) 319), with a second-order update of the position. Equations (T.1) and (T.2) of
+!! doc/theory/transfers.md.
 module velocity_pic
    use transfer_velocity, only: velocity_t
    implicit none

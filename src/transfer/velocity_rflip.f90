@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> In RFLIP particles carry the rotation of the velocity around them to the nodes, as with the rigid
 !! particles of C. Jiang, C. Schroeder, A. Selle, J. Teran, A. Stomakhin, ACM Trans. Graph. 34
-!! (2015) 51, and take increments back as with FLIP. Three numbers per particle conserve the spin of
+!! (2015) 51, and receive increments as with FLIP. Three numbers per particle conserve the spin of
 !! a body and remove noise at its surface; unlike a full linear field they do not keep stretching
 !! particles without stress. Equations (T.1) and (T.4) of doc/theory/transfers.md.
 module velocity_rflip

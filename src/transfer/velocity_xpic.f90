@@ -2,8 +2,8 @@
 !> XPIC of order k: the node velocity before the forces is replaced by the sum of k terms of the
 !! series, so that particles lose only the components that nodes cannot represent; the acceleration
 !! is added to it. C. Hammerquist, J. A. Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724; but
-!! the position moves with the new node velocity, as velocities stand between positions. Equation
-!! (T.6) of doc/theory/transfers.md.
+!! the position moves with the new node velocity, because velocities are defined midway between
+!! positions. Equation (T.6) of doc/theory/transfers.md.
 module velocity_xpic
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
@@ -19,7 +19,7 @@ module velocity_xpic
    contains
       procedure :: declare => xpic_declare           !! Order
       procedure :: read => xpic_read                 !! Reads it
-      procedure :: loss_weight => xpic_loss_weight   !! Share of terms in the lost energy
+      procedure :: loss_weight => xpic_loss_weight   !! Weight of terms in the lost energy
       procedure :: heat_fields => xpic_heat_fields   !! Node fields of the lost energy
       procedure :: mixing => xpic_mixing             !! Factors of gathered fields in it
    end type velocity_xpic_t
@@ -48,7 +48,7 @@ contains
       self%order = max(self%order, 2)
    end subroutine xpic_read
 
-   !> The lost energy is the sum of all powers from k to 2 k - 1.
+   !> The lost energy is the sum of all terms from power k to 2 k - 1.
    pure real(wp) function xpic_loss_weight(self, power) result(weight)
       class(velocity_xpic_t), intent(in) :: self
       integer, intent(in) :: power                           !! Power of A
