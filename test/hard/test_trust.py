@@ -93,7 +93,8 @@ def test_gas(options, sheet):
                           f"{packing}, {ranks} x {threads}: the same words")
     again = case.Case(options, "again", deck)
     again.run("-q", "-s", "time.max_steps=310")
-    sheet.require(len(warnings(again, "more volume than the cells that they fill")) == 1, "again: one warning before the restart")
+    sheet.require(len(warnings(again, "more volume than the cells that they fill")) == 1,
+                  "again: one warning before the restart")
     again.run("-q", "--restart")
     sheet.require(again.summary["trust"] == trust, f"again: the same values: {again.summary['trust']}, {trust}")
     sheet.require(not warnings(again, "more volume than the cells that they fill"), "again: none after it")

@@ -72,7 +72,8 @@ def test_numbers(sheet):
 def test_documents(options, sheet):
     """Old numbers in a table or a sentence make --check fail, and new ones are what --write would leave."""
     folder = options.work
-    told = "# A scene\n\nIt takes <!--=steps-->30<!--=--> steps.\n\n<!-- figures -->\n\n| a |\n| --- |\n| 1.5 |\n\n<!-- end of figures -->\n"
+    told = ("# A scene\n\nIt takes <!--=steps-->30<!--=--> steps.\n\n"
+            "<!-- figures -->\n\n| a |\n| --- |\n| 1.5 |\n\n<!-- end of figures -->\n")
     (folder / "README.md").write_text(told, encoding="utf-8")
     for steps, value, wrong in ((30, 1.5, 0), (31, 1.5, 1), (30, 2.5, 1)):
         scene = scree_scene.Study(folder / "measure.py", {}, None, {},
