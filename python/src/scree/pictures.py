@@ -39,8 +39,7 @@ def file_of(source: Source, time: float | None) -> str:
         if len(source.snapshots) == 0:
             raise FileProblem(f"{source.folder} holds no series of particles, or several: open one of them")
         return (source.snapshots[-1] if time is None else source.snapshots.near(time)).file
-    frames = files.series(str(source))
-    return frames[-1][1] if time is None else min(frames, key=lambda frame: abs(frame[0] - time))[1]
+    return str(part("drawing").nearest(files.series(str(source)), time))
 
 
 def picture(source: Source, colour: str | None = None, *, time: float | None = None,

@@ -30,7 +30,7 @@ class Balls:
 
 
 def disc_offsets(reach):
-    """Pairs of whole numbers within a square around a pixel, the corners that no ball reaches left out."""
+    """Pairs of integers within a square around a pixel, the corners that no ball reaches left out."""
     steps = range(-reach, reach + 1)
     return [(i, j) for i in steps for j in steps
             if max(abs(i) - 1, 0) ** 2 + max(abs(j) - 1, 0) ** 2 < (reach + 1) ** 2]

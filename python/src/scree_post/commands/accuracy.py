@@ -17,7 +17,7 @@ import re
 import warnings
 from pathlib import Path
 
-from scree.convergence import SAFE, cost_law, forecast
+from scree.convergence import SAFE, cost_law
 from scree.refinement import MassWarning, accuracy
 
 import scree_post
@@ -58,18 +58,20 @@ def sentence(verdict, unit, fine):
 def plan_text(found, quantity, text):
     """What a tolerance would cost."""
     grid, verdict, fine = found.grid, found.verdicts[quantity], found.table.iloc[-1]
-    seconds, dimensions = found.table["core_seconds"].tolist(), len(grid.axes)
+    dimensions = len(grid.axes)
     target = tolerance_of(text, verdict, fine[quantity])
-    if verdict.error <= target:
-        return f"{text} is met by cells of {found.sizes[-1]:.4g} {grid.unit}: {seconds[-1]:.3g} core-seconds"
-    plan = forecast(found.sizes, seconds, verdict, target, dimensions)
+    plan = found.cost(quantity, target)
     if plan is None:
         return f"{text} cannot be planned: there is no order"
-    if plan[1] > 1.0e15:
+    size, seconds = plan
+    smaller = fine["cell_size"] / size
+    if verdict.error <= target:
+        return f"{text} is met by cells of {found.sizes[-1]:.4g} {grid.unit}: {seconds:.3g} core-seconds"
+    if seconds > 1.0e15:
         return f"{text} is out of reach at order {verdict.order:.2f}"
-    law = f"cost as h^-{dimensions + 1}, {cost_law(found.sizes, seconds, dimensions)[1]:.1f} measured"
-    return (f"{text} needs cells of about {plan[0]:.3g} {grid.unit}, {found.sizes[-1] / plan[0]:.1f} times smaller: "
-            f"{plan[1]:.3g} core-seconds ({law})")
+    power = cost_law(found.sizes, found.table["core_seconds"].tolist(), dimensions)[1]
+    return (f"{text} needs cells of about {found.sizes[-1] / smaller:.3g} {grid.unit}, {smaller:.1f} times smaller: "
+            f"{seconds:.3g} core-seconds (cost as h^-{dimensions + 1}, {power:.1f} measured)")
 
 
 def print_table(options, method, quantity, found):
