@@ -20,21 +20,16 @@ import compare_methods
 
 matplotlib.use("Agg")
 
-FOLDER = _support.HERE.parents[1] / "doc" / "theory" / "figures"
 STYLE = {"font.size": 8, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.2, "figure.dpi": 100,
          "legend.fontsize": 7, "axes.axisbelow": True}
 
 
 def save(figure, name):
     """Write one figure."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
     for axes in figure.axes:          # numbers between the decades would overlap
         if axes.get_xscale() == "log":
             axes.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
-    figure.tight_layout()
-    figure.savefig(FOLDER / f"bodies_{name}.png", dpi=1800.0 / figure.get_figwidth())
-    pyplot.close(figure)
-    print(f"bodies_{name}.png {(FOLDER / f'bodies_{name}.png').stat().st_size // 1000} kB", flush=True)
+    _support.save(figure, f"bodies_{name}")
 
 
 def slope(axes, places, errors, order):

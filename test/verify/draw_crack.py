@@ -15,8 +15,6 @@ import case
 
 matplotlib.use("Agg")
 
-FOLDER = _support.HERE.parents[1] / "doc" / "theory" / "figures"
-
 
 def main():
     """Two pictures side by side."""
@@ -35,8 +33,7 @@ def main():
         axes.set_title(method)
         axes.legend()
     both[0].set_ylabel("load per area [MPa]")
-    figure.tight_layout()
-    figure.savefig(FOLDER / "crack_load.png", dpi=1800.0 / figure.get_figwidth())
+    _support.save(figure, "crack_load")
 
 
 if __name__ == "__main__":

@@ -21,16 +21,6 @@ from draw_bodies import STYLE
 
 matplotlib.use("Agg")
 
-FOLDER = _support.HERE.parents[1] / "doc" / "theory" / "figures"
-
-
-def save(figure, name):
-    """Write one figure."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    figure.tight_layout()
-    figure.savefig(FOLDER / f"{name}.png", dpi=1800.0 / figure.get_figwidth())
-    pyplot.close(figure)
-    print(f"{name}.png {(FOLDER / f'{name}.png').stat().st_size // 1000} kB", flush=True)
 
 
 def incline(options):
@@ -52,7 +42,7 @@ def incline(options):
               title="from other beginnings")
     left.legend()
     right.legend()
-    save(figure, "granular_incline")
+    _support.save(figure, "granular_incline")
 
 
 def contacts(options):
@@ -74,7 +64,7 @@ def contacts(options):
         right.plot(result["curve"][:, 0], result["curve"][:, 1], "o", markersize=3, label=f"$\\tau$ = {relaxation} s")
     right.set(xlabel="t [s]", ylabel="speed over the first", title="standing wave of shear")
     right.legend()
-    save(figure, "granular_contacts")
+    _support.save(figure, "granular_contacts")
 
 
 def runout(options):
@@ -104,7 +94,7 @@ def runout(options):
             axis.set_major_locator(matplotlib.ticker.FixedLocator((0.5, 1, 2, 4, 8, 16)))
             axis.set_major_formatter("{x:g}")
             axis.set_minor_locator(matplotlib.ticker.NullLocator())
-    save(figure, "granular_runout")
+    _support.save(figure, "granular_runout")
 
 
 def main():

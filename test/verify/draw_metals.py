@@ -22,19 +22,8 @@ import test_taylor
 
 matplotlib.use("Agg")
 
-FOLDER = _support.HERE.parents[1] / "doc" / "theory" / "figures"
 STYLE = {"font.size": 8, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.2, "figure.dpi": 100,
          "legend.fontsize": 7, "axes.axisbelow": True}
-
-
-def save(figure, name):
-    """Write one figure."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    figure.tight_layout()
-    path = FOLDER / f"metals_{name}.png"
-    figure.savefig(path, dpi=1800.0 / figure.get_figwidth())
-    pyplot.close(figure)
-    print(f"{path.name} {path.stat().st_size // 1000} kB", flush=True)
 
 
 def bars(options):
@@ -66,7 +55,7 @@ def bars(options):
               xticks=(0.2, 0.4, 0.8), xticklabels=("0.2", "0.4", "0.8"))
     right.minorticks_off()
     right.legend()
-    save(figure, "bars")
+    _support.save(figure, "metals_bars")
 
 
 def waves(options):
@@ -107,7 +96,7 @@ def waves(options):
         right.plot([6.0, 9.99], [2.0 * ratio / (1.0 + ratio)] * 2, "k--", lw=0.8)
     right.set(xlabel="x [mm]", ylabel="stress over that of the wave", xlim=(0.0, 15.0), ylim=(-0.2, 2.4))
     right.legend(fontsize=6)
-    save(figure, "waves")
+    _support.save(figure, "metals_waves")
 
 
 def main():
