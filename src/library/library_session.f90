@@ -10,7 +10,7 @@ module library_session
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use program_command_line, only: command_t, parse_command_line
    use program_run_setup, only: build_setup, read_setup
-   use program_messages, only: with_code
+   use program_messages, only: add_codes, with_code
    use program_session, only: advance_run, begin_run, end_run, limit_threads, session_t
    use program_threads, only: share_cores
    use, intrinsic :: iso_c_binding, only: c_char
@@ -53,6 +53,7 @@ contains
       host = omp_get_max_threads()
       call parse_command_line(arguments, self%command, error)
       self%log%mute = self%command%output%quiet
+      self%log%annotate => add_codes
       if (.not. allocated(error)) call require_run(self%command, error)
       if (.not. allocated(error)) call join_ranks(self, given, communicator, error)
       if (.not. allocated(error)) then

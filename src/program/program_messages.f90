@@ -141,7 +141,6 @@ contains
          code = message_codes(i)
          if (index(words, "["//code//"]") > 0) return
       end do
-      code = words
       if (is_code(words)) then
          code = upper_letter(words(1:1))//words(2:)
       else

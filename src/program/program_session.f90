@@ -16,7 +16,7 @@ module program_session
    use program_existing_results, only: protect_results
    use program_expected_steps, only: expected_steps
    use program_log_files, only: open_log
-   use program_messages, only: add_codes, with_code
+   use program_messages, only: with_code
    use program_restart, only: log_restart, restart_run
    use program_run_setup, only: run_setup_t
    use program_threads, only: choose_threads
@@ -57,7 +57,6 @@ contains
       type(error_t), allocatable, intent(out) :: error !! There is no run
 
       session%begin = wall_seconds()
-      session%log%annotate => add_codes
       call start_simulation(session, error)
       if (allocated(error)) return
       call session%loop%begin(session%simulation, session%outputs, session%limits, session%log, &
