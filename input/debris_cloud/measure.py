@@ -27,9 +27,10 @@ PIECE = 8                              # particles that make a fragment worth co
 
 
 def hole(snap):
-    """Least diameter between particles of the sheet that have not failed [m]."""
+    """Diameter beyond which lies 99.95 % of the mass of the sheet that has not failed [m]: a single intact particle
+    in the hole does not count."""
     whole = (snap.fields["body"] == SHEET) & (snap.fields["failed"] < 0.5)
-    return 2.0 * snap.points[whole, 0].min()
+    return 2.0 * reach(snap.points[whole, 0], snap.fields["mass"][whole], 0.9995)
 
 
 def flying(snap):
