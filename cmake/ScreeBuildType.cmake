@@ -11,6 +11,7 @@ if(NOT CMAKE_BUILD_TYPE IN_LIST scree_build_types)
 endif()
 
 set(SCREE_ARCH native CACHE STRING "Processor to compile for (-march=); empty: the common one")
+option(SCREE_MPI "Several ranks, with MPI and parallel HDF5; OFF: one rank, without MPI" ON)
 option(SCREE_WERROR "Warnings stop the build" ON)
 
 # All options are on scree_options, so CMake's own flags of a build type begin empty. No source needs

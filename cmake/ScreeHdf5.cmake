@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Target scree_hdf5: the Fortran interface of parallel HDF5, as the compiler wrapper h5pfc knows it.
+# Target scree_hdf5: the Fortran interface of HDF5, as the compiler wrapper h5pfc (without MPI: h5fc)
+# knows it.
 # CMake's own FindHDF5 compiles through the wrapper, which fails in folders with blanks in their
 # names; it is asked only if there is no wrapper.
 
 # A system may have an HDF5 for each MPI: in a folder the wrapper of the MPI at hand is the first.
 set(scree_wrappers h5pfc h5pfc.openmpi h5pfc.mpich)
 set(scree_other_mpi "no other")
-if("${MPI_Fortran_LIBRARIES}" MATCHES "mpich")
+set(scree_hdf5_package libhdf5-openmpi-dev)
+if(NOT SCREE_MPI)
+   set(scree_wrappers h5fc)
+   set(scree_hdf5_package libhdf5-dev)
+   set(scree_other_mpi "openmpi|mpich")
+elseif("${MPI_Fortran_LIBRARIES}" MATCHES "mpich")
+   set(scree_hdf5_package libhdf5-mpich-dev)
    set(scree_wrappers h5pfc.mpich h5pfc)
    set(scree_other_mpi "openmpi")
 elseif("${MPI_Fortran_LIBRARIES}" MATCHES "openmpi|usempif08")
@@ -15,7 +22,7 @@ elseif("${MPI_Fortran_LIBRARIES}" MATCHES "openmpi|usempif08")
 endif()
 find_program(SCREE_H5PFC NAMES ${scree_wrappers} NAMES_PER_DIR
    HINTS "${HDF5_ROOT}" ENV HDF5_ROOT PATH_SUFFIXES bin
-   DOC "Compiler wrapper of a parallel HDF5")
+   DOC "Compiler wrapper of HDF5")
 
 function(scree_ask_wrapper)
    execute_process(COMMAND "${SCREE_H5PFC}" -show WORKING_DIRECTORY /
@@ -63,26 +70,31 @@ if(SCREE_HDF5_MODULES AND SCREE_HDF5_FORTRAN AND SCREE_HDF5_C)
    set(scree_hdf5_includes "${SCREE_HDF5_MODULES}")
    set(scree_hdf5_libraries "${SCREE_HDF5_FORTRAN}" "${SCREE_HDF5_C}")
 else()
-   set(HDF5_PREFER_PARALLEL TRUE)
+   set(HDF5_PREFER_PARALLEL ${SCREE_MPI})
    find_package(HDF5 COMPONENTS Fortran)
    if(NOT HDF5_FOUND)
       message(FATAL_ERROR "No HDF5 with Fortran was found; "
-         "on Debian and Ubuntu: apt-get install libhdf5-openmpi-dev")
+         "on Debian and Ubuntu: apt-get install ${scree_hdf5_package}")
    endif()
    set(scree_parallel "${HDF5_IS_PARALLEL}")
    set(scree_hdf5_includes ${HDF5_Fortran_INCLUDE_DIRS})
    set(scree_hdf5_libraries ${HDF5_Fortran_LIBRARIES})
 endif()
-if(NOT scree_parallel)
+if(SCREE_MPI AND NOT scree_parallel)
    message(FATAL_ERROR "HDF5 was found, but not a parallel one; "
-      "on Debian and Ubuntu: apt-get install libhdf5-openmpi-dev")
+      "on Debian and Ubuntu: apt-get install ${scree_hdf5_package}; "
+      "-DSCREE_MPI=OFF builds a program for one rank without MPI.")
+elseif(scree_parallel AND NOT SCREE_MPI)
+   message(FATAL_ERROR "A build without MPI needs a serial HDF5, and ${scree_hdf5_libraries} is a "
+      "parallel one; on Debian and Ubuntu: apt-get install ${scree_hdf5_package}, elsewhere give "
+      "the wrapper: -DSCREE_H5PFC=/path/to/h5fc, in a new build folder.")
 endif()
 if("${scree_hdf5_libraries}" MATCHES "${scree_other_mpi}")
    message(FATAL_ERROR "HDF5 and MPI do not fit: ${scree_hdf5_libraries} was built with "
       "${scree_other_mpi}, and MPI is ${MPI_Fortran_LIBRARIES}. Give the wrapper of an HDF5 that was "
       "built with this MPI: -DSCREE_H5PFC=/path/to/h5pfc, in a new build folder.")
 endif()
-message(STATUS "Found parallel HDF5: ${scree_hdf5_libraries}")
+message(STATUS "Found ${scree_variant} HDF5: ${scree_hdf5_libraries}")
 
 # Chunks are compressed in threads, with the zlib that HDF5 itself uses.
 get_filename_component(scree_hdf5_folder "${SCREE_HDF5_C}" DIRECTORY)

@@ -5,7 +5,7 @@
 include(CMakePackageConfigHelpers)
 
 get_property(layers GLOBAL PROPERTY scree_layers)
-install(TARGETS ${layers} scree_hdf5 EXPORT scree
+install(TARGETS ${layers} scree_mpi scree_hdf5 EXPORT scree
    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree")
 set(scree_package "${CMAKE_INSTALL_LIBDIR}/cmake/scree")
 install(EXPORT scree NAMESPACE scree:: FILE screeTargets.cmake DESTINATION "${scree_package}")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # One static library a folder of src/, each with its own module directory.
 #
-#   scree_layer(particle USES base mesh material [LINKS MPI::MPI_Fortran] [EXTRA file])
+#   scree_layer(particle USES base mesh material [LINKS scree_mpi] [EXTRA file])
 #
 # All links are private, so a folder sees the modules of the folders it names and of no other,
 # and a forbidden `use` does not compile. An installed library, scree::FOLDER, gives the modules of

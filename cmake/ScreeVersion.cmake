@@ -27,6 +27,10 @@ scree_fortran_text("${scree_flags}" flags)
 scree_fortran_text("${CMAKE_BUILD_TYPE}" build_type)
 file(RELATIVE_PATH share_folder "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_DATADIR}/scree")
 scree_fortran_text("${share_folder}" share_folder)
+set(scree_has_ranks false)
+if(SCREE_MPI)
+   set(scree_has_ranks true)
+endif()
 configure_file(base_version.f90.in "${half_done}" @ONLY)
 
 set(write_version "${CMAKE_COMMAND}"

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Usage: scripts/setup.sh [--no-python]
+# Usage: scripts/setup.sh [--no-python] [--mpi openmpi|mpich|none]
 #
 # Installs the packages that are missing to build and run Scree on Debian 12, Ubuntu and similar
-# systems: compiler, CMake, Open MPI and parallel HDF5 from the system's packages (as root or with
-# sudo), and a Python environment for tests and pictures in build/venv, with the package scree and
-# the command scree-post in build/venv/bin. If no package is missing, nothing is downloaded.
+# systems: compiler, CMake, MPI and HDF5 from the system's packages (as root or with sudo), and a
+# Python environment for tests and pictures in build/venv, with the package scree and the command
+# scree-post in build/venv/bin. If no package is missing, nothing is downloaded.
 #
 #   --no-python   do not create the Python environment
+#   --mpi NAME    openmpi (the default), mpich, or none: a serial HDF5 for a build with
+#                 -DSCREE_MPI=OFF
 #   --help        print this text
 #
 # Exit codes: 0 all packages are installed, 2 wrong option, 3 a package could not be installed.
@@ -16,15 +18,23 @@ set -euo pipefail
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 with_python=yes
-for argument in "$@"; do
-   case "${argument}" in
+mpi=openmpi
+while (($# > 0)); do
+   case "$1" in
       --no-python) with_python=no ;;
+      --mpi)
+         mpi="${2:-}"
+         [[ "${mpi}" =~ ^(openmpi|mpich|none)$ ]] \
+            || stop_with 2 "--mpi takes openmpi, mpich or none, not '${mpi}'"
+         shift
+         ;;
       -h | --help)
          show_help "$0"
          exit 0
          ;;
-      *) stop_with 2 "unknown option '${argument}'; see --help" ;;
+      *) stop_with 2 "unknown option '$1'; see --help" ;;
    esac
+   shift
 done
 
 missing=()
@@ -64,21 +74,34 @@ collect_missing() {
    if ! command -v make > /dev/null 2>&1; then
       need_command ninja ninja-build
    fi
-   need_command mpiexec openmpi-bin
    need_command git git
-   if command -v dpkg-query > /dev/null 2>&1; then
-      local package
-      for package in ca-certificates libopenmpi-dev libhdf5-openmpi-dev; do
-         is_installed "${package}" || missing+=("${package}")
-      done
-   else
-      need_command mpifort "libopenmpi-dev"
-      need_command h5pfc "libhdf5-openmpi-dev"
-   fi
+   collect_libraries
    # The translator of unit tests needs any python3; the environment needs venv.
    need_command python3 python3
    if [[ "${with_python}" == yes && ! -x "${python}" && -z "$(find_python)" ]]; then
       missing+=(python3-venv)
+   fi
+}
+
+# MPI and the HDF5 that was built with it.
+collect_libraries() {
+   local packages=(ca-certificates)
+   case "${mpi}" in
+      openmpi) packages+=(openmpi-bin libopenmpi-dev libhdf5-openmpi-dev) ;;
+      mpich) packages+=(mpich libmpich-dev libhdf5-mpich-dev) ;;
+      none) packages+=(libhdf5-dev) ;;
+   esac
+   if command -v dpkg-query > /dev/null 2>&1; then
+      local package
+      for package in "${packages[@]}"; do
+         is_installed "${package}" || missing+=("${package}")
+      done
+   elif [[ "${mpi}" == none ]]; then
+      need_command h5fc "${packages[-1]}"
+   else
+      need_command mpiexec "${packages[1]}"
+      need_command mpifort "${packages[2]}"
+      need_command h5pfc "${packages[3]}"
    fi
 }
 

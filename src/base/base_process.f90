@@ -9,7 +9,7 @@ module base_process
    implicit none
    private
 
-   public :: cores_here, is_set, ranks_here, restart_process, set_default
+   public :: cores_here, is_set, ranks_here, ranks_of_launcher, restart_process, set_default
 
    integer(c_int), parameter :: cores_online = 84        !! _SC_NPROCESSORS_ONLN of Linux
 
@@ -65,8 +65,19 @@ contains
 
    !> Number of ranks on this node from the environment of the launcher, before MPI starts; else 1.
    integer function ranks_here() result(ranks)
-      character(len=*), parameter :: words(2) = [character(len=26) :: &
-         "OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"]
+      ranks = count_of([character(len=26) :: "OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"])
+   end function ranks_here
+
+   !> Number of ranks that the launcher has started on all nodes, from its environment; else 1. In a
+   !! batch job of Slurm without `srun` there is one process, whatever the job has.
+   integer function ranks_of_launcher() result(ranks)
+      ranks = count_of([character(len=20) :: "OMPI_COMM_WORLD_SIZE", "PMI_SIZE", &
+         "SLURM_STEP_NUM_TASKS"])
+   end function ranks_of_launcher
+
+   !> The first environment variable that is a positive number; else 1.
+   integer function count_of(words) result(ranks)
+      character(len=*), intent(in) :: words(:)           !! Names of the variables
       character(len=16) :: value
       integer :: n, status
 
@@ -77,7 +88,7 @@ contains
          if (status == 0 .and. ranks > 0) return
       end do
       ranks = 1
-   end function ranks_here
+   end function count_of
 
    !> Number of cores for all ranks on this node. A rank that the launcher has bound has access only
    !! to its own cores; then all cores of the node are counted.

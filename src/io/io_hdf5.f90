@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> HDF5 files: creation and completion, groups and attributes. Only `io_hdf5`, `io_hdf5_chunks`,
-!! `io_hdf5_write`, `io_hdf5_read` and `io_hdf5_index` use HDF5.
+!! `io_hdf5_write`, `io_hdf5_read`, `io_hdf5_index` and `io_hdf5_ranks` use HDF5.
 !!
 !! All ranks write a file collectively under a name ending in .part and rename it when it is
 !! complete, so a file without that ending is complete. A failure on one rank becomes the error of
@@ -16,12 +16,12 @@ module io_hdf5
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5close_f, h5dont_atexit_f, &
       h5eset_auto_f, h5f_acc_trunc_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, &
       h5gclose_f, h5gcreate_f, h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, &
-      h5p_file_create_f, h5pclose_f, h5pcreate_f, h5pset_all_coll_metadata_ops_f, &
-      h5pset_coll_metadata_write_f, h5pset_fapl_mpio_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
+      h5p_file_create_f, h5pclose_f, h5pcreate_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
       h5screate_simple_f, h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, &
       h5tclose_f, h5tcopy_f, h5tset_size_f, hid_t, hsize_t, size_t
    use io_file, only: folder_of, remove_file, rename_file, reserve_file, sync_file, sync_folder, &
       truncate_file
+   use io_hdf5_ranks, only: open_on_all_ranks
    use io_libc, only: clear_failure, failure_number, failure_text
    use io_seal, only: write_seal
    use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_ptr
@@ -101,7 +101,7 @@ contains
       if (allocated(error)) return
       call start_library(status)
       call h5pcreate_f(h5p_file_access_f, access_list, status)
-      if (communicator%size > 1) call set_parallel(communicator, access_list)
+      call open_on_all_ranks(communicator, access_list)
       call h5pcreate_f(h5p_file_create_f, plan, status)
       ! if HDF5 reused free space, the position of a moved chunk would depend on the ranks
       status = c_file_space_strategy(plan, never_again, .false._c_bool, 1_hsize_t)
@@ -137,18 +137,6 @@ contains
       if (.not. allocated(error)) return
       if (index(error%message, label) == 1) error%message = error%message(len(label) + 1:)
    end subroutine agree_plainly
-
-   !> Set up the access list for parallel writing.
-   subroutine set_parallel(communicator, access_list)
-      type(communicator_t), intent(in) :: communicator
-      integer(hid_t), intent(in) :: access_list           !! File access property list
-      integer :: group, hints, status
-
-      call communicator%native(group, hints)
-      call h5pset_fapl_mpio_f(access_list, group, hints, status)
-      call h5pset_all_coll_metadata_ops_f(access_list, .true., status)
-      call h5pset_coll_metadata_write_f(access_list, .true., status)
-   end subroutine set_parallel
 
    !> Complete the file and rename it; after a failure remove it. Collective.
    subroutine hdf5_finish(self, error)

@@ -4,14 +4,15 @@ module io_hdf5_write
    use base_communicator, only: communicator_t
    use base_kinds, only: int32, int64, wp
    use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5dcreate_f, &
-      h5dwrite_f, h5fd_mpio_collective_f, h5p_dataset_create_f, h5p_dataset_xfer_f, h5pclose_f, &
-      h5pcreate_f, h5pset_alloc_time_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_dxpl_mpio_f, &
+      h5dwrite_f, h5p_dataset_create_f, h5p_dataset_xfer_f, h5pclose_f, &
+      h5pcreate_f, h5pset_alloc_time_f, h5pset_chunk_f, h5pset_deflate_f, &
       h5pset_fill_time_f, h5pset_obj_track_times_f, h5pset_shuffle_f, h5s_select_or_f, &
       h5s_select_set_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, h5sselect_none_f, &
       h5t_ieee_f32le, h5t_ieee_f64le, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, h5tclose_f, &
       hid_t, hsize_t
    use io_hdf5, only: hdf5_file_t, text_type
    use io_hdf5_chunks, only: write_chunks
+   use io_hdf5_ranks, only: write_on_all_ranks
    use io_libc, only: clear_failure
    use, intrinsic :: iso_c_binding, only: c_loc, c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: real32
@@ -175,8 +176,7 @@ contains
       call h5screate_simple_f(size(count), count, memory, status)
       if (sum(rows%count) == 0) call h5sselect_none_f(memory, status)
       call h5pcreate_f(h5p_dataset_xfer_f, transfer_list, status)
-      if (file%communicator%size > 1) &
-         call h5pset_dxpl_mpio_f(transfer_list, h5fd_mpio_collective_f, status)
+      call write_on_all_ranks(file%communicator, transfer_list)
       call clear_failure()
       call h5dwrite_f(data_set, kind, address, status, mem_space_id=memory, file_space_id=space, &
          xfer_prp=transfer_list)

@@ -1,8 +1,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The program: from the command line to the exit code. The only place that prints errors.
 module program_main
-   use base_error, only: error_t, exit_again, exit_success
+   use base_error, only: error_t, exit_again, exit_input, exit_success, fail
+   use base_process, only: ranks_of_launcher
    use base_text, only: append
+   use base_version, only: has_ranks
    use io_file, only: join_path, write_file
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use program_batch_job, only: job_text
@@ -105,6 +107,8 @@ contains
       character(len=:), allocatable :: text
 
       code = exit_success
+      call check_launcher(error)
+      if (allocated(error)) return
       call share_cores()
       call yield_when_waiting(program_arguments())
       associate (command => session%command)
@@ -136,6 +140,16 @@ contains
          end if
       end associate
    end subroutine process_deck
+
+   !> Refuse several processes of a program without MPI: each would compute and write the whole.
+   subroutine check_launcher(error)
+      type(error_t), allocatable, intent(out) :: error !! Several processes, without MPI
+
+      if (has_ranks) return
+      if (ranks_of_launcher() == 1) return
+      call fail(error, exit_input, "this scree was built without MPI, for one rank: start it "// &
+         "without mpirun or srun, with threads (OMP_NUM_THREADS), or use a build with MPI")
+   end subroutine check_launcher
 
    !> Print warnings, effects, costs and an estimate of the run time.
    subroutine print_check(session, error)

@@ -57,6 +57,7 @@ def in_process(options, ranks, deck, folder, mpi4py):
                                     "comm = None"), encoding="utf-8")
     words = [sys.executable, script, options.work / folder, deck]
     if ranks > 1:
+        case.need_ranks(options.scree)
         words = ["mpiexec", "-n", ranks, *words]
     environment = {**case.Case(options, "unused", "", keep=True).environment, "SCREE": str(options.scree),
                    "PYTHONPATH": str(case.ROOT / "python/src"), "PYTHONDONTWRITEBYTECODE": "1"}

@@ -10,12 +10,15 @@
 """
 
 import argparse
+import functools
 import json
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 # Open MPI refuses root and more ranks than cores unless told otherwise, and would bind all threads
@@ -44,6 +47,19 @@ def arguments(description=None):
     return known
 
 
+@functools.lru_cache(maxsize=None)
+def has_ranks(scree):
+    """False if the program was built without MPI."""
+    told = subprocess.run([str(scree), "--version"], stdout=subprocess.PIPE, text=True, check=True).stdout
+    return "without MPI" not in told
+
+
+def need_ranks(scree):
+    """Skip a test of several ranks if the program was built without MPI."""
+    if not has_ranks(scree):
+        pytest.skip("this program was built without MPI")
+
+
 class Case:
     """One deck in a folder of its own, which is emptied first unless `keep` is true."""
 
@@ -65,6 +81,7 @@ class Case:
         if not self.guarded and not {"--restart", "-r", "--check", "--job"} & set(map(str, options)):
             words.insert(1, "--overwrite")
         if self.ranks > 1:
+            need_ranks(self.scree)
             words = ["mpiexec", "-n", self.ranks, *words]
         return [str(word) for word in words]
 

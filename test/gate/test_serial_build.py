@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""The sources of a build without MPI fit those of the build with MPI.
+
+Would catch: a call of MPI in base_communicator or in the test harness that src/base/serial/mpi_f08.f90 does not have,
+or a change of one of the two io_hdf5_ranks alone. Neither is compiled in a build with MPI, so nobody would see it
+before the next build without.
+"""
+
+import re
+import shutil
+import subprocess
+
+import pytest
+
+import case
+
+SRC = case.ROOT / "src"
+INTERFACE = re.compile(r"^ *(?:(?:pure |impure )?(?:subroutine|function) .*|.*, *(?:intent|allocatable).*::.*|public ::.*)$",
+                       re.M)
+
+
+def interface(path):
+    """The lines of a module that its users see: public names, heads of procedures and arguments, without comments."""
+    text = re.sub(r" *!.*", "", path.read_text(encoding="utf-8"))
+    return [line.strip() for line in INTERFACE.findall(text)]
+
+
+def test_settings_of_files():
+    """The two modules io_hdf5_ranks have the same interface."""
+    found = {variant: interface(SRC / f"io/{variant}/io_hdf5_ranks.f90") for variant in ("parallel", "serial")}
+    assert len(found["serial"]) >= 5, found["serial"]
+    assert found["parallel"] == found["serial"]
+
+
+def test_communicator_without_mpi(options):
+    """base_communicator and the test harness compile with the module mpi_f08 for one rank."""
+    compiler = shutil.which("gfortran")
+    if not compiler:
+        pytest.skip("there is no gfortran")
+    work = options.work / "modules"
+    shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True)
+    sources = [SRC / "base/serial/mpi_f08.f90", SRC / "base/base_communicator.f90",
+               *(case.ROOT / f"test/pfunit/{name}.f90" for name in
+                 ("funit_report", "funit_runner", "pfunit_method", "pfunit_runner"))]
+    modules = options.scree.parents[1] / "modules"
+    words = [compiler, "-std=f2008", "-fopenmp", "-fsyntax-only", f"-J{work}", f"-I{work}", f"-I{modules}/base"]
+    for source in sources:
+        answer = subprocess.run([*words, str(source)], capture_output=True, text=True, check=False)
+        assert answer.returncode == 0, answer.stderr[-3000:]
