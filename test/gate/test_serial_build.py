@@ -16,8 +16,8 @@ import pytest
 import case
 
 SRC = case.ROOT / "src"
-INTERFACE = re.compile(r"^ *(?:(?:pure |impure )?(?:subroutine|function) .*|.*, *(?:intent|allocatable).*::.*|public ::.*)$",
-                       re.M)
+INTERFACE = re.compile(
+    r"^ *(?:(?:pure |impure )?(?:subroutine|function) .*|.*, *(?:intent|allocatable).*::.*|public ::.*)$", re.M)
 
 
 def interface(path):

@@ -126,6 +126,7 @@ class TestStructure:
         assert len(found) == 0, "\n" + "\n".join(found)
 
     def test_modules_of_a_folder(self):
+        """Folders in a folder of src/ hold variants of a build, of which one is compiled."""
         found = [f"src/{folder} has {count} modules, limit {MODULES}" for folder in COVERED
-                 for count in [len(project_files(".f90", under=f"src/{folder}"))] if count > MODULES]
+                 for count in [len(list((ROOT / "src" / folder).glob("*.f90")))] if count > MODULES]
         assert found == []

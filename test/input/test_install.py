@@ -221,6 +221,7 @@ class TestInstall:
             wrapper.chmod(0o755)
         (folder / "CMakeLists.txt").write_text(
             "cmake_minimum_required(VERSION 3.18)\nproject(one LANGUAGES NONE)\nset(CMAKE_FIND_LIBRARY_PREFIXES lib)\n"
+            "set(SCREE_MPI ON)\nset(scree_variant parallel)\n"
             f"set(CMAKE_FIND_LIBRARY_SUFFIXES .a)\ninclude(\"{case.ROOT}/cmake/ScreeHdf5.cmake\")\n", encoding="utf-8")
         shown = {}
         for mpi, library in (("openmpi", "/usr/lib/libmpi_usempif08.so"), ("mpich", "/usr/lib/libmpichfort.so")):

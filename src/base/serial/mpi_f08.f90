@@ -77,7 +77,7 @@ contains
    !> Start.
    subroutine mpi_init_thread(required, provided)
       integer, intent(in) :: required                 !! Use of threads
-      integer, intent(out) :: provided                !! The same
+      integer, intent(out) :: provided                !! Use that is allowed: as required
 
       provided = required
       has_started = .true.

@@ -14,7 +14,7 @@ contains
 
    !> Let all ranks open a file together.
    subroutine open_on_all_ranks(communicator, access_list)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(hid_t), intent(in) :: access_list           !! File access property list
       integer :: group, hints, status
 
@@ -27,7 +27,7 @@ contains
 
    !> Let all ranks write a data set together.
    subroutine write_on_all_ranks(communicator, transfer_list)
-      type(communicator_t), intent(in) :: communicator    !! The ranks
+      type(communicator_t), intent(in) :: communicator
       integer(hid_t), intent(in) :: transfer_list         !! Data transfer property list
       integer :: status
 

@@ -13,13 +13,13 @@ contains
 
    !> A file of one rank needs no settings.
    subroutine open_on_all_ranks(communicator, access_list)
-      type(communicator_t), intent(in) :: communicator    !! The rank
+      type(communicator_t), intent(in) :: communicator
       integer(hid_t), intent(in) :: access_list           !! File access property list
    end subroutine open_on_all_ranks
 
    !> A data set of one rank needs no settings.
    subroutine write_on_all_ranks(communicator, transfer_list)
-      type(communicator_t), intent(in) :: communicator    !! The rank
+      type(communicator_t), intent(in) :: communicator
       integer(hid_t), intent(in) :: transfer_list         !! Data transfer property list
    end subroutine write_on_all_ranks
 end module io_hdf5_ranks
