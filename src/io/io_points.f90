@@ -238,7 +238,7 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! Not a snapshot, or damaged
       type(data_info_t), allocatable :: members(:)
       type(data_info_t) :: info
-      integer :: n
+      integer :: n, status
       logical :: whole
 
       whole = source%has(root)
@@ -251,7 +251,12 @@ contains
       call source%info(root//"/Points", info, error)
       if (.not. allocated(error)) call source%members(data_group, members, error)
       if (allocated(error)) return
-      allocate (list%position(3, info%rows), list%fields(0))
+      allocate (list%position(3, info%rows), list%fields(0), stat=status)
+      if (status /= 0) then
+         call fail_reading(error, source%path, "there is no memory for "//number(info%rows)// &
+            " points; is the file damaged?")
+         return
+      end if
       call read_vectors(source, root//"/Points", list%position, error)
       if (allocated(error)) return
       do n = 1, size(members)

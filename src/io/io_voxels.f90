@@ -142,13 +142,21 @@ contains
       if (size(extent) == 3) whole = extent
    end function extent_in_space
 
-   !> An empty mask for all voxels.
-   subroutine make_mask(voxels)
+   !> An empty mask for all voxels. A damaged file may have any extents.
+   subroutine make_mask(path, voxels, error)
+      character(len=*), intent(in) :: path
       type(voxel_file_t), intent(inout) :: voxels        !! Extents are known
+      type(error_t), allocatable, intent(out) :: error   !! Too many voxels
       integer(int64) :: letters
+      integer :: status
 
       letters = (product(int(voxels%extent, int64)) + 7)/8
-      allocate (character(len=letters) :: voxels%mask)
+      allocate (character(len=letters) :: voxels%mask, stat=status)
+      if (status /= 0) then
+         call fail_reading(error, path, "there is no memory for "//number(8*letters)// &
+            " voxels; is the file damaged?")
+         return
+      end if
       voxels%mask(:) = repeat(achar(0), len(voxels%mask))
    end subroutine make_mask
 
@@ -193,14 +201,15 @@ contains
          voxels%extent = extent_in_space(extent)
          call spread_numbers(edge, size(extent), voxels%edge, fit(1))
          call spread_numbers(corner, size(extent), voxels%corner, fit(2))
-         if (product(int(extent, int64)) == 0) then
+         if (any(extent < 1)) then
             call fail_reading(error, path, "it holds no voxel")
          else if (.not. all(fit)) then
             call fail_reading(error, path, "the attributes spacing and origin of '"//dataset// &
                "' must have one number or one a direction")
          else
-            call make_mask(voxels)
-            call read_layers(source, dataset, extent, marker, voxels%mask, error)
+            call make_mask(path, voxels, error)
+            if (.not. allocated(error)) &
+               call read_layers(source, dataset, extent, marker, voxels%mask, error)
          end if
       end if
       call source%close()
@@ -263,7 +272,8 @@ contains
             number(max(len(text, kind=int64) - start, 0_int64))//"; it is cut short")
          return
       end if
-      call make_mask(voxels)
+      call make_mask(path, voxels, error)
+      if (allocated(error)) return
       do voxel = 0, product(int(voxels%extent, int64)) - 1
          call test_voxel(marker, value_at(text, start + voxel*type_bytes(image%kind), image), &
             voxel, &

@@ -8,7 +8,7 @@ module fuzz_mutation
    implicit none
    private
 
-   public :: choice_t, mutate, respell
+   public :: choice_t, damage, mutate, respell
 
    character(len=*), parameter :: newline = new_line("a")
    character(len=*), parameter :: letters = "'""&/!=,()*.+-eEdD0123456789abcxyz_ "//achar(9)// &
@@ -90,6 +90,36 @@ contains
          end select
       end do
    end subroutine mutate
+
+   !> Change the bytes of a file that is not text: bits, a number of 1, 2, 4 or 8 bytes with an extreme
+   !! value, bytes that are missing or repeated, a lost end.
+   subroutine damage(choice, text)
+      type(choice_t), intent(inout) :: choice        !! Random choices
+      character(len=:), allocatable, intent(inout) :: text !! The file
+      integer, parameter :: how_many(6) = [1, 1, 1, 2, 5, 20], widths(4) = [1, 2, 4, 8]
+      integer :: at, i, width
+
+      do i = 1, how_many(choice%upto(size(how_many)))
+         if (len(text) < 16) return
+         select case (choice%upto(6))
+         case (1, 2)
+            call flip(choice, text)
+         case (3)
+            width = widths(choice%upto(size(widths)))
+            at = choice%upto(len(text) - width)
+            text(at:at + width - 1) = repeat(char(merge(0, 255, choice%upto(2) == 1)), width)
+            ! the greatest positive number, in either order of bytes
+            if (choice%upto(2) == 1) text(at:at) = char(127)
+            if (choice%upto(2) == 1) text(at + width - 1:at + width - 1) = char(127)
+         case (4)
+            call cut(choice, text, choice%upto(30))
+         case (5)
+            call copy(choice, text)
+         case default
+            text = text(:choice%upto(len(text)))
+         end select
+      end do
+   end subroutine damage
 
    !> One letter of those that mean something.
    function letter(choice) result(one)

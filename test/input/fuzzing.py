@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Run the program that damages decks, on the decks that come with the project and on some more."""
 
-import os
 import re
 import subprocess
 
 import case
 from broken_values import DECKS
+from fuzzed_files import ENVIRONMENT
 
 # Cells five times as large, so that the points of a mutation are counted in milliseconds.
 COARSE = (re.compile(r"dx = 0\.155 "), "dx = 0.775 ")
@@ -38,8 +38,8 @@ MIXED = """! A deck with something of everything.
 """
 
 
-def fuzz(options, first, count, timeout):
-    """Make mutations of decks, from a first number on; exit code and what the program says."""
+def fuzz(options, first, count, timeout, program=None):
+    """Make mutations of decks, from a first number on, by the program beside scree or another; exit code and output."""
     folder = options.work / "decks"
     folder.mkdir(parents=True, exist_ok=True)
     decks = {f"{name}.nml": text for name, text in DECKS.items()}
@@ -49,10 +49,10 @@ def fuzz(options, first, count, timeout):
     for name, text in decks.items():
         (folder / name).write_text(COARSE[0].sub(COARSE[1], text), encoding="utf-8")
     answer = subprocess.run(
-        [str(word) for word in (options.scree.parent / "fuzz_decks", options.work, first, count,
+        [str(word) for word in (program or options.scree.parent / "fuzz_decks", options.work, first, count,
                                 *sorted(folder.glob("*.nml")))],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False,
-        env={**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1"})
+        env=ENVIRONMENT)
     return answer.returncode, answer.stdout.decode(errors="replace")
 
 
