@@ -8,8 +8,8 @@ module io_hdf5_read
       h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5g_dataset_f, h5gget_obj_info_idx_f, &
       h5gn_members_f, h5lexists_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
-      h5sselect_hyperslab_f, h5t_float_f, h5t_native_double, h5t_std_i64le, h5t_std_u8le, &
-      h5tclose_f, h5tget_class_f, h5tget_size_f, hid_t, hsize_t, size_t
+      h5sselect_hyperslab_f, h5t_float_f, h5t_integer_f, h5t_native_double, h5t_std_i64le, &
+      h5t_std_u8le, h5tclose_f, h5tget_class_f, h5tget_size_f, hid_t, hsize_t, size_t
    use io_file, only: file_exists
    use io_hdf5, only: start_library
    use io_libc, only: failure_text
@@ -248,6 +248,10 @@ contains
       start = 0
       start(size(start)) = before
       call h5dopen_f(self%id, name, data_set, status)
+      if (status >= 0 .and. .not. has_sound_type(data_set)) then
+         status = -1
+         call h5dclose_f(data_set, ignored)
+      end if
       if (status < 0) then
          call fail_at(self, name, error)
          return
@@ -261,6 +265,24 @@ contains
       call h5dclose_f(data_set, ignored)
       if (status < 0) call fail_at(self, name, error)
    end subroutine read_any
+
+   !> False for numbers of more bytes than any processor has. HDF5 1.10 does not refuse such a type of
+   !! a damaged file, and reads beyond its own buffers.
+   logical function has_sound_type(data_set) result(sound)
+      integer(hid_t), intent(in) :: data_set             !! An open data set
+      integer(size_t), parameter :: most_bytes = 16_size_t ! of a number
+      integer(hid_t) :: kind
+      integer(size_t) :: bytes
+      integer :: class, ignored, status
+
+      call h5dget_type_f(data_set, kind, status)
+      sound = status >= 0
+      if (.not. sound) return
+      call h5tget_class_f(kind, class, status)
+      call h5tget_size_f(kind, bytes, status)
+      if (class == h5t_integer_f .or. class == h5t_float_f) sound = bytes <= most_bytes
+      call h5tclose_f(kind, ignored)
+   end function has_sound_type
 
    !> Check the form of a data set, so that reading cannot overrun it.
    subroutine check_form(self, name, dimensions, components, last_row, error)
