@@ -54,8 +54,9 @@ HDF5_SOURCE = """
 &body name = 'one'  region = 'ball'  material = 'metal' /
 &output name = 'p'  kind = 'particles'  count = 1 /
 """
-#: Sanitizers stop at the first fault; a request for too much memory fails as it does without them.
+#: Sanitizers stop at the first fault and show where; a request for too much memory fails as it does without them.
 ENVIRONMENT = {**os.environ, **case.OPEN_MPI, "OMP_NUM_THREADS": "1", "UBSAN_OPTIONS": "halt_on_error=1",
+               "GFORTRAN_ERROR_BACKTRACE": "0",
                "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=1"}
 CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2 & 1] for k in range(8)], dtype="f4") * 0.5 + 0.25
 CUBE = CORNERS[np.array([(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7),
