@@ -11,7 +11,7 @@ module program_batch_job
    use program_command_line, only: program_arguments
    use program_cost_report, only: memory_bytes
    use program_job_templates, only: job_template
-   use program_launcher, only: launch_text
+   use program_launcher, only: launch_text, srun_setting
    use program_run_setup, only: run_setup_t
    implicit none
    private
@@ -141,12 +141,15 @@ contains
       end if
    end function limit_text
 
-   !> Replace the names in double braces of a template by values.
+   !> Replace the names in double braces of a template by values. A line with an empty value alone is
+   !! left out.
    function filled_text(template, job) result(text)
       character(len=*), intent(in) :: template       !! Of a scheduler
       type(job_t), intent(in) :: job                 !! Values
       character(len=:), allocatable :: text
+      character(len=:), allocatable :: value
       integer :: begin, last
+      logical :: at_begin
 
       text = ""
       begin = 1
@@ -154,10 +157,13 @@ contains
          last = index(template(begin:), "{{")
          if (last == 0) exit
          text = text//template(begin:begin + last - 2)
+         at_begin = text(len(text):) == newline
          begin = begin + last + 1
          last = index(template(begin:), "}}")
-         text = text//value_text(template(begin:begin + last - 2), job)
+         value = value_text(template(begin:begin + last - 2), job)
+         text = text//value
          begin = begin + last + 1
+         if (value == "" .and. at_begin .and. template(begin:begin) == newline) begin = begin + 1
       end do
       text = text//template(begin:)
    end function filled_text
@@ -194,6 +200,8 @@ contains
          text = restart_text(job)
       case ("command")
          text = job%command
+      case ("srun_mpi")
+         text = srun_setting()
       case ("mpirun")
          text = launch_text(job%ranks)
       case ("bound_mpirun")

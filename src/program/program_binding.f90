@@ -40,7 +40,7 @@ contains
       type(rank_binding_t), allocatable :: ranks(:)
       integer(int64), allocatable :: kinds(:)
       integer(int64) :: kind(1)
-      integer :: first, others
+      integer :: first, such
 
       call gather_bindings(communicator, threads, ranks)
       kind = find_conflict(ranks, communicator%rank + 1)
@@ -48,9 +48,9 @@ contains
       text = ""
       if (all(kinds == no_conflict)) return
       first = findloc(kinds /= no_conflict, .true., dim=1)
-      others = count(kinds /= no_conflict) - 1
+      such = count(kinds /= no_conflict)
       text = "warning: "//conflict_text(ranks, first, int(kinds(first)))
-      if (others > 0) text = text//"; the same for "//number(others)//" other ranks"
+      if (such > 1) text = text//" ("//number(such)//" such ranks)"
       text = text//"; "//advice(ranks, first)
    end function binding_warning
 
@@ -129,9 +129,9 @@ contains
          if (count_bits(rank%mask) > 1) text = "processors "//processor_list(rank%mask)
          if (kind == too_many_threads) then
             text = "rank "//number(this - 1)//" has "//number(rank%threads)// &
-               " threads and may run on "//text//" only"
+               " threads and may only run on "//text
          else
-            text = "rank "//number(this - 1)//" is bound to "//text//", and so are others"
+            text = "rank "//number(this - 1)//" shares "//text//" with other ranks"
          end if
       end associate
    end function conflict_text
@@ -142,7 +142,10 @@ contains
       integer, intent(in) :: this                    !! Index of a rank with a conflict
       character(len=:), allocatable :: text
       integer :: here, n, threads
+      logical :: by_mpirun, by_slurm
 
+      by_mpirun = is_set("OMPI_COMM_WORLD_SIZE")
+      by_slurm = is_set("SLURM_STEP_ID")
       here = 0
       threads = 0
       do n = 1, size(ranks)
@@ -151,17 +154,17 @@ contains
          threads = threads + ranks(n)%threads
       end do
       associate (rank => ranks(this))
-         if (threads > rank%online) then
-            text = "the node has "//number(rank%online)//" processors for "//number(threads)// &
-               " threads: use OMP_NUM_THREADS="//number(max(rank%online/here, 1))
-         else if (is_set("SLURM_STEP_ID") .and. .not. is_set("OMPI_COMM_WORLD_SIZE")) then
-            text = "start it with 'srun --ntasks="//number(size(ranks))//" --cpus-per-task="// &
-               number(rank%threads)//" --cpu-bind=cores'"
-         else if (size(ranks) > 1 .or. is_set("OMPI_COMM_WORLD_SIZE")) then
-            text = "start it with '"//trim(launch_text(size(ranks), rank%threads))//"'"
-         else
+         if (size(ranks) == 1 .and. .not. (by_mpirun .or. by_slurm)) then
             text = "use OMP_NUM_THREADS="//number(count_bits(rank%mask))// &
                ", or allow it more processors (taskset, the limits of a container or a job)"
+         else if (threads > rank%online) then
+            text = "the node has "//number(rank%online)//" processors for "//number(threads)// &
+               " threads: use OMP_NUM_THREADS="//number(max(rank%online/here, 1))
+         else if (by_slurm .and. .not. by_mpirun) then
+            text = "start it with 'srun --ntasks="//number(size(ranks))//" --cpus-per-task="// &
+               number(rank%threads)//" --cpu-bind=cores'"
+         else
+            text = "start it with '"//trim(launch_text(size(ranks), rank%threads))//"'"
          end if
       end associate
    end function advice

@@ -8,7 +8,7 @@ module program_launcher
    implicit none
    private
 
-   public :: launch_text
+   public :: launch_text, srun_setting
 
 contains
 
@@ -33,4 +33,16 @@ contains
          text = text//"-bind-to core:"//number(threads)//" "
       end if
    end function launch_text
+
+   !> Line of a job script that lets `srun` start the ranks of Open MPI with PMIx, if Slurm has it
+   !! and the user has not chosen anything else; empty with other MPI libraries.
+   function srun_setting() result(text)
+      character(len=:), allocatable :: text
+
+      text = ""
+      if (.not. has_ranks) return
+      if (index(message_passing_version(), "Open MPI") == 0) return
+      text = "if srun --mpi=list 2>&1 | grep -qw pmix; then "// &
+         "export SLURM_MPI_TYPE=""${SLURM_MPI_TYPE:-pmix}""; fi"
+   end function srun_setting
 end module program_launcher
