@@ -130,8 +130,9 @@ contains
    end function processors_online
 
    !> Processors on which the threads of this rank may run: bit n, counted through the words, is
-   !! processor n. All zero if the system does not tell. OpenMP binds the first thread to its own
-   !! place, so the mask of that thread is not the one of the rank; with places it is their union.
+   !! processor n. All zero if they are not known. With `OMP_PROC_BIND` OpenMP binds the first
+   !! thread to its own place, so the mask of that thread is not the one of the rank: that is the
+   !! union of the OpenMP place list.
    function allowed_processors() result(mask)
       integer(int64), allocatable :: mask(:)
       integer, allocatable :: members(:)

@@ -96,7 +96,7 @@ contains
    subroutine add_hint(hints, name, value)
       type(hints_t), intent(inout) :: hints
       character(len=*), intent(in) :: name
-      character(len=*), intent(in) :: value
+      character(len=*), intent(in) :: value              !! Replaces an earlier one
       integer :: n
 
       do n = 1, size(hints%names)

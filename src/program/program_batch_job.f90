@@ -141,7 +141,7 @@ contains
       end if
    end function limit_text
 
-   !> Replace the names in double braces of a template by values. A line with an empty value alone is
+   !> Replace the names in double braces of a template by values. A line with only an empty value is
    !! left out.
    function filled_text(template, job) result(text)
       character(len=*), intent(in) :: template       !! Of a scheduler

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Compares the processors on which ranks may run with their numbers of threads, once at the start
-!! of a run. `mpirun` of Open MPI binds each rank to one core if it is not told otherwise, so a run
-!! with four threads a rank then takes as long as one with a single thread.
+!! of a run. By default `mpirun` of Open MPI binds each of one or two ranks to one core, so a run
+!! with four threads a rank takes as long as one with a single thread.
 module program_binding
    use base_communicator, only: communicator_t
    use base_hash, only: hash_text

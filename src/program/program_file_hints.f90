@@ -13,12 +13,12 @@ module program_file_hints
 
 contains
 
-   !> Set the hints, and describe them in a line for the log; empty without hints, and with one rank,
-   !! which writes without MPI. Collective.
+   !> Set the hints, and describe them in a line for the log, which is empty without hints. With one
+   !! rank there are none: it writes without MPI. Collective.
    subroutine set_file_hints(setup, folder, note)
       class(run_setup_t), intent(inout) :: setup     !! Complete, without particles
       character(len=*), intent(in) :: folder         !! Of the results; exists
-      character(len=:), allocatable, intent(out) :: note
+      character(len=:), allocatable, intent(out) :: note !! Line for the log
       character(len=:), allocatable :: file_system
       type(hints_t) :: hints
       type(text_t), allocatable :: names(:), values(:)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> The group &parallel: its keys, the conditions for moving tiles between ranks, and hints to the MPI
-!! library for files.
+!> The group &parallel: its keys, the conditions for moving tiles between ranks, and hints to the
+!! MPI library for files.
 module scene_parallel
    use base_deck, only: deck_t, group_t
    use base_schema, only: schema_t
@@ -31,7 +31,7 @@ contains
       call schema%real("parallel", "imbalance", "greatest over mean load above which tiles move", &
          default="1.1", range=">= 1", owner="balance = auto")
       call schema%text("parallel", "io_hints", "hints to the MPI library for files of several "// &
-         "ranks: auto (by file system), none, or pairs name=value; name=value in addition to auto", &
+         "ranks: auto (by file system), none, or pairs name=value; name=value on top of auto", &
          default="auto")
    end subroutine declare_parallel
 
