@@ -129,6 +129,7 @@ contains
       self%rank = 0
       self%size = 1
       if (message_passing_has_ended()) return
+      if (self%hints%mpi_val /= mpi_info_null%mpi_val) call mpi_info_free(self%hints)
       if (self%handle%mpi_val /= mpi_comm_world%mpi_val) call mpi_comm_free(self%handle)
       self%handle = mpi_comm_world
    end subroutine communicator_release
