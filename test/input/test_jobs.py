@@ -51,7 +51,8 @@ done
 CALL = '#!/bin/bash\necho "{0} $*" >> calls\n'
 # In place of whatever starts the ranks: the next of some exit codes.
 CODES = """#!/bin/bash
-if [ "$1" = --mpi=list ] || [ "$1" = --parent ]; then echo "{0} $*" >> calls; exit; fi
+if [ "$1" = --mpi=list ]; then echo pmix; exit; fi
+if [ "$1" = --parent ]; then echo "{0} $*" >> calls; exit; fi
 read -r code < codes
 sed -i 1d codes
 exit "${{code}}"
