@@ -156,6 +156,8 @@ class TestJobs:
     @pytest.mark.parametrize("scheduler", SCHEDULERS)
     def test_exit_codes(self, options, scheduler):
         """75 puts the job into the queue again, 0 and other codes do not, and the script ends with the code."""
+        if scheduler in ("pbs", "lsf"):
+            case.need_ranks(options.scree)    # without MPI there is no launcher before the program
         text = self.script(options, "--job", scheduler, "--ranks", "2", "--threads", "1")
         for name in ("srun", "mpirun", "flux"):
             self.stand_in(name, CODES.format(name))
