@@ -24,7 +24,7 @@ PAGE = ROOT / "doc/reference/command_line.md"
 POST = ROOT / "python/src/scree_post/commands"
 OPTION = re.compile(r"(?:-(\w), )?--([a-z][a-z-]*)((?: \[?[A-Z][\w.=:]*\]?)*)")
 #: What the program completes by itself, and words that it knows; all other values are files or free text.
-WORDS = {"job": "slurm pbs", "ranks": "", "threads": "", "time": "", "case": ""}
+WORDS = {"ranks": "", "threads": "", "time": "", "case": ""}
 FOLDERS = ("outdir",)
 
 BASH_TEXT = """# Completion of scree for bash, written by scripts/document_commands.py; do not edit it.
@@ -132,15 +132,22 @@ def listed(program):
     return [line.split()[0] for line in ask(program, "--list") if line.startswith("   ")]
 
 
+def known_words(known):
+    """Words that options know: the constant ones, and the schedulers in the meaning of --job."""
+    schedulers = re.search(r"job script for (.*?), with", known["job"][2])[1]
+    return {**WORDS, "job": " ".join(re.split(r", | or ", schedulers))}
+
+
 def bash_text(program):
     """Completion for bash."""
     known = options(entries(sections(program)[0]))
+    fixed = known_words(known)
     words = [word for name, (letter, _, _) in known.items() for word in (f"--{name}", f"-{letter}" if letter else "")]
     cases = ""
     for name, (letter, _, _) in known.items():
         typed = f"--{name}" + (f" | -{letter}" if letter else "")
-        if name in WORDS:
-            cases += f'      {typed}) words="{WORDS[name]}" ;;\n'
+        if name in fixed:
+            cases += f'      {typed}) words="{fixed[name]}" ;;\n'
         elif name in FOLDERS:
             cases += (f'      {typed})\n         mapfile -t COMPREPLY < <(compgen -d -- "${{word}}")\n'
                       "         compopt -o filenames 2> /dev/null\n         return ;;\n")
@@ -148,14 +155,14 @@ def bash_text(program):
             .replace("@OPTIONS@", " ".join(word for word in words if word)))
 
 
-def zsh_value(name, value, program):
+def zsh_value(name, value, program, fixed):
     """What _arguments wants behind the meaning of an option."""
     if not value:
         return ""
     if name == "list":
         return f"::list:({' '.join(listed(program))})"
-    if name in WORDS:
-        return f":{name}:({WORDS[name]})" if WORDS[name] else f":{name}:"
+    if name in fixed:
+        return f":{name}:({fixed[name]})" if fixed[name] else f":{name}:"
     if name in FOLDERS:
         return ":folder:_files -/"
     if name in ("restart", "digest"):
@@ -166,11 +173,12 @@ def zsh_value(name, value, program):
 def zsh_text(program):
     """Completion for zsh."""
     known = options(entries(sections(program)[0]))
+    fixed = known_words(known)
     rows = []
     for name, (letter, value, meaning) in known.items():
         meaning = re.sub(r"[\[\]:\"`$\\]", " ", meaning)
         forms = [f"--{name}"] + ([f"-{letter}"] if letter else [])
-        rows += [f'  "{form}[{meaning}]{zsh_value(name, value, program)}"' for form in forms]
+        rows += [f'  "{form}[{meaning}]{zsh_value(name, value, program, fixed)}"' for form in forms]
     return ("#compdef scree\n# Completion of scree for zsh, written by scripts/document_commands.py; do not edit it.\n"
             "_arguments -s \\\n" + " \\\n".join(rows) + " \\\n  \"*:deck:_files -g '*.nml'\"\n")
 

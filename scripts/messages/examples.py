@@ -252,6 +252,8 @@ DECKS = {
                                      "velocity = 0 0 6.7  temperature = 293"),
     "D105": ("plain", "t_end = 1e-5", "t_end 1e-5", None),
     "D225": ("plain", "&run", "&run case = '" + 12 * "long_name_" + "' ", "&run case = 'name' "),
+    "D230": ("plain", "&time", "&parallel io_hints = 'cb_nodes' /\n&time",
+             "&parallel io_hints = 'cb_nodes=4' /\n&time"),
     "D349": ("plain", "young = 70e9  poisson = 0.3", "bulk = 58e9  elastic = 'none'  shear = 26e9",
              "bulk = 58e9  elastic = 'none'"),
     "D352": ("plain", "'metal' /", f"'metal' /\n{MODE} /\n&method split = .true. /", f"'metal' /\n{MODE} /"),

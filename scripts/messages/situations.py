@@ -228,7 +228,7 @@ SITUATIONS = {
     "C203": {
         "before": ['cp "$(command -v scree)" scree'], "text": "The program was copied alone to another folder:",
         "commands": ["./scree --list examples"], "see": ["../guide/running.md#a-case-of-your-own"]},
-    "C204": {"files": {"scene.nml": BAR}, "commands": ["scree --job lsf scene.nml"],
+    "C204": {"files": {"scene.nml": BAR}, "commands": ["scree --job sge scene.nml"],
                                 "then": ["scree --job slurm scene.nml > job.sh"],
                                 "see": ["../guide/running.md#a-batch-script"]},
     "C205": {
@@ -337,6 +337,11 @@ SITUATIONS = {
         "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
         "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""],
         "see": ["../guide/running.md#signals"]},
+    "R131": {
+        "files": {"scene.nml": BAR}, "text": "On one processor:",
+        "commands": ["OMP_NUM_THREADS=2 taskset -c 0 scree -q scene.nml"],
+        "then": ["OMP_NUM_THREADS=1 taskset -c 0 scree -q --overwrite scene.nml"],
+        "see": ["../guide/clusters.md#ranks-and-threads-on-processors"]},
     "R119": {
         "files": {"scene.nml": BAR.replace("velocity = 1 ", "velocity = 5000 ")},
         "text": "Boundaries that the deck does not name are open, and the bar flies through one:",

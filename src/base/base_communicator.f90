@@ -3,11 +3,13 @@
 module base_communicator
    use base_kinds, only: int64, wp
    use base_process, only: set_default
+   use base_text, only: text_t
    use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_any_source, mpi_barrier, &
       mpi_bcast, mpi_character, mpi_comm, mpi_comm_dup, mpi_comm_free, mpi_comm_rank, &
       mpi_comm_set_errhandler, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
       mpi_errors_are_fatal, mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, &
-      mpi_get_library_version, mpi_ibarrier, mpi_info, mpi_info_null, mpi_init_thread, &
+      mpi_get_library_version, mpi_ibarrier, mpi_info, mpi_info_create, &
+      mpi_info_free, mpi_info_null, mpi_info_set, mpi_init_thread, &
       mpi_initialized, mpi_integer8, &
       mpi_iprobe, mpi_issend, mpi_max, mpi_max_library_version_string, mpi_min, mpi_recv, &
       mpi_request, mpi_status, mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, &
@@ -38,6 +40,7 @@ module base_communicator
       integer :: rank = 0                             !! This rank, from 0
       integer :: size = 1                             !! Number of ranks
       type(mpi_comm), private :: handle = mpi_comm_world !! Communicator of MPI
+      type(mpi_info), private :: hints = mpi_info_null !! For files that all ranks write
       integer, private :: round = 0                   !! Distinguishes successive exchanges
       type(traffic_t) :: traffic                      !! Counts of messages
    contains
@@ -46,7 +49,8 @@ module base_communicator
       procedure :: duplicate => communicator_duplicate !! Use a copy of an existing one
       procedure :: release => communicator_release    !! Free that copy
       procedure :: finish => communicator_finish      !! Finish MPI
-      procedure :: native => communicator_native      !! Handle for parallel HDF5
+      procedure :: native => communicator_native      !! Handles for parallel HDF5
+      procedure :: set_hints => communicator_set_hints !! Hints for files of all ranks
       procedure :: barrier => communicator_barrier    !! Barrier
       procedure :: minimum => communicator_minimum    !! Minimum over the ranks
       procedure :: maximum => communicator_maximum    !! Maximum over the ranks
@@ -125,6 +129,7 @@ contains
       self%rank = 0
       self%size = 1
       if (message_passing_has_ended()) return
+      if (self%hints%mpi_val /= mpi_info_null%mpi_val) call mpi_info_free(self%hints)
       if (self%handle%mpi_val /= mpi_comm_world%mpi_val) call mpi_comm_free(self%handle)
       self%handle = mpi_comm_world
    end subroutine communicator_release
@@ -151,17 +156,30 @@ contains
       if (started .and. .not. ended) call mpi_finalize()
    end subroutine communicator_finish
 
-   !> The handle of the group and an empty hint object, as integers, for parallel HDF5.
+   !> The handles of the group and of its hints, as integers, for parallel HDF5.
    pure subroutine communicator_native(self, group, hints)
       class(communicator_t), intent(in) :: self
       integer, intent(out) :: group                   !! Fortran handle of the communicator
-      integer, intent(out) :: hints                   !! Fortran handle of the null info object
-      type(mpi_info) :: none
+      integer, intent(out) :: hints                   !! Fortran handle of the info object
 
-      none = mpi_info_null
       group = self%handle%mpi_val
-      hints = none%mpi_val
+      hints = self%hints%mpi_val
    end subroutine communicator_native
+
+   !> Set the hints for files that all ranks write, in place of earlier ones.
+   subroutine communicator_set_hints(self, names, values)
+      class(communicator_t), intent(inout) :: self
+      type(text_t), intent(in) :: names(:)            !! Names of hints
+      type(text_t), intent(in) :: values(:)           !! Value of each
+      integer :: n
+
+      if (self%hints%mpi_val /= mpi_info_null%mpi_val) call mpi_info_free(self%hints)
+      if (size(names) == 0) return
+      call mpi_info_create(self%hints)
+      do n = 1, size(names)
+         call mpi_info_set(self%hints, names(n)%text, values(n)%text)
+      end do
+   end subroutine communicator_set_hints
 
    !> Wait until all ranks have reached this call.
    subroutine communicator_barrier(self)

@@ -1,17 +1,22 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> This process: its environment variables, the cores and ranks of its node, its restart.
+!> This process: its environment variables, the cores and ranks of its node, the processors on which
+!! it may run, its restart.
 ! allow(C071): texts of C have no length
 module base_process
+   use base_kinds, only: int64
    use base_text, only: text_t
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_long, c_null_char, c_null_ptr, &
-      c_ptr
-   use omp_lib, only: omp_get_num_procs
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_long, c_null_char, &
+      c_null_ptr, c_ptr, c_size_t
+   use omp_lib, only: omp_get_num_places, omp_get_num_procs, omp_get_place_num_procs, &
+      omp_get_place_proc_ids
    implicit none
    private
 
-   public :: cores_here, is_set, ranks_here, ranks_of_launcher, restart_process, set_default
+   public :: allowed_processors, cores_here, is_set, node_name, processors_online, ranks_here, &
+      ranks_of_launcher, restart_process, set_default
 
    integer(c_int), parameter :: cores_online = 84        !! _SC_NPROCESSORS_ONLN of Linux
+   integer, parameter :: mask_words = 128                !! 8192 processors
 
    interface
       !> Set an environment variable of this process, unless it is set and `overwrite` is 0.
@@ -40,6 +45,28 @@ module base_process
          integer(c_int), value :: name                   !! Name
          integer(c_long) :: value
       end function c_sysconf
+
+      !> Processors on which a thread may run.
+      function c_sched_getaffinity(thread, bytes, mask) bind(c, name="sched_getaffinity") &
+         result(status)
+         import :: c_int, c_int64_t, c_size_t
+         implicit none
+         integer(c_int), value :: thread                 !! 0: this one
+         integer(c_size_t), value :: bytes               !! Of the mask
+         integer(c_int64_t), intent(inout) :: mask(*)    !! Bit n: processor n
+         integer(c_int) :: status
+      end function c_sched_getaffinity
+
+      !> Set the processors on which a thread may run.
+      function c_sched_setaffinity(thread, bytes, mask) bind(c, name="sched_setaffinity") &
+         result(status)
+         import :: c_int, c_int64_t, c_size_t
+         implicit none
+         integer(c_int), value :: thread                 !! 0: this one
+         integer(c_size_t), value :: bytes               !! Of the mask
+         integer(c_int64_t), intent(in) :: mask(*)       !! Bit n: processor n
+         integer(c_int) :: status
+      end function c_sched_setaffinity
    end interface
 
 contains
@@ -97,8 +124,53 @@ contains
       if (is_set("OMPI_MCA_orte_bound_at_launch")) cores = max(cores, int(c_sysconf(cores_online)))
    end function cores_here
 
+   !> Number of processors of this node. A core with two hardware threads counts as two.
+   integer function processors_online() result(processors)
+      processors = int(c_sysconf(cores_online))
+   end function processors_online
+
+   !> Processors on which the threads of this rank may run: bit n, counted through the words, is
+   !! processor n. All zero if they are not known. With `OMP_PROC_BIND` OpenMP binds the first
+   !! thread to its own place, so the mask of that thread is not the one of the rank: that is the
+   !! union of the OpenMP place list.
+   function allowed_processors() result(mask)
+      integer(int64), allocatable :: mask(:)
+      integer, allocatable :: members(:)
+      integer :: n, place
+
+      allocate (mask(mask_words), source=0_int64)
+      do place = 0, omp_get_num_places() - 1
+         allocate (members(omp_get_place_num_procs(place)))
+         call omp_get_place_proc_ids(place, members)
+         do n = 1, size(members)
+            associate (word => mask(members(n)/64 + 1))
+               word = ibset(word, mod(members(n), 64))
+            end associate
+         end do
+         deallocate (members)
+      end do
+      if (omp_get_num_places() > 0) return
+      if (c_sched_getaffinity(0_c_int, int(8*mask_words, c_size_t), mask) /= 0) mask = 0
+   end function allowed_processors
+
+   !> Identity of this node, the same for all its processes: that of the last start of its kernel.
+   !! Empty if it is not known.
+   function node_name() result(name)
+      character(len=64) :: name
+      integer :: status, unit
+
+      name = ""
+      open (newunit=unit, file="/proc/sys/kernel/random/boot_id", action="read", status="old", &
+         iostat=status)
+      if (status /= 0) return
+      read (unit, "(a)", iostat=status) name
+      close (unit)
+      if (status /= 0) name = ""
+   end function node_name
+
    !> Restart this program in the same process, so that its libraries read the environment again.
-   !! Returns only if that is not possible.
+   !! Returns only if that is not possible. The new program inherits the processors of the first
+   !! thread; with `OMP_PROC_BIND` these are one place, to which all its threads would be bound.
    subroutine restart_process(path, name, arguments)
       character(len=*), intent(in) :: path               !! Path of the program
       character(len=*), intent(in) :: name               !! Name under which it was called
@@ -120,6 +192,10 @@ contains
          pointers(n) = c_loc(letters(first(n):first(n)))
       end do
       pointers(size(pointers)) = c_null_ptr
+      associate (mask => allowed_processors())
+         if (any(mask /= 0)) &
+            ignored = c_sched_setaffinity(0_c_int, int(8*mask_words, c_size_t), mask)
+      end associate
       ignored = c_execv(path//c_null_char, pointers)
    end subroutine restart_process
 end module base_process

@@ -95,7 +95,8 @@ contains
       if (communicator%rank == 0) then
          call remove_file(part_of(self))
          call reserve_file(part_of(self), bytes, error)
-         if (allocated(error)) call remove_file(part_of(self))
+         ! MPI applies hints on striping only to a file that it creates itself
+         if (allocated(error) .or. communicator%size > 1) call remove_file(part_of(self))
       end if
       call agree_plainly(communicator, error)
       if (allocated(error)) return
@@ -111,7 +112,7 @@ contains
       call h5pclose_f(access_list, status)
       call h5pclose_f(plan, status)
       if (self%works() .and. communicator%size > 1) then
-         ! the library has truncated the file, so space is reserved again
+         ! this is a new file, so space is reserved again
          if (communicator%rank == 0) call reserve_file(part_of(self), bytes, error)
          call agree_plainly(communicator, error)
          if (allocated(error)) self%problem = error

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Job scripts for Slurm and PBS. Near the end of its time a job writes a checkpoint, ends with the
-!! exit code for "run again", and is submitted again.
+!> Job scripts, from the templates in src/program/job. Near the end of its time a job writes a
+!! checkpoint, ends with the exit code for "run again", and is submitted again.
 module program_batch_job
    use base_clock, only: clock_seconds, clock_text
    use base_deck_override, only: removal_mark
@@ -9,6 +9,9 @@ module program_batch_job
    use base_text, only: number
    use io_file, only: join_path, program_path
    use program_command_line, only: program_arguments
+   use program_cost_report, only: memory_bytes
+   use program_job_templates, only: job_template
+   use program_launcher, only: launch_text, srun_setting
    use program_run_setup, only: run_setup_t
    implicit none
    private
@@ -32,7 +35,9 @@ module program_batch_job
       character(len=:), allocatable :: command       !! The program with its options
       character(len=:), allocatable :: checkpoints   !! Pattern of the checkpoint files
       character(len=:), allocatable :: summary !! Summary, which exists after the end of the run
-      character(len=:), allocatable :: hints         !! Comments in the script
+      integer(int64) :: megabytes = 0                !! Memory for each thread [MB]
+      character(len=:), allocatable :: size          !! Comment on the size of the run
+      character(len=:), allocatable :: limit         !! Comment on the wall time
    end type job_t
 
 contains
@@ -55,11 +60,7 @@ contains
          return
       end if
       call choose_job(setup, deck, job)
-      if (setup%command%job%scheduler == "pbs") then
-         text = pbs_text(job)
-      else
-         text = slurm_text(job)
-      end if
+      text = filled_text(job_template(setup%command%job%scheduler), job)
    end subroutine job_text
 
    !> Choose ranks, threads, times and file names of a job.
@@ -82,7 +83,10 @@ contains
       job%checkpoints = quoted(join_path(setup%place%folder, job%case//"_chk_")//"*.h5")
       job%summary = quoted(join_path(setup%place%folder, job%case//".summary.json"))
       job%command = quoted(program_path())//options_text(setup)//" "//quoted(deck)
-      job%hints = hints_text(setup, job)
+      job%megabytes = megabytes_of_thread(setup, job)
+      job%size = "# "//number(setup%survey%particles)//" particles in "// &
+         number(setup%survey%tiles)//" tiles; about a million particles a rank are efficient."
+      job%limit = limit_text(setup, job)
    end subroutine choose_job
 
    !> Options of the command line that the script passes to the program.
@@ -108,84 +112,133 @@ contains
       end associate
    end function options_text
 
-   !> Comments of the script on size and wall time.
-   function hints_text(setup, job) result(text)
+   !> Memory to request for each thread [MB]: twice that of the fields of the first state, since
+   !! material spreads over more tiles and loads differ, and what MPI, HDF5 and the program use
+   !! without particles.
+   integer(int64) function megabytes_of_thread(setup, job) result(megabytes)
+      class(run_setup_t), intent(in) :: setup        !! Without particles
+      type(job_t), intent(in) :: job                 !! Ranks and threads
+      real(wp), parameter :: margin = 2.0_wp, fixed = 256.0_wp, megabyte = 1.0e6_wp
+
+      megabytes = ceiling((margin*memory_bytes(setup%simulation, setup%survey)/megabyte &
+         /real(job%ranks, wp) + fixed)/real(job%threads, wp), int64)
+   end function megabytes_of_thread
+
+   !> Comment of the script on the wall time, for schedulers that send a signal.
+   function limit_text(setup, job) result(text)
       class(run_setup_t), intent(in) :: setup
       type(job_t), intent(in) :: job                 !! Content
       character(len=:), allocatable :: text
 
-      text = "# "//number(setup%survey%particles)//" particles in "// &
-         number(setup%survey%tiles)//" tiles; about a million particles a rank "// &
-         "are efficient."//newline
-      if (setup%command%job%scheduler == "pbs") then
-         text = text//"# The limit below replaces wall_limit of the deck."
-      else if (setup%limits%query_scheduler) then
-         text = text//"# The run requests the end of the job from Slurm (wall_limit = 'slurm')."
+      if (setup%limits%query_scheduler) then
+         text = "# The run requests the end of the job from Slurm (wall_limit = 'slurm')."
       else if (setup%limits%wall_limit < real(job%seconds, wp)) then
-         text = text//"# wall_limit of the deck ends the run before the job does."
+         text = "# wall_limit of the deck ends the run before the job does."
       else if (setup%limits%wall_limit < huge(1.0_wp)) then
-         text = text//"# wall_limit of the deck is longer than the job; the signal ends it."
+         text = "# wall_limit of the deck is longer than the job; the signal ends it."
       else
-         text = text//"# With wall_limit = 'slurm' in &time the run also checks the wall time."
+         text = "# With wall_limit = 'slurm' in &time the run also checks the wall time."
       end if
-      text = text//newline
-   end function hints_text
+   end function limit_text
 
-   !> Script for Slurm. The signal goes to the ranks, not to the shell.
-   function slurm_text(job) result(text)
-      type(job_t), intent(in) :: job
+   !> Replace the names in double braces of a template by values. A line with only an empty value is
+   !! left out.
+   function filled_text(template, job) result(text)
+      character(len=*), intent(in) :: template       !! Of a scheduler
+      type(job_t), intent(in) :: job                 !! Values
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: value
+      integer :: begin, last
+      logical :: at_begin
+
+      text = ""
+      begin = 1
+      do
+         last = index(template(begin:), "{{")
+         if (last == 0) exit
+         text = text//template(begin:begin + last - 2)
+         at_begin = text(len(text):) == newline
+         begin = begin + last + 1
+         last = index(template(begin:), "}}")
+         value = value_text(template(begin:begin + last - 2), job)
+         text = text//value
+         begin = begin + last + 1
+         if (value == "" .and. at_begin .and. template(begin:begin) == newline) begin = begin + 1
+      end do
+      text = text//template(begin:)
+   end function filled_text
+
+   !> Value of a name in a template. An unknown name remains visible.
+   function value_text(name, job) result(text)
+      character(len=*), intent(in) :: name           !! Without braces
+      type(job_t), intent(in) :: job                 !! Values
       character(len=:), allocatable :: text
 
-      text = "#!/bin/bash"//newline// &
-         "#SBATCH --job-name="//job%case//newline// &
-         "#SBATCH --ntasks="//number(job%ranks)//newline// &
-         "#SBATCH --cpus-per-task="//number(job%threads)//newline// &
-         "#SBATCH --time="//job%time//newline// &
-         "#SBATCH --signal=USR1@"//number(job%notice)//newline// &
-         "#SBATCH --requeue"//newline// &
-         "#SBATCH --open-mode=append"//newline// &
-         "# Scree: USR1 requests a checkpoint "//number(job%notice)//" s before the end; exit "// &
-         "code "//number(exit_again)//" means: run again."//newline//job%hints// &
-         "export OMP_NUM_THREADS=""${SLURM_CPUS_PER_TASK:-"//number(job%threads)//"}"""//newline// &
-         "export SRUN_CPUS_PER_TASK=""${OMP_NUM_THREADS}"""//newline//binding_text()// &
-         restart_text(job)// &
-         "srun "//job%command//" ""${restart[@]}"" || code=$?"//newline// &
-         "if [ ""${code}"" -eq "//number(exit_again)//" ]; then"//newline// &
-         "   scontrol requeue ""${SLURM_JOB_ID}"" || echo 'submit this script again' >&2"// &
-         newline//"fi"//newline//"exit ""${code}"""//newline
-   end function slurm_text
+      select case (name)
+      case ("case")
+         text = job%case
+      case ("ranks")
+         text = number(job%ranks)
+      case ("threads")
+         text = number(job%threads)
+      case ("rank_megabytes")
+         text = number(job%megabytes*job%threads)
+      case ("thread_megabytes")
+         text = number(job%megabytes)
+      case ("again")
+         text = number(exit_again)
+      case ("size")
+         text = job%size
+      case ("memory")
+         text = "# A rank uses up to about "//number(job%megabytes*job%threads)//" MB."
+      case ("limit")
+         text = job%limit
+      case ("environment")
+         ! some file systems have no locks, which HDF5 would use
+         text = "export OMP_PLACES=cores OMP_PROC_BIND=close HDF5_USE_FILE_LOCKING=FALSE"
+      case ("restart")
+         text = restart_text(job)
+      case ("command")
+         text = job%command
+      case ("srun_mpi")
+         text = srun_setting()
+      case ("mpirun")
+         text = launch_text(job%ranks)
+      case ("bound_mpirun")
+         text = launch_text(job%ranks, job%threads)
+      case default
+         text = time_text(name, job)
+      end select
+   end function value_text
 
-   !> Script for PBS, which sends no signal in advance: the run has a wall time limit, and the
-   !! script submits itself again.
-   function pbs_text(job) result(text)
-      type(job_t), intent(in) :: job
+   !> Value of a name in a template that is a time. The signal comes `notice` before the end of the
+   !! job; a run inside of the job ends earlier by a fifth of it.
+   function time_text(name, job) result(text)
+      character(len=*), intent(in) :: name           !! Without braces
+      type(job_t), intent(in) :: job                 !! Values
       character(len=:), allocatable :: text
 
-      text = "#!/bin/bash"//newline// &
-         "#PBS -N "//job%case//newline// &
-         "#PBS -l select="//number(job%ranks)//":ncpus="//number(job%threads)// &
-         ":mpiprocs=1:ompthreads="//number(job%threads)//newline// &
-         "#PBS -l walltime="//job%time//newline// &
-         "#PBS -j oe"//newline// &
-         "# Scree: a run stops "//number(job%notice)//" s before the end of the job with a "// &
-         "checkpoint; exit"//newline// &
-         "# code "//number(exit_again)//" means: run again."//newline//job%hints// &
-         "cd ""${PBS_O_WORKDIR:-.}"" || exit 3"//newline// &
-         "export OMP_NUM_THREADS="//number(job%threads)//newline//binding_text()// &
-         restart_text(job)// &
-         "mpirun -n "//number(job%ranks)//" "//job%command//" --set time.wall_limit="// &
-         clock_text(job%seconds - job%notice)//" ""${restart[@]}"" || code=$?"//newline// &
-         "if [ ""${code}"" -eq "//number(exit_again)//" ]; then"//newline// &
-         "   qsub ""$0"" || echo 'submit this script again' >&2"//newline// &
-         "fi"//newline//"exit ""${code}"""//newline
-   end function pbs_text
-
-   !> Binding of threads to cores; no HDF5 file locks, which some file systems lack.
-   pure function binding_text() result(text)
-      character(len=:), allocatable :: text
-
-      text = "export OMP_PLACES=cores OMP_PROC_BIND=close HDF5_USE_FILE_LOCKING=FALSE"//newline
-   end function binding_text
+      select case (name)
+      case ("time")
+         text = job%time
+      case ("seconds")
+         text = number(job%seconds)
+      case ("minutes")
+         text = number(max(job%seconds/60, 1))
+      case ("notice")
+         text = number(job%notice)
+      case ("notice_minutes")
+         text = number((job%notice + 59)/60)
+      case ("inner_seconds")
+         text = number(max(job%seconds - job%notice/5, 1))
+      case ("inner_notice")
+         text = number(job%notice - job%notice/5)
+      case ("wall_limit")
+         text = clock_text(job%seconds - job%notice)
+      case default
+         text = "{{"//name//"}}"
+      end select
+   end function time_text
 
    !> Restart if there is a checkpoint. A run that was killed before its first checkpoint has no
    !! summary and starts again.
@@ -196,7 +249,7 @@ contains
       text = "restart=()"//newline// &
          "if compgen -G "//job%checkpoints//" > /dev/null; then restart=(--restart)"//newline// &
          "elif [ ! -e "//job%summary//" ]; then restart=(--overwrite); fi"//newline// &
-         "code=0"//newline
+         "code=0"
    end function restart_text
 
    !> The command that continues a run that was stopped with a checkpoint: the command line, with

@@ -5,6 +5,7 @@ module program_command_line
    use base_deck_override, only: removal_mark
    use base_error, only: error_t, exit_input, fail
    use base_text, only: append, closest, text_t
+   use program_job_templates, only: scheduler_list, schedulers
    implicit none
    private
 
@@ -33,7 +34,7 @@ module program_command_line
 
    !> Options of a job script.
    type :: job_options_t
-      character(len=:), allocatable :: scheduler         !! slurm or pbs
+      character(len=:), allocatable :: scheduler         !! One of `schedulers`
       integer :: ranks = 0                               !! 0 = chosen by the program
       integer :: threads = 0                             !! Of each rank, 0 = chosen
       character(len=:), allocatable :: time              !! Wall time, hours:minutes:seconds
@@ -87,7 +88,6 @@ module program_command_line
       option_t("grains  ", " ", nothing)]
    character(len=9), parameter :: lists(6) = [character(len=9) :: "materials", "fields", &
       "shapes", "units", "examples", "messages"]
-   character(len=5), parameter :: schedulers(2) = [character(len=5) :: "slurm", "pbs"]
 
 contains
 
@@ -371,7 +371,7 @@ contains
       case default
          command%job%scheduler = value
          if (all(schedulers /= value)) call command_line_error(error, &
-            "--job knows slurm and pbs, not '"//value//"'")
+            "--job knows "//scheduler_list("and")//", not '"//value//"'")
       end select
    end subroutine apply_job_option
 

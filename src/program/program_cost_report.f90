@@ -23,7 +23,7 @@ module program_cost_report
    implicit none
    private
 
-   public :: cost_report
+   public :: checkpoint_bytes, cost_report, memory_bytes
 
 contains
 
@@ -54,8 +54,16 @@ contains
          new_line("a")// &
          "output     "//number(snapshots)//" snapshots, about "//size_text(real(snapshots, wp) &
          *real(survey%particles, wp)*snapshot_bytes)//"; a checkpoint "// &
-         size_text(real(survey%particles, wp)*particle_bytes(simulation, survey))//new_line("a")
+         size_text(checkpoint_bytes(simulation, survey))//new_line("a")
    end function cost_report
+
+   !> Size of a checkpoint [byte].
+   real(wp) function checkpoint_bytes(simulation, survey) result(bytes)
+      type(simulation_t), intent(in) :: simulation
+      type(survey_t), intent(in) :: survey
+
+      bytes = real(survey%particles, wp)*particle_bytes(simulation, survey)
+   end function checkpoint_bytes
 
    !> The grid in one line.
    function grid_line(simulation, survey) result(text)

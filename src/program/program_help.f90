@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The text of `scree --help`.
 module program_help
+   use program_job_templates, only: scheduler_list
    implicit none
    private
 
@@ -38,8 +39,8 @@ contains
          "      --list [WHAT]      materials, fields, shapes, units, examples, messages"// &
          newline// &
          "      --new EXAMPLE DIR  copy an example into a new folder"//newline// &
-         "      --job SCHEDULER    print a job script for slurm or pbs, with --ranks N,"// &
-         newline//"                         --threads N and --time HH:MM:SS"//newline// &
+         "      --job SCHEDULER    print a job script for "//scheduler_list("or")//", with"// &
+         newline//"                         --ranks N, --threads N and --time HH:MM:SS"//newline// &
          "      --digest FILE      digest of the state in a checkpoint"//newline// &
          "  -h, --help; -V, --version  this text; version, compiler and libraries"//newline//newline
       text = text//"exit codes: 0 finished, 2 error in deck or command line, 3 file error or"// &

@@ -10,6 +10,7 @@ module program_log_files
    use io_file, only: make_folder, write_file
    use omp_lib, only: omp_get_max_threads
    use program_cost_report, only: cost_report
+   use program_file_hints, only: set_file_hints
    use program_information, only: version_line
    use program_run_setup, only: run_setup_t
    use program_threads, only: threads_text
@@ -28,13 +29,14 @@ contains
       integer, intent(in) :: most_threads            !! Threads of a rank that are available
       type(log_t), intent(inout) :: log              !! Opened
       type(error_t), allocatable, intent(out) :: error !! Folder or file cannot be written
-      character(len=:), allocatable :: line, stem
+      character(len=:), allocatable :: hints, line, stem
 
       associate (communicator => setup%simulation%machine%communicator, outputs => setup%outputs, &
          survey => setup%survey)
          if (communicator%rank == 0) call make_folder(outputs%folder, error)
          call agree(communicator, error)
          if (allocated(error)) return
+         call set_file_hints(setup, outputs%folder, hints)
          stem = outputs%folder//"/"//outputs%case
          call log%open(communicator%rank, stem//".log", log_level(setup%deck, &
             setup%command%output%verbose), setup%command%output%quiet, error)
@@ -48,6 +50,7 @@ contains
             int((survey%tiles + communicator%size - 1)/communicator%size), &
             survey%particles/communicator%size)
          if (len(line) > 0) call log%info(line)
+         if (len(hints) > 0) call log%info(hints)
          if (setup%deck%warnings() > 0) call log%warn(setup%deck%report())
          call log%info(effects_text(setup%deck)//cost_report(setup%simulation, setup%bodies, &
             survey, setup%limits, outputs%full_snapshots(setup%limits%time_end)))

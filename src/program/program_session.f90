@@ -13,6 +13,7 @@ module program_session
    use output_summary, only: summarise
    use output_walls, only: write_walls
    use program_batch_job, only: resume_command
+   use program_binding, only: binding_warning
    use program_existing_results, only: protect_results
    use program_expected_steps, only: expected_steps
    use program_log_files, only: open_log
@@ -113,7 +114,7 @@ contains
    subroutine start_simulation(session, error)
       class(session_t), intent(inout) :: session
       type(error_t), allocatable, intent(out) :: error
-      character(len=:), allocatable :: note
+      character(len=:), allocatable :: note, warning
       type(changes_t) :: changes
 
       session%simulation%clock%guard%expected = expected_steps(session%simulation, session%bodies, &
@@ -125,6 +126,8 @@ contains
       if (allocated(error)) return
       call open_log(session, session%most_threads, session%log, error)
       if (allocated(error)) return
+      warning = binding_warning(session%simulation%machine%communicator, session%most_threads)
+      if (len(warning) > 0) call session%log%warn(warning)
       if (session%command%restart) then
          call log_restart(session%log, note, changes)
       else

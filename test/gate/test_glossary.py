@@ -45,6 +45,8 @@ OUT = [(re.compile(pattern, re.I), term) for pattern, term in (
 OUT_OF_NAMES = {"room", "rooms", "askew", "torn", "wish", "wishes", "ask", "asks", "asked", "books", "booked",
                 "tell", "tells", "told", "settle", "settler", "unsettle", "arrange", "arranger", "arranged", "matter",
                 "culprit", "places", "restless"}
+# Names of other libraries.
+FOREIGN_NAMES = {"omp_get_num_places"}
 # What is no offence, and why.
 EXCEPTIONS = [re.compile(pattern) for pattern in (
     r"(?:node_functions|matter)\.md",  # names of pages of the theory
@@ -72,7 +74,7 @@ def offences_of(line):
             text = exception.sub(" ", text)
         found += [f"says `{match.group(0)}`; the term is: {term}"
                   for pattern, term in OUT for match in pattern.finditer(text)]
-    for name in sorted(set(re.findall(r"[a-z]\w*", code, re.I))):
+    for name in sorted(set(re.findall(r"[a-z]\w*", code, re.I)) - FOREIGN_NAMES):
         parts = OUT_OF_NAMES & set(name.lower().split("_"))
         found += [f"has the name {name} with `{part}`" for part in sorted(parts)]
     if REPEATS.match(comment):

@@ -77,6 +77,8 @@ class Clone:
             words = words[:words.index(">")]
         if words[0] == "mpirun":
             words[2] = "2"
+            if "build/bin/scree" in words:      # without a binding to more cores than there may be
+                words[3:] = words[words.index("build/bin/scree"):]
         if not any(word in NO_RUN for word in words):
             few = SPHERES if words[-1].endswith("spheres.nml") else RUNS["grain_cell"][1]
             words += FEW if "--grains" not in words else [word for setting in few for word in ("--set", setting)]

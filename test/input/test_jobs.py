@@ -2,11 +2,14 @@
 """Scripts of `--job`, run with stand-ins for the commands of schedulers, which this machine need not have.
 
 Would catch a script that the shell cannot read, loses an option or a quote, does not put the job into the queue when
-the run asks for it, does so for any other reason, or begins anew where it should go on.
+the run asks for it, does so for any other reason, loses an exit code, or begins anew where it should go on; a signal
+that ends the script in place of the run; and memory that does not follow the particles.
 """
 
 import os
+import re
 import shutil
+import signal
 import subprocess
 import time
 
@@ -21,8 +24,39 @@ DECK = """&run dimension = 'plane_strain'  case = 'block' /
 &region name = 'ball'  shape = 'sphere'  centre = 0.5 0 0.5  radius = 0.2 /
 &body name = 'one'  region = 'ball'  material = 'metal'  velocity = 1 0 0 /
 """
-SRUN = '#!/bin/bash\necho "srun $*" >> calls\nexec mpiexec -n "$SLURM_NTASKS" "$@"\n'
+SCHEDULERS = ("slurm", "pbs", "lsf", "flux")
+SRUN = """#!/bin/bash
+if [ "$1" = --mpi=list ]; then echo 'MPI plugin types are: pmix none' >&2; exit; fi
+echo "srun $*" >> calls
+exec mpiexec -n "$SLURM_NTASKS" "$@"
+"""
+FLUX = """#!/bin/bash
+echo "flux $*" >> calls
+if [ "$1" != run ]; then exit; fi
+ranks="${2#--ntasks=}"
+while [[ "$1" != /* ]]; do shift; done
+echo $$ > launcher
+exec mpiexec -n "${ranks}" "$@"
+"""
+# LSF runs a job again whose exit code is one of -Q, in the order of arrival.
+BSUB = """#!/bin/bash
+again="$(sed -n 's/^#BSUB -Q //p' "$1")"
+while true; do
+   code=0
+   bash "$1" || code=$?
+   echo "bsub ${code}" >> calls
+   case " ${again} " in *" ${code} "*) ;; *) exit "${code}" ;; esac
+done
+"""
 CALL = '#!/bin/bash\necho "{0} $*" >> calls\n'
+# In place of whatever starts the ranks: the next of some exit codes.
+CODES = """#!/bin/bash
+if [ "$1" = --mpi=list ]; then echo pmix; exit; fi
+if [ "$1" = --parent ]; then echo "{0} $*" >> calls; exit; fi
+read -r code < codes
+sed -i 1d codes
+exit "${{code}}"
+"""
 SOON, LATE = 30, 100000     # seconds: less and more than the program keeps in reserve
 
 
@@ -33,11 +67,22 @@ class TestJobs:
     def made(self, options):
         self.folder = options.work / "a 'quoted' one"
         (self.folder / "bin").mkdir(parents=True)
-        for name, text in [("srun", SRUN), ("scontrol", CALL.format("scontrol")),
+        for name, text in [("srun", SRUN), ("flux", FLUX), ("bsub", BSUB), ("scontrol", CALL.format("scontrol")),
                            ("qsub", CALL.format("qsub"))]:
-            (self.folder / "bin" / name).write_text(text, encoding="utf-8")
-            (self.folder / "bin" / name).chmod(0o755)
+            self.stand_in(name, text)
         (self.folder / "my deck.nml").write_text(DECK, encoding="utf-8")
+
+    def stand_in(self, name, text):
+        """A command in place of that of a scheduler or of MPI."""
+        path = self.folder / "bin" / name
+        path.write_text(text, encoding="utf-8")
+        path.chmod(0o755)
+
+    @property
+    def environment(self):
+        """With the stand-ins before all other commands."""
+        return {**os.environ, **case.OPEN_MPI, "PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}",
+                "PBS_O_WORKDIR": str(self.folder), "SLURM_JOB_ID": "4711"}
 
     def script(self, options, *words, expect=0):
         """The script for some words of the command line, or what is said of them."""
@@ -56,9 +101,8 @@ class TestJobs:
         (self.folder / "calls").write_text("", encoding="utf-8")
         answer = subprocess.run(
             ["bash", "job.sh"], cwd=self.folder, text=True, capture_output=True, timeout=250,
-            env={**os.environ, **case.OPEN_MPI, "PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}",
-                 "SLURM_JOB_ID": "4711", "SLURM_NTASKS": str(ranks), "SLURM_CPUS_PER_TASK": "1",
-                 "SLURM_JOB_END_TIME": str(int(time.time() + seconds)), "PBS_O_WORKDIR": str(self.folder)})
+            env={**self.environment, "SLURM_NTASKS": str(ranks), "SLURM_CPUS_PER_TASK": "1",
+                 "SLURM_JOB_END_TIME": str(int(time.time() + seconds))})
         self.said = answer.stdout + answer.stderr
         return answer.returncode, (self.folder / "calls").read_text(encoding="utf-8").splitlines()
 
@@ -96,7 +140,7 @@ class TestJobs:
         if not shutil.which("mpirun"):
             pytest.skip("there is no mpirun")
         text = self.script(options, "--job", "pbs", "--ranks", "2", "--threads", "3", "--time", "1:00:00")
-        assert "#PBS -l select=2:ncpus=3:mpiprocs=1:ompthreads=3\n" in text
+        assert "#PBS -l select=2:ncpus=3:mpiprocs=1:ompthreads=3:mem=" in text
         assert "#PBS -l walltime=1:00:00\n" in text
         text = self.script(options, "--job", "pbs", "--ranks", "2", "--threads", "1", "--time", "1:00:00")
         assert "--set time.wall_limit=00:55:00 " in text
@@ -109,20 +153,103 @@ class TestJobs:
         assert (code, calls) == (0, []), self.said
         assert "restart from" in (self.folder / "out/block/block.log").read_text(encoding="utf-8")
 
+    @pytest.mark.parametrize("scheduler", SCHEDULERS)
+    def test_exit_codes(self, options, scheduler):
+        """75 puts the job into the queue again, 0 and other codes do not, and the script ends with the code."""
+        if scheduler in ("pbs", "lsf"):
+            case.need_ranks(options.scree)    # without MPI there is no launcher before the program
+        text = self.script(options, "--job", scheduler, "--ranks", "2", "--threads", "1")
+        for name in ("srun", "mpirun", "flux"):
+            self.stand_in(name, CODES.format(name))
+        again = {"slurm": ["scontrol requeue 4711"], "pbs": ["qsub job.sh"], "lsf": [],
+                 "flux": ["flux --parent batch job.sh"]}[scheduler]
+        for code in (75, 0, 3, 4, 1):
+            (self.folder / "codes").write_text(f"{code}\n", encoding="utf-8")
+            found, calls = self.execute(LATE, 2)
+            assert (found, calls) == (code, again if code == 75 else []), self.said
+        if scheduler == "lsf":
+            assert "#BSUB -Q 75\n" in text
+            (self.folder / "codes").write_text("75\n75\n4\n", encoding="utf-8")
+            answer = subprocess.run(["bsub", "job.sh"], cwd=self.folder, env=self.environment, timeout=60)
+            assert answer.returncode == 4
+            calls = (self.folder / "calls").read_text(encoding="utf-8").split()
+            assert calls == ["bsub", "75", "bsub", "75", "bsub", "4"]
+
+    @pytest.mark.parametrize("scheduler", SCHEDULERS)
+    def test_shellcheck(self, options, scheduler):
+        """Would catch what the shell takes and means otherwise: unquoted words, variables that are never set."""
+        if not shutil.which("shellcheck"):
+            pytest.skip("there is no shellcheck")
+        self.script(options, "--job", scheduler, "--outdir", "re sults", "--set", "run.title='it is \"so\"'")
+        answer = subprocess.run(["shellcheck", "job.sh"], cwd=self.folder, text=True, capture_output=True)
+        assert answer.returncode == 0, answer.stdout
+
+    @pytest.mark.parametrize("scheduler", ["lsf", "flux"])
+    def test_signal(self, options, scheduler):
+        """The warning signal, which LSF sends to all processes of the job and Flux to the ranks, makes the run write
+        its checkpoint and the job run again; the second part ends with the same bits as a whole run."""
+        case.need_ranks(options.scree)
+        if not shutil.which("mpirun"):
+            pytest.skip("there is no mpirun")
+        with (self.folder / "my deck.nml").open("a", encoding="utf-8") as deck:
+            deck.write("&output name = 'h'  kind = 'history'  every = 1 /\n")
+        text = self.script(options, "--job", scheduler, "--ranks", "2", "--threads", "1", "--time", "1:00:00",
+                           "--unset", "time.wall_limit", "--set", "time.t_end=1")
+        for line in {"lsf": ("#BSUB -n 2", "#BSUB -W 60", "#BSUB -wa USR1", "#BSUB -wt 5"),
+                     "flux": ("#flux: --nslots=2", "#flux: --time-limit=3600s",
+                              "   --time-limit=3540s --signal=USR1@240s \\")}[scheduler]:
+            assert f"{line}\n" in text, line
+        path = self.folder / "job.sh"
+        child = subprocess.Popen(["bash", "job.sh"], cwd=self.folder, env=self.environment, start_new_session=True,
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        history = self.folder / "out/block/block_history.csv"
+        end = time.monotonic() + 200
+        while child.poll() is None and time.monotonic() < end and not (
+                history.is_file() and history.stat().st_size > 2000):
+            time.sleep(0.02)
+        if scheduler == "lsf":
+            os.killpg(child.pid, signal.SIGUSR1)
+        else:
+            os.kill(int((self.folder / "launcher").read_text(encoding="utf-8")), signal.SIGUSR1)
+        said, _ = child.communicate(timeout=200)
+        assert child.returncode == 75, said
+        first = self.summary("out/block")["steps"]
+        last = f"time.t_end=1 --set time.max_steps={first + 20}"
+        path.write_text(text.replace("time.t_end=1", last), encoding="utf-8")
+        code, calls = self.execute(LATE, 2)
+        assert code == 0, self.said
+        assert "restart from" in (self.folder / "out/block/block.log").read_text(encoding="utf-8")
+        straight = subprocess.run([options.scree, "-q", "my deck.nml", "--outdir", "whole", "--set", "time.t_end=1",
+                                   "--unset", "time.wall_limit", "--set", f"time.max_steps={first + 20}"],
+                                  cwd=self.folder)
+        assert straight.returncode == 0
+        assert self.summary("whole")["digest"] == self.summary("out/block")["digest"]
+
+    def test_memory(self, options):
+        """Would catch memory that does not follow particles and ranks, or that is requested for each thread twice."""
+        def megabytes(*words):
+            return int(re.search(r":mem=(\d+)mb", self.script(options, "--job", "pbs", "--threads", "4", *words))[1])
+        small, fine = megabytes("--ranks", "1"), megabytes("--ranks", "1", "--set", "grid.dx=5e-4")
+        assert 256 <= small < 300
+        assert fine > small + 2*1.5*100
+        assert megabytes("--ranks", "4", "--set", "grid.dx=5e-4") - 256 < (fine - 256)/4 + 8
+        text = self.script(options, "--job", "slurm", "--ranks", "1", "--threads", "4", "--set", "grid.dx=5e-4")
+        assert abs(4*int(re.search(r"mem-per-cpu=(\d+)M", text)[1]) - fine) <= 4
+
     def test_suggestions(self, options):
         """Would catch a suggestion that does not follow the particles, and times that are taken for others."""
         text = self.script(options, "--job", "slurm", "--time", "0:05:00")
         assert "#SBATCH --ntasks=1\n" in text
         assert "#SBATCH --signal=USR1@60\n" in text
         fine = self.script(options, "--job", "slurm", "--set", "grid.dx=5e-4")
-        particles = int(fine.split("# ")[2].split()[0])
+        particles = int(re.search(r"^# (\d+) particles in", fine, re.M)[1])
         assert particles > 1.5e6
         assert f"#SBATCH --ntasks={-(-particles // 10**6)}\n" in fine
 
     def test_refusals(self, options, sheet):
         """Would catch a number or word that is taken for another, and a job that no signal reaches."""
         for words, message in [
-                (["--job", "lsf"], "--job knows slurm and pbs, not 'lsf'"),
+                (["--job", "sge"], "--job knows slurm, pbs, lsf and flux, not 'sge'"),
                 (["--job", "slurm", "--ranks", "0"], "--ranks = '0' must be an integer above 0"),
                 (["--job", "slurm", "--threads", "two"], "--threads = 'two' must be an integer above 0"),
                 (["--job", "slurm", "--time", "4h"], "--time = '4h' must be hours, minutes and seconds"),
