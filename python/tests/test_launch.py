@@ -262,4 +262,4 @@ def test_sweep_with_failures(tmp_path: Path) -> None:
         scree.sweep(LINE, "grid.dx", [1e-3, 1e-3], lambda run: 0.0, outdir=tmp_path, progress=False)
     with pytest.raises(scree.FileProblem, match="already"):
         scree.sweep(LINE, "time.dt_min", [1e-12], lambda run: 0.0, outdir=tmp_path, progress=False)
-    assert study.folder_name("body[bar].velocity", (-1.5, 0, 0)) == "velocity_-1.5_0_0"
+    assert study.folder_name({"body[bar].velocity": (-1.5, 0, 0)}) == "velocity_-1.5_0_0"

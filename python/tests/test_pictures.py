@@ -13,11 +13,11 @@ import pytest
 
 import scree
 
-render: Any = importlib.import_module("scree_post.render")
-smear: Any = importlib.import_module("scree_post.smear")
-space: Any = importlib.import_module("scree_post.space")
-areal_density: Any = importlib.import_module("scree_post.areal_density")
-colour: Any = importlib.import_module("scree_post.colour")
+render: Any = importlib.import_module("scree.drawing.render")
+smear: Any = importlib.import_module("scree.drawing.smear")
+space: Any = importlib.import_module("scree.drawing.space")
+areal_density: Any = importlib.import_module("scree.drawing.areal_density")
+colour: Any = importlib.import_module("scree.drawing.colour")
 panel: Any = importlib.import_module("scree_post.panel")
 command: Any = importlib.import_module("scree_post.command")
 files: Any = importlib.import_module("scree.files")

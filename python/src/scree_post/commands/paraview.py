@@ -6,15 +6,18 @@
 
 Other fields are in the list of colours of ParaView. The script is a start; change it as you like.
 """
+from __future__ import annotations
+
+import argparse
 import os
 
 import numpy as np
 
+from scree.drawing import colour as colours
+from scree.drawing import look
+from scree.drawing.shape import particle_size
+from scree.errors import EXIT_USAGE, ScreeError
 from scree.files import series, series_file, snapshot
-from .. import colour as colours
-from .. import look
-from ..errors import EXIT_USAGE, PostError
-from ..shape import particle_size
 
 SUMMARY = "a script that opens a run in ParaView, with colours and camera"
 EXAMPLES = ("paraview out/two_discs --colour pressure", "paraview out/debris_cloud_3d --out cloud.py")
@@ -80,7 +83,7 @@ if len(sys.argv) > 1 and sys.argv[-1].endswith(".png"):
 '''
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     parser.add_argument("source", metavar="SERIES", help="CASE_p.hdf.series or out/CASE")
     parser.add_argument("--colour", "--color", metavar="FIELD",
@@ -88,17 +91,17 @@ def add_arguments(parser):
     parser.add_argument("--out", metavar="PY", help="script; default CASE_view.py beside the series")
 
 
-def script_of(source, name, out):
+def script_of(source: str, name: str | None, out: str) -> str:
     """The text of the script."""
     file = series(source)[-1][1]
     snap = snapshot(file, own_units=True)                # ParaView shows the numbers of the file
     if len(snap.points) == 0:
-        raise PostError(f"{file} holds no particles", EXIT_USAGE)
+        raise ScreeError(f"{file} holds no particles", EXIT_USAGE)
     name = name or "velocity"
     values = colours.values_of(snap, name)
     field, part = colours.field_of(name)
     if field not in snap.fields:
-        raise PostError(f"{name} is no field of the files, which ParaView needs", EXIT_USAGE)
+        raise ScreeError(f"{name} is no field of the files, which ParaView needs", EXIT_USAGE)
     low, high = colours.sensible(values[np.isfinite(values)])
     signed = low < 0.0 < high and min(-low, high) > 0.1 * max(-low, high)
     if signed:
@@ -115,18 +118,18 @@ def script_of(source, name, out):
         radius=float(SPREAD * metres * np.median(size)), flat=snap.dimension != "3d")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read the last snapshot, write the script."""
     source = series_file(arguments.source)
     out = arguments.out or f"{os.path.splitext(os.path.splitext(source)[0])[0].removesuffix('_p')}_view.py"
     if not out.endswith(".py"):
-        raise PostError(f"--out {out}: write a .py", EXIT_USAGE)
+        raise ScreeError(f"--out {out}: write a .py", EXIT_USAGE)
     text = script_of(source, arguments.colour, out)
     compile(text, out, "exec")
     try:
         with open(out, "w", encoding="utf-8") as file:
             file.write(text)
     except OSError as error:
-        raise PostError(f"cannot write {out}: {error.strerror}") from error
+        raise ScreeError(f"cannot write {out}: {error.strerror}") from error
     print(f"wrote {out}: paraview --script={out}")
     return 0

@@ -4,13 +4,27 @@
 Without --y the page holds energies, momenta, masses and their errors. With --y there is a panel
 for each unit among the columns; several histories are drawn into the same panels.
 """
+from __future__ import annotations
+
+import argparse
 import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .. import ledger_page, look
-from ..errors import EXIT_USAGE, PostError, unknown
+from scree.drawing import look
+from scree.errors import EXIT_USAGE, ScreeError, unknown
 from scree.files import history, history_file
+
+from .. import ledger_page
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from scree.arrays import Array
+    from scree.files import History
 
 SUMMARY = "columns of histories against time or each other"
 EXAMPLES = ("plot out/two_discs/two_discs_history.csv",
@@ -21,7 +35,7 @@ QUANTITY = {"J": "energy", "kg": "mass", "s": "time", "m": "length", "m/s": "vel
 DASHES = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 2, 1, 2)))
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("histories", metavar="HISTORY", nargs="+", help="CASE_history.csv or out/CASE")
@@ -34,21 +48,21 @@ def add_arguments(parser):
     add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
 
 
-def case_of(path):
+def case_of(path: str) -> str:
     """Name of the case of a history."""
     return os.path.splitext(os.path.basename(path))[0].removesuffix("_history")
 
 
-def column(table, name, path):
+def column(table: History, name: str, path: str) -> Array:
     """A column, or an error that names those there are."""
     if name not in table:
         raise unknown("column", name, table.order, path)
     return table[name]
 
 
-def groups(tables, names, paths):
+def groups(tables: Sequence[History], names: Sequence[str], paths: Sequence[str]) -> dict[str, list[str]]:
     """Columns by unit, in the order of the command line."""
-    found = {}
+    found: dict[str, list[str]] = {}
     for name in names:
         for table, path in zip(tables, paths):
             column(table, name, path)
@@ -56,12 +70,13 @@ def groups(tables, names, paths):
     return found
 
 
-def largest(tables, names):
+def largest(tables: Sequence[History], names: Sequence[str]) -> float:
     """Largest finite size of columns of several histories."""
     return max(ledger_page.largest(table, names) for table in tables)
 
 
-def draw_panel(axes, tables, paths, names, arguments, factor_x):
+def draw_panel(axes: Axes, tables: Sequence[History], paths: Sequence[str], names: Sequence[str],
+               arguments: argparse.Namespace, factor_x: float) -> None:
     """Columns of one unit of all histories."""
     unit = tables[0].units[names[0]]
     size = largest(tables, names)
@@ -92,17 +107,18 @@ def draw_panel(axes, tables, paths, names, arguments, factor_x):
         axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0)
 
 
-def chosen_columns(tables, paths, arguments):
+def chosen_columns(tables: Sequence[History], paths: Sequence[str], arguments: argparse.Namespace) -> Figure:
     """The figure of chosen columns, a panel for each unit."""
     names = [name.strip() for name in arguments.y.split(",") if name.strip()]
     if not names:
-        raise PostError("--y names no column", EXIT_USAGE)
+        raise ScreeError("--y names no column", EXIT_USAGE)
     for table, path in zip(tables, paths):
         column(table, arguments.x, path)
     panels = groups(tables, names, paths)
     if arguments.log and not any(np.any(t[name] != 0.0) for t in tables for name in names):
-        raise PostError("--log: all these columns are zero", EXIT_USAGE)
+        raise ScreeError("--log: all these columns are zero", EXIT_USAGE)
     plot = look.pyplot()
+    figure: Figure
     figure, grid = plot.subplots(len(panels), 1, figsize=(8.0, 3.4 * len(panels) + 0.6),
                                  squeeze=False, layout="constrained", sharex=True)
     factor, unit = look.label_unit(largest(tables, [arguments.x]), tables[0].units[arguments.x])
@@ -115,7 +131,7 @@ def chosen_columns(tables, paths, arguments):
     return figure
 
 
-def say(table, path, lone):
+def say(table: History, path: str, lone: bool) -> None:
     """The state of the ledger at the end."""
     head = "" if lone else f"{case_of(path)}: "
     print(f"{head}{len(table['time'])} lines, time {table['time'][0]:.6g} to "
@@ -126,15 +142,15 @@ def say(table, path, lone):
                   f"end {abs(table[name][-1]):.2e}")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read, plot, and print the state of the ledger at the end."""
     paths = [history_file(path) for path in arguments.histories]
     tables = [history(path) for path in paths]
     for table, path in zip(tables, paths):
         if "time" not in table:
-            raise PostError(f"{path} has no column 'time [s]'")
+            raise ScreeError(f"{path} has no column 'time [s]'")
     if arguments.y is None and len(paths) > 1:
-        raise PostError("several histories need --y, the columns to compare", EXIT_USAGE)
+        raise ScreeError("several histories need --y, the columns to compare", EXIT_USAGE)
     out = arguments.out or os.path.splitext(paths[0])[0] + ".png"
     look.check_picture(out)
     if arguments.y is None:

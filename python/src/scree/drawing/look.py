@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The look shared by all pictures: letters, colours, units that can be read, saving."""
+from __future__ import annotations
+
 import math
 import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
-from .errors import EXIT_USAGE, PostError, modules
+from ..errors import EXIT_USAGE, ScreeError, modules
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Colours that people with any colour vision tell apart (Okabe and Ito 2008).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
@@ -13,7 +20,7 @@ LARGEST = 250000         # bytes of a picture that keeps all its colours
 ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
 
 
-def pyplot():
+def pyplot() -> Any:
     """Matplotlib in the look shared by all pictures."""
     (plot,) = modules("matplotlib.pyplot")
     plot.rcParams.update({
@@ -26,27 +33,27 @@ def pyplot():
     return plot
 
 
-def words(name):
+def words(name: str) -> str:
     """A column or field name as a label."""
     return name.replace("_", " ")
 
 
-def check_picture(path, option="--out"):
+def check_picture(path: str, option: str = "--out") -> None:
     """Refuse a picture of an unknown kind or in no folder before any work is done."""
     if os.path.splitext(path)[1].lower() not in ENDINGS:
-        raise PostError(f"{option} {path}: write a .png, .pdf, .svg, .jpg or .tif", EXIT_USAGE)
+        raise ScreeError(f"{option} {path}: write a .png, .pdf, .svg, .jpg or .tif", EXIT_USAGE)
     folder = os.path.dirname(path) or "."
     if not os.path.isdir(folder):
-        raise PostError(f"cannot write {path}: no folder {folder}")
+        raise ScreeError(f"cannot write {path}: no folder {folder}")
 
 
-def power(size):
+def power(size: float) -> tuple[float, str]:
     """Factor and prefix that bring an odd unit to readable numbers, such as (1e3, "10^-3 ")."""
     exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
     return (1.0, "") if exponent in (0, 3) else (10.0 ** -exponent, f"$10^{{{exponent}}}$ ")
 
 
-def label_unit(size, unit):
+def label_unit(size: float, unit: str) -> tuple[float, str]:
     """Factor and unit for an axis whose largest number has this size."""
     factor, label = scaled(size, unit)
     if label == unit and factor == 1.0 and unit not in ("J", "m", "kg", "s", "Pa", "K", "m/s"):
@@ -55,12 +62,12 @@ def label_unit(size, unit):
     return factor, "" if label == "1" else label
 
 
-def with_unit(label, unit):
+def with_unit(label: str, unit: str) -> str:
     """An axis label: words and unit in brackets, if there is one."""
     return f"{label} [{unit}]" if unit and unit != "1" else label
 
 
-def scaled(largest, unit):
+def scaled(largest: float, unit: str) -> tuple[float, str]:
     """Factor and label that make numbers of this size readable, such as (1e6, "µs")."""
     steps = {
         "s": ((1.0, 1.0, "s"), (1.0e-3, 1.0e3, "ms"), (1.0e-6, 1.0e6, "µs"), (0.0, 1.0e9, "ns")),
@@ -76,7 +83,7 @@ def scaled(largest, unit):
     return scaled_step(steps.get(unit, ((0.0, 1.0, unit),)), largest)
 
 
-def scaled_step(steps, largest):
+def scaled_step(steps: Sequence[tuple[float, float, str]], largest: float) -> tuple[float, str]:
     """First step whose lower bound the number reaches."""
     for bound, factor, label in steps:
         if largest >= bound:
@@ -84,7 +91,7 @@ def scaled_step(steps, largest):
     return steps[-1][1:]
 
 
-def save(figure, path, dpi):
+def save(figure: Figure, path: str, dpi: float) -> None:
     """Write a picture under a temporary name, then rename it, so that no half picture is left."""
     stem, ending = os.path.splitext(path)
     check_picture(path)
@@ -95,12 +102,12 @@ def save(figure, path, dpi):
     except OSError as error:
         if os.path.exists(part):
             os.remove(part)
-        raise PostError(f"cannot write {path}: {error.strerror or error}") from error
+        raise ScreeError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         pyplot().close(figure)
 
 
-def make_small(path, largest=LARGEST, dither=False):
+def make_small(path: str | os.PathLike[str], largest: int = LARGEST, dither: bool = False) -> None:
     """Leave 256 colours to a picture in a file of more bytes than that; dots of several colours stand for others."""
     (image,) = modules("PIL.Image")
     if os.path.getsize(path) > largest:
