@@ -21,10 +21,11 @@ from typing import TYPE_CHECKING, Any
 
 from . import grids
 from .convergence import Verdict, forecast, judge
+from .drawing.look import COLOURS
 from .errors import ScreeError, error_of_run
 from .launch import deck_file, is_text, options_of, progress_bar
 from .launch import run as run_deck
-from .plot import COLOURS, label
+from .plot import label
 from .program import find_program
 from .quantities import unit_of, value_of
 from .results import Run

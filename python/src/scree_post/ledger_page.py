@@ -35,7 +35,7 @@ FLOOR = 1.0e-17          # errors below are drawn here: round-off of one number 
 BOOKKEEPING = ("step", "particles")
 
 Style = Callable[[str], tuple[str, Any, Union[str, None]]]   # colour, dash and label of a column
-Draw = Callable[["Axes", "Array", History], None]
+Draw = Callable[["Axes", "Array", "History"], None]
 
 
 def present(table: History, names: Iterable[str]) -> list[str]:
@@ -54,7 +54,7 @@ def lines(axes: Axes, time: Array, table: History, names: Sequence[str], style: 
     """Draw columns of one unit; `style` gives colour, dash and label of a name."""
     unit = table.units[names[0]]
     size = largest(table, names)
-    factor, label = look.label_unit(size, unit)
+    factor, label = look.readable_unit(size, unit)
     for name in names:
         colour, dash, text = style(name)
         axes.plot(
@@ -137,7 +137,7 @@ def others(names: Sequence[str]) -> Draw:
         label = lines(axes, time, table, names, lambda n: (
             look.COLOURS[names.index(n) % len(look.COLOURS)], "-", look.words(n)))
         title = look.words(names[0]).capitalize() if len(names) == 1 else "Further columns"
-        axes.set_ylabel(f"[{label}]" if label else "")
+        axes.set_ylabel(f"[{label}]" if label not in ("", "1") else "")
         axes.set_title(title, loc="left")
     return draw
 

@@ -160,7 +160,7 @@ def colour_for(name: str, snaps: Sequence[Snapshot], wanted: Sequence[float] | N
             high = max(-low, high)
             low = -high
     signed = low < 0.0 < high and abs(low + high) < 1.0e-9 * high
-    factor, unit = look.label_unit(max(abs(low), abs(high)), unit)
+    factor, unit = look.readable_unit(max(abs(low), abs(high)), unit)
     slack = 1.0e-6 * (high - low)
     beyond = (bool((found < low - slack).any()), bool((found > high + slack).any()))
     return Colour(name, label_of(snap, name), unit, factor, factor * low, factor * high,

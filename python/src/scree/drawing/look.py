@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..errors import EXIT_USAGE, ScreeError, modules
@@ -47,48 +46,40 @@ def check_picture(path: str, option: str = "--out") -> None:
         raise ScreeError(f"cannot write {path}: no folder {folder}")
 
 
-def power(size: float) -> tuple[float, str]:
-    """Factor and prefix that bring an odd unit to readable numbers, such as (1e3, "10^-3 ")."""
-    exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
-    return (1.0, "") if exponent in (0, 3) else (10.0 ** -exponent, f"$10^{{{exponent}}}$ ")
-
-
-def label_unit(size: float, unit: str) -> tuple[float, str]:
-    """Factor and unit for an axis whose largest number has this size."""
-    factor, label = scaled(size, unit)
-    if label == unit and factor == 1.0 and unit not in ("J", "m", "kg", "s", "Pa", "K", "m/s"):
-        factor, prefix = power(size)
-        label = prefix.strip() if unit == "1" else prefix + unit
-    return factor, "" if label == "1" else label
-
-
 def with_unit(label: str, unit: str) -> str:
     """An axis label: words and unit in brackets, if there is one."""
     return f"{label} [{unit}]" if unit and unit != "1" else label
 
 
+STEPS: dict[str, tuple[tuple[float, float, str], ...]] = {   # least size, factor, label
+    "s": ((1.0, 1.0, "s"), (1.0e-3, 1.0e3, "ms"), (1.0e-6, 1.0e6, "µs"), (0.0, 1.0e9, "ns")),
+    "m": ((0.5, 1.0, "m"), (5.0e-4, 1.0e3, "mm"), (0.0, 1.0e6, "µm")),
+    "J": ((1.0e6, 1.0e-6, "MJ"), (1.0e3, 1.0e-3, "kJ"), (1.0, 1.0, "J"), (0.0, 1.0e3, "mJ")),
+    "N": ((1.0e6, 1.0e-6, "MN"), (1.0e3, 1.0e-3, "kN"), (1.0, 1.0, "N"), (0.0, 1.0e3, "mN")),
+    "W": ((1.0e6, 1.0e-6, "MW"), (1.0e3, 1.0e-3, "kW"), (1.0, 1.0, "W"), (0.0, 1.0e3, "mW")),
+    "Pa": ((1.0e9, 1.0e-9, "GPa"), (1.0e6, 1.0e-6, "MPa"), (1.0e3, 1.0e-3, "kPa"), (0.0, 1.0, "Pa")),
+    "kg": ((1.0, 1.0, "kg"), (1.0e-3, 1.0e3, "g"), (0.0, 1.0e6, "mg")),
+    "m/s": ((1.0e3, 1.0e-3, "km/s"), (0.0, 1.0, "m/s")),
+    "K": ((0.0, 1.0, "K"),),
+}
+
+
 def scaled(largest: float, unit: str) -> tuple[float, str]:
-    """Factor and label that make numbers of this size readable, such as (1e6, "µs")."""
-    steps = {
-        "s": ((1.0, 1.0, "s"), (1.0e-3, 1.0e3, "ms"), (1.0e-6, 1.0e6, "µs"), (0.0, 1.0e9, "ns")),
-        "m": ((0.5, 1.0, "m"), (5.0e-4, 1.0e3, "mm"), (0.0, 1.0e6, "µm")),
-        "J": ((1.0e6, 1.0e-6, "MJ"), (1.0e3, 1.0e-3, "kJ"), (1.0, 1.0, "J"), (0.0, 1.0e3, "mJ")),
-        "Pa": ((1.0e9, 1.0e-9, "GPa"), (1.0e6, 1.0e-6, "MPa"), (1.0e3, 1.0e-3, "kPa"),
-               (0.0, 1.0, "Pa")),
-        "kg": ((1.0, 1.0, "kg"), (1.0e-3, 1.0e3, "g"), (0.0, 1.0e6, "mg")),
-        "m/s": ((1.0e3, 1.0e-3, "km/s"), (0.0, 1.0, "m/s")),
-    }
-    if unit == "s" and largest >= 1.0e-6:                # impacts are told in microseconds
-        return (1.0e6, "µs") if largest < 1.0e-3 else scaled_step(steps[unit], largest)
-    return scaled_step(steps.get(unit, ((0.0, 1.0, unit),)), largest)
+    """Factor and label that make numbers of this size readable, such as (1e6, "µs"); other units stay."""
+    steps = STEPS.get(unit, ((0.0, 1.0, unit),))
+    return next(((factor, label) for bound, factor, label in steps if largest >= bound), steps[-1][1:])
 
 
-def scaled_step(steps: Sequence[tuple[float, float, str]], largest: float) -> tuple[float, str]:
-    """First step whose lower bound the number reaches."""
-    for bound, factor, label in steps:
-        if largest >= bound:
-            return factor, label
-    return steps[-1][1:]
+def readable_unit(size: float, unit: str) -> tuple[float, str]:
+    """Factor and unit for an axis whose largest number has this size: (1e-6, "MPa"), or (1e-6, "$10^{6}$ 1/s")."""
+    if not (size > 0.0 and math.isfinite(size)) or unit == "":
+        return 1.0, unit
+    if unit in STEPS:
+        return scaled(size, unit)
+    exponent = 3 * math.floor(math.log10(size) / 3.0 + 1.0e-9)
+    if exponent in (0, 3):
+        return 1.0, unit
+    return 10.0 ** -exponent, f"$10^{{{exponent}}}$" + ("" if unit == "1" else f" {unit}")
 
 
 def save(figure: Figure, path: str, dpi: float) -> None:

@@ -20,12 +20,11 @@ from scree.drawing import look
 from scree.errors import EXIT_USAGE, ScreeError
 
 from ..grains import force_chains, material, memory, moduli, pictures, rheology, tables
-from ..grains.cell_run import read_run
+from ..grains.cell_run import CellRun, read_run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..grains.cell_run import CellRun
     from ..grains.memory import Memory
     from ..grains.moduli import Moduli
     from ..grains.rheology import Fits, SteadyShear
@@ -35,6 +34,7 @@ EXAMPLES = ("grains out/grain_cell",
             "grains out/grain_cell --tau reversal --stage reverse",
             "grains out/grain_cell --law mu_i --out mu_i.nml")
 
+# runs, their steady shear, and by run what was measured of tau and the probes
 Measured = tuple[list[CellRun], list[rheology.SteadyShear], list[tuple[CellRun, list[memory.Memory]]],
                  list[tuple[CellRun, list[moduli.Moduli]]]]
 

@@ -19,7 +19,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas
 
 from scree.drawing import look
 from scree.errors import EXIT_DIFFERENT, EXIT_USAGE, FileProblem, ScreeError, readable, unknown
@@ -146,6 +145,7 @@ def earlier(base: str, study: Study, runs: Sequence[Combination], case: str) -> 
 
 def write_table(path: str, rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> None:
     """The table, units in the heading."""
+    import pandas
     heads = {key: f"{key} [{units[key]}]" if units.get(key, "1") not in ("", "1") else key for key in rows[0]}
     pandas.DataFrame(rows).rename(columns=heads).to_csv(path + ".part", index=False, float_format="%.9g")
     os.replace(path + ".part", path)
@@ -179,7 +179,7 @@ def picture(rows: Sequence[Mapping[str, Any]], keys: Mapping[str, Sequence[str]]
     cells = list(grid.ravel())
     for axes, name in zip(cells, names):
         size = max((abs(row[name]) for row in rows if row["exit_code"] == 0), default=0.0)
-        factor, unit = look.label_unit(size, units.get(name) or "1")
+        factor, unit = look.readable_unit(size, units.get(name) or "1")
         for tint, (label, part) in enumerate(groups.items()):
             across = [(places if numeric else range(len(keys[first])))[keys[first].index(row[first])] for row in part]
             order = np.argsort(across)
