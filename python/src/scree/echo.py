@@ -9,10 +9,10 @@ from .errors import FileProblem
 
 
 @functools.lru_cache(maxsize=8)
-def _read(echo: str) -> dict[str, Any]:
+def _read(echo: str) -> Any:
     import f90nml
     try:
-        return dict(f90nml.reads(echo))
+        return f90nml.reads(echo)
     except (ValueError, StopIteration, AssertionError) as error:
         raise FileProblem(f"the deck that a file carries cannot be read: {error}") from error
 
