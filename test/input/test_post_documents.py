@@ -16,10 +16,10 @@ import pytest
 import case
 import report
 from post_command import INPUT, call, run_cases
+from scree.errors import ScreeError
 from scree_post import film
 from scree_post.command import load
 from scree_post.commands import COMMANDS
-from scree.errors import ScreeError
 
 DOCUMENTS = ("README.md", "doc/learn/first_deck.md", "doc/guide/post_processing.md", "doc/guide/accuracy.md",
              "doc/reference/matter_outputs.md", "doc/guide/grain_cell.md", "doc/reference/materials.md",

@@ -18,8 +18,8 @@ import tier
 from post_command import call, run_cases, series
 from sample_snapshots import matter, write
 from scree.drawing import view_options
-from scree_post import film, fragment_table, pieces
 from scree.drawing.colour import colour_for, paint, values_of
+from scree_post import film, fragment_table, pieces
 from scree_post.command import parser_of
 from scree_post.commands import movie as movie_command
 

@@ -15,8 +15,8 @@ import subprocess
 import pytest
 
 import case
-from scree_bench import cases, command, machine, measure, result, tables
 from scree.errors import ScreeError
+from scree_bench import cases, command, machine, measure, result, tables
 
 FOLDER = "wo rk ü"
 MILLION = 1000000

@@ -76,7 +76,7 @@ def fragments_of(snap: Snapshot, factor: float = 1.5, cell: float | None = None,
         snap.points, np.arange(len(snap.points)), np.ones((len(snap.points), 3)))
     mass = snap.fields["mass"].astype("f8")[rows]
     failed = failed_of(snap)[rows]
-    width = particle_size(snap, snap.points[:, 0])[rows]
+    width = particle_size(snap)[rows]
     good = ~failed & np.isfinite(positions).all(axis=1)
     box, axes = box_of(snap), plane_axes(snap)
     around = box.periodic & set(axes) if box.low is not None and box.high is not None else set()

@@ -44,7 +44,7 @@ def particles(axes: Axes, snap: Snapshot, values: Any, *, low: float | None = No
     if "volume" not in snap.fields:
         mass, density = snap.need("mass", "density")
         snap.fields["volume"] = mass / density
-    size = particle_size(snap, snap.points[:, 0])
+    size = particle_size(snap)
     middle, edges = snap.points[rows][:, [0, 2]], 0.5 * plane_edges(snap, size)[rows]
     if not isinstance(values, str):
         values = np.concatenate([np.asarray(values)[rows] for _ in sides])

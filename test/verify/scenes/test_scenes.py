@@ -21,8 +21,8 @@ import pytest
 import gallery
 import scree_scene
 import tier
-from scree.errors import ScreeError
 from scree import study
+from scree.errors import ScreeError
 
 ROOT = Path(__file__).resolve().parents[3]
 SHORT = ("cell_crossing", "driven_plate", "taylor_copper", "two_discs")    # the others take minutes

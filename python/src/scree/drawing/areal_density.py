@@ -179,7 +179,7 @@ def radiograph(snap: Snapshot, pixel: float, sight: str = "y", towards: float = 
     if snap.dimension == "plane_strain" and sight == "x":
         raise ScreeError("plane strain is seen along y only: --axis y", EXIT_USAGE)
     side = 1 if sight == "x" and not round_model else 0
-    size = particle_size(snap, snap.points[:, 0])
+    size = particle_size(snap)
     if round_model and (snap.points[:, 0] < 0.0).any():
         raise ScreeError(f"{snap.file}: axisymmetric particles at a negative radius")
     part, places, share, half = parts_of(snap, snap.points, size, smear)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import EXIT_USAGE, ScreeError, unknown
+from ..snapshot import COMPONENTS
 from . import look
 from .shape import particle_size
 
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from ..arrays import Array
     from ..files import Snapshot
 
-COMPONENTS = {3: ("x", "y", "z"), 6: ("xx", "yy", "zz", "xy", "yz", "xz"),
-              9: ("xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", "zz")}
 WHOLE = ("body", "material", "failed", "fragment")
 FAILED = ("intact", "failed")
 NO_FRAGMENT = "#c8c8c8"                                  # dust and what does not count
@@ -105,7 +104,7 @@ def fragment_size(snap: Snapshot) -> Array:
     area; not a number where a particle belongs to none."""
     number, _ = snap.need("fragment", "volume")
     number = number.astype(int)
-    size = particle_size(snap, snap.points[:, 0])
+    size = particle_size(snap)
     if snap.dimension == "3d":
         width = np.cbrt(np.bincount(number, size ** 3) * 6.0 / np.pi)
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,20 +18,27 @@ if TYPE_CHECKING:
 MOST_STRETCH = 16.0      # square of the longest edge over the area; more is drawn as a square
 
 
-def particle_size(snap: Snapshot, radius: Array | None = None) -> Array:
-    """Present width of each particle in the plane of the model [m]."""
-    volume = np.where(np.isfinite(snap.fields["volume"]), snap.fields["volume"], 0.0).astype("f8")
-    volume = np.maximum(volume, 0.0)
+def widths(dimension: str, volume: Array, radius: Array, thickness: Callable[[int], float]) -> Array:
+    """Width of particles in the plane of the model [m] from their volumes [m3].
+
+    `thickness` gives the size of the model along an axis that its plane lacks, 1 for y and 2 for z [m].
+    """
+    volume = np.maximum(np.where(np.isfinite(volume), volume, 0.0).astype("f8"), 0.0)
     size: Array
-    if snap.dimension == "axisymmetric":
-        size = np.sqrt(volume / (2.0 * math.pi * np.maximum(snap.points[:, 0] if radius is None else radius, 1.0e-300)))
-    elif snap.dimension == "plane_strain":
-        size = np.sqrt(volume / thickness(snap))
-    elif snap.dimension == "1d":
-        size = volume / (thickness(snap, 1) * thickness(snap, 2))
+    if dimension == "axisymmetric":
+        size = np.sqrt(volume / (2.0 * math.pi * np.maximum(radius, 1.0e-300)))
+    elif dimension == "plane_strain":
+        size = np.sqrt(volume / thickness(1))
+    elif dimension == "1d":
+        size = volume / (thickness(1) * thickness(2))
     else:
         size = np.cbrt(volume)
     return size
+
+
+def particle_size(snap: Snapshot) -> Array:
+    """Present width of each particle in the plane of the model [m]."""
+    return widths(snap.dimension, snap.fields["volume"], snap.points[:, 0], lambda axis: thickness(snap, axis))
 
 
 def plane_edges(snap: Snapshot, size: Array) -> Array:

@@ -102,7 +102,7 @@ def matter(snap: Snapshot, options: Options) -> Matter:
     snap.need("volume")
     keep = chosen_rows(snap, options)
     values = colours.values_of(snap, options.colour.name)
-    size = particle_size(snap, snap.points[:, 0])
+    size = particle_size(snap)
     points, rows = snap.points, np.arange(len(snap.points))
     signs = np.ones((len(rows), 3))
     if options.mirror:
