@@ -7,6 +7,7 @@ others, points or fields that are lost on the way, and a view script or a state 
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -148,8 +149,11 @@ def test_script_and_state(options, sheet):
     last = expected(sorted(folder.glob("debris_cloud_p_[0-9]*.hdf"))[-1])
     time, half_height = json.loads(said[0][5:])
     sheet.require(np.isclose(time, last["time"], rtol=1e-9), f"time {time} of the state")
+    text = script.read_text(encoding="utf-8")
+    wanted = float(re.search(r"^MIDDLE, HALF_HEIGHT = \[.*\], (\S+)", text, re.M).group(1))
     height = 0.5 * (last["bounds"][5] - last["bounds"][4])
     sheet.require(0.2 * height < half_height < 2.0 * height, f"half height {half_height} of the window, {height}")
+    sheet.require(np.isclose(half_height, wanted, rtol=1e-9), f"half height {half_height} of the state, not {wanted}")
     for name in ("script", "state"):
         picture = work / f"{name}.png"
         sheet.require(picture.is_file(), f"{name}: no picture: {answers[0].stdout}{answers[0].stderr}")

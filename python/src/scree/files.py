@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import os
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +48,18 @@ def history_file(path: str) -> str:
         raise FileProblem(f"{path}: {len(found) or 'no'} histories (*_history.csv) in this folder, "
                         f"name the file{': ' if found else ''}{', '.join(found)}")
     return path
+
+
+def beside(source: str, ending: str) -> str:
+    """A file beside a series or a snapshot: CASE and an ending such as _view.py."""
+    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
+    return os.path.join(os.path.dirname(source) or ".", stem + ending)
+
+
+def nearest(frames: Sequence[Moment], times: Iterable[float]) -> list[Moment]:
+    """The snapshots of a series that are nearest to times [s], each once, in their order."""
+    rows = {min(range(len(frames)), key=lambda row: abs(frames[row][0] - time)) for time in times}
+    return [frames[row] for row in sorted(rows)]
 
 
 def series(path: str, own_units: bool = False) -> list[Moment]:

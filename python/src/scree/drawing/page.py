@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import files
 from ..errors import EXIT_USAGE, ScreeError
 from ..files import snapshot
 from . import view_options
@@ -41,8 +42,7 @@ def options(**values: Any) -> argparse.Namespace:
 
 def nearest(frames: Sequence[Moment], time: float | None) -> str:
     """File of the snapshot nearest to a time [s], of the last one if there is no time."""
-    times = np.array([moment for moment, _ in frames])
-    return frames[-1 if time is None else int(np.argmin(np.abs(times - time)))][1]
+    return (frames[-1] if time is None else files.nearest(frames, [time])[0])[1]
 
 
 def picture(file: str, arguments: argparse.Namespace) -> tuple[Figure, Snapshot]:

@@ -19,7 +19,7 @@ import numpy as np
 from scree.drawing import look
 from scree.drawing.quantity import quantity
 from scree.errors import EXIT_USAGE, ScreeError
-from scree.files import series, series_file, snapshot
+from scree.files import beside, nearest, series, series_file, snapshot
 
 from ..fragment_table import COLUMNS, fragments_of
 from ..progress import Progress
@@ -27,7 +27,7 @@ from ..progress import Progress
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from scree.files import Moment
+    from scree.files import Moment, beside, nearest
 
     from ..fragment_table import Fragments
 
@@ -65,9 +65,7 @@ def chosen(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[
     """The snapshots asked for."""
     if arguments.all:
         return frames
-    times = np.array([time for time, _ in frames])
-    wanted = arguments.time or [times[-1]]
-    return [frames[row] for row in sorted({int(np.argmin(np.abs(times - t))) for t in wanted})]
+    return nearest(frames, arguments.time or [frames[-1][0]])
 
 
 def write_table(path: str, found: Sequence[Fragments]) -> None:
@@ -151,9 +149,8 @@ def run(arguments: argparse.Namespace) -> int:
     check_arguments(arguments)
     source = series_file(arguments.source)
     frames = chosen(series(source), arguments)
-    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
-    beside = os.path.join(os.path.dirname(source) or ".", f"{stem}_pieces")
-    out, path = arguments.out or beside + ".png", arguments.table or beside + ".csv"
+    out = arguments.out or beside(source, "_pieces.png")
+    path = arguments.table or beside(source, "_pieces.csv")
     look.check_picture(out)
     found, title = [], ""
     with Progress(len(frames), "searching") as progress:

@@ -7,7 +7,6 @@ Window and colours are the same on all pages. An .mp4 is written with ffmpeg, a 
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -15,14 +14,14 @@ from scree.drawing import view_options
 from scree.drawing.quantity import quantity
 from scree.drawing.view import to_pixels
 from scree.errors import EXIT_USAGE, ScreeError
-from scree.files import series, series_file
+from scree.files import beside, series, series_file
 
 from .. import film
 from ..progress import Progress
 
 if TYPE_CHECKING:
     from scree.arrays import Array
-    from scree.files import Moment
+    from scree.files import Moment, beside
 
 SUMMARY = "a film of all times, .mp4 or .gif"
 EXAMPLES = ("movie out/two_discs --colour pressure --out discs.mp4",
@@ -67,11 +66,9 @@ def choose(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[
 def run(arguments: argparse.Namespace) -> int:
     """Read, draw, encode."""
     source = series_file(arguments.source)
-    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
     frames = choose(series(source), arguments)
     view_options.settle_colour(arguments, frames[-1][1])
-    out = arguments.out or os.path.join(
-        os.path.dirname(source) or ".", f"{stem}_{arguments.colour.replace('.', '_')}.mp4")
+    out = arguments.out or beside(source, f"_{arguments.colour.replace('.', '_')}.mp4")
     film.check_film(out)
     page = view_options.pages(arguments, view_options.sample(frames))
 

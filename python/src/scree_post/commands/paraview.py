@@ -26,7 +26,7 @@ from scree.drawing.shape import mirror_faces, particle_size
 from scree.drawing.space import basis, framed
 from scree.drawing.view import Matter, Options, fields_for, matter
 from scree.errors import EXIT_USAGE, ScreeError
-from scree.files import Snapshot, series, series_file, snapshot
+from scree.files import Snapshot, beside, series, series_file, snapshot
 
 SUMMARY = "a script and a state file that open a run in ParaView"
 EXAMPLES = ("paraview out/two_discs --colour pressure", "paraview out/debris_cloud_3d --out cloud.py")
@@ -50,7 +50,7 @@ from pathlib import Path
 
 from paraview.simple import (
     AnnotateTimeFilter, ColorBy, GetActiveViewOrCreate, GetAnimationScene, GetColorTransferFunction, GetScalarBar,
-    OpenDataFile, Reflect, Render, SaveScreenshot, SaveState, Show)
+    OpenDataFile, Reflect, Render, SaveScreenshot, SaveState, Show, _DisableFirstRenderCameraReset)
 
 SERIES = Path({series!r})
 FIELD, COMPONENT = {field!r}, {component!r}              # of a vector "Magnitude"
@@ -63,6 +63,7 @@ FLAT = {flat!r}                                          # a run in a plane: loo
 MIDDLE, HALF_HEIGHT = {middle!r}, {half_height!r}        # of the window
 CLOCK, SECOND = {clock!r}, {second!r}                    # factor and unit of the time that is shown
 
+_DisableFirstRenderCameraReset()                         # the camera stays as it is set below
 particles = OpenDataFile(str(SERIES if SERIES.exists() else Path.cwd() / SERIES.name))
 model = particles
 for axis, place in MIRRORS:
@@ -201,7 +202,7 @@ def write_state(script: str) -> str:
 def run(arguments: argparse.Namespace) -> int:
     """Read the last snapshot, write the script and the state file."""
     source = series_file(arguments.source)
-    out = arguments.out or f"{os.path.splitext(os.path.splitext(source)[0])[0].removesuffix('_p')}_view.py"
+    out = arguments.out or beside(source, "_view.py")
     if not out.endswith(".py"):
         raise ScreeError(f"--out {out}: write a .py", EXIT_USAGE)
     text = script_of(source, arguments.colour, out)

@@ -7,11 +7,10 @@ in three dimensions as spheres. Models with mirror planes are completed.
 from __future__ import annotations
 
 import argparse
-import os
 
 from scree.drawing import look, page, view_options
 from scree.drawing.quantity import quantity
-from scree.files import series, series_file
+from scree.files import beside, series, series_file
 
 SUMMARY = "the particles of one time, coloured by a field"
 EXAMPLES = ("picture out/two_discs --colour pressure --time 2",
@@ -34,11 +33,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Read, draw, write."""
     source = series_file(arguments.source)
     frames = series(source)
-    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
     file = page.nearest(frames, arguments.time)
     view_options.settle_colour(arguments, file)
-    out = arguments.out or os.path.join(
-        os.path.dirname(source) or ".", f"{stem}_{arguments.colour.replace('.', '_')}.png")
+    out = arguments.out or beside(source, f"_{arguments.colour.replace('.', '_')}.png")
     look.check_picture(out)
     figure, snap = page.picture(file, arguments)
     look.save(figure, out, arguments.dpi)

@@ -10,11 +10,8 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from scree.drawing import look, page
 from scree.drawing.areal_density import SMEARS
@@ -22,7 +19,7 @@ from scree.drawing.quantity import in_unit
 from scree.drawing.radiograph_page import Picture
 from scree.drawing.view import to_pixels
 from scree.errors import EXIT_DEFECT, EXIT_USAGE, ScreeError
-from scree.files import series, series_file, snapshot
+from scree.files import beside, nearest, series, series_file, snapshot
 
 from .. import film
 from ..progress import Progress
@@ -30,7 +27,7 @@ from ..progress import Progress
 if TYPE_CHECKING:
     from scree.arrays import Array
     from scree.drawing.areal_density import Frame
-    from scree.files import Moment
+    from scree.files import Moment, beside, nearest
 
 SUMMARY = "what a flash X-ray would see, as page and as film"
 EXAMPLES = ("radiograph out/debris_cloud",
@@ -81,15 +78,14 @@ def check_arguments(arguments: argparse.Namespace) -> None:
 
 def choose(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[Moment]:
     """The snapshots asked for: by time, the last, or a number of them spread evenly over time."""
-    times = np.array([time for time, _ in frames])
     if arguments.last:
         return frames[-1:]
     wanted = arguments.time
     if wanted is None:
         count = arguments.frames
-        wanted = [times[0] + (times[-1] - times[0]) * k / count for k in range(1, count + 1)]
-    nearest = {int(np.argmin(np.abs(times - time))) for time in wanted}
-    return [frames[index] for index in sorted(nearest)]
+        begin, end = frames[0][0], frames[-1][0]
+        wanted = [begin + (end - begin) * k / count for k in range(1, count + 1)]
+    return nearest(frames, wanted)
 
 
 def movie(frames: Sequence[Moment], make: Callable[[str], Frame], title: str, options: Mapping[str, Any],
@@ -125,8 +121,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Read, project, draw, and print a table of what was drawn."""
     check_arguments(arguments)
     source = series_file(arguments.source)
-    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
-    out = arguments.out or os.path.join(os.path.dirname(source) or ".", f"{stem}_radiograph.png")
+    out = arguments.out or beside(source, "_radiograph.png")
     frames = series(source)
     last = snapshot(frames[-1][1], page.RADIOGRAPH_FIELDS)
     pixel = arguments.pixel or page.default_pixel(last)
