@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes a script that opens a run in ParaView 5.11 or newer: particles of their size, by a field, and the same as a
-state file where pvpython of ParaView is installed.
+"""Writes a script that opens a run in ParaView 5.11 or newer: particles of their size, by a field.
+
+The same is written as a state file where pvpython of ParaView is installed.
 
     paraview --state=CASE_view.pvsm              # in a window: press play
     paraview --script=CASE_view.py               # the same
     pvbatch CASE_view.py picture.png             # without a window: the last time as a picture
 
-Both halves of axisymmetric runs are shown, and models with mirror planes are completed. The window holds all particles,
-or those that move if the others reach more than twice as far. Other fields are in the list of colours of ParaView. The
-script is a start; change it as you like.
+Both halves of axisymmetric runs are shown, and models with mirror planes are completed. The window
+holds all particles, or those that move if the others reach more than twice as far. Other fields
+are in the list of colours of ParaView. The script is a start; change it as you like.
 """
 from __future__ import annotations
 
