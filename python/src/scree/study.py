@@ -136,7 +136,8 @@ class Study:
             raise FileProblem(f"{one.folder} is there and was not made by a sweep; choose another --outdir")
         if not self.overwrite and read_stamp(one.folder) != self.stamp(one):
             raise FileProblem(f"{one.folder} holds results of another deck, of other values or of another version of "
-                              "the program; replace them with --overwrite (in Python overwrite=True), or choose another --outdir")
+                              "the program; replace them with --overwrite (in Python overwrite=True), or choose "
+                              "another --outdir")
 
     def _restarts(self, one: Combination) -> bool:
         """Whether the folder holds a checkpoint of this very run."""
