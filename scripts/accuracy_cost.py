@@ -82,7 +82,7 @@ def once(options, problem, way, setting, name):
     except subprocess.TimeoutExpired:
         return run, f"longer than {TIMEOUT} s", processor() - before, math.nan
     if not run.path(".summary.json").exists():
-        raise scree_post.PostError(f"{run.deck} does not run:\n{run.output[-2000:]}")
+        raise scree_post.ScreeError(f"{run.deck} does not run:\n{run.output[-2000:]}")
     timers = run.summary["timers"]
     wall = sum(entry["avg"] for name, entry in timers.items() if name not in ASIDE)
     return run, cause_of(run) if run.code else "", run.summary["processor_s"], wall
@@ -187,7 +187,7 @@ def present(options):
     """Draw and write the tables into the page, if there is one."""
     rows = read(options.csv)
     if not rows:
-        raise scree_post.PostError(f"{options.csv} holds no rows")
+        raise scree_post.ScreeError(f"{options.csv} holds no rows")
     accuracy_front.add_model(rows)
     page = options.csv.parent / "README.md"
     text = page.read_text(encoding="utf-8") if page.exists() else ""
@@ -264,7 +264,7 @@ def main():
     options = parser.parse_args()
     options.scree, options.work = options.scree.resolve(), options.work.resolve()
     if not options.scree.is_file():
-        raise scree_post.PostError(f"there is no program {options.scree}", scree_post.EXIT_USAGE)
+        raise scree_post.ScreeError(f"there is no program {options.scree}", scree_post.EXIT_USAGE)
     os.environ["OMP_NUM_THREADS"] = "1"
     os.environ["OMPI_MCA_ess_singleton_isolated"] = "1"  # no helper processes of MPI
     options.commit, options.machine = commit_of(options.scree), machine()

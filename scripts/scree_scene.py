@@ -17,8 +17,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import scree_post
-from scree_post import PostError, study
-from scree_post.written import Written
+from scree.errors import ScreeError
+from scree import program, results, study
+from scree.quantities import value_of
 
 WIDE = 1800                            # pixels of a picture
 TIMES = ("seconds", "seconds_all")     # names of the times of the deck as it is and of all runs [s]
@@ -27,8 +28,42 @@ MARKED = re.compile(r"<!--=(\w+)-->(.*?)<!--=-->", re.S)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
-class Run(Written):
+class Run:
     """A finished run of a scene."""
+
+    def __init__(self, folder, case):
+        self.folder, self.case, self.results = Path(folder), case, results.Run(folder, case)
+
+    @property
+    def summary(self):
+        """What CASE.summary.json holds."""
+        return self.results.summary
+
+    @property
+    def history(self):
+        """The first history, or None if the deck asks for none."""
+        name = self.file_of("history")
+        return scree_post.history(str(self.folder / name)) if name else None
+
+    @property
+    def series(self):
+        """Times [s] and files of the first series of particles, or None."""
+        name = self.file_of("particles")
+        return scree_post.series(str(self.folder / name)) if name else None
+
+    def file_of(self, kind):
+        """The first output of a kind, or None."""
+        files = self.summary.get("files", {})
+        return next((files[key] for key in sorted(files) if key.startswith(kind)), None)
+
+    def last_snapshot(self):
+        """The last snapshot of the first series, or None."""
+        series = self.series
+        return scree_post.snapshot(series[-1][1]) if series else None
+
+    def value(self, quantity, body=None, percentile=100.0):
+        """The number of a quantity; an error lists what there is."""
+        return value_of(self.results, quantity, body, percentile)
 
     def near(self, moment):
         """The snapshot nearest to a time [s]."""
@@ -122,12 +157,12 @@ class Study:
                             help="compare tables and numbers with the runs; exit code 1 if they differ")
         options = parser.parse_args()
         if options.only and (options.write or options.check):
-            raise PostError("--only leaves out runs that --write and --check need", scree_post.EXIT_USAGE)
+            raise ScreeError("--only leaves out runs that --write and --check need", scree_post.EXIT_USAGE)
         unknown = set(options.only or ()) - set(self.cases)
         if unknown:
-            raise PostError(f"no case {min(unknown)}; there are: {', '.join(self.cases)}",
+            raise ScreeError(f"no case {min(unknown)}; there are: {', '.join(self.cases)}",
                             scree_post.EXIT_USAGE)
-        options.scree, options.out = study.find_program(options.scree), options.out.resolve()
+        options.scree, options.out = program.find_program(options.scree), options.out.resolve()
         options.out.mkdir(parents=True, exist_ok=True)
         return options
 
@@ -135,18 +170,18 @@ class Study:
         """Run the cases that are not there yet; all of them by name."""
         chosen = {name: case for name, case in self.cases.items()
                   if not options.only or name in options.only}
-        threads = study.threads_of_a_run()
+        threads = program.threads_of_a_run()
         for deck in dict.fromkeys(deck for deck, _ in chosen.values()):
-            some = [study.Run(values, str(options.out / name), name)
+            some = [study.Combination(values, str(options.out / name), name)
                     for name, (other, values) in chosen.items() if other == deck]
-            study.Study(options.scree, (self.folder / deck).resolve(), threads, overwrite=True).all(
-                some, study.jobs_for(threads), self.refuse_failed)
+            study.Study((self.folder / deck).resolve(), program=options.scree, threads=threads, overwrite=True).all(
+                some, program.jobs_for(threads), self.refuse_failed)
         return {name: Run(options.out / name, name) for name in chosen}
 
     def refuse_failed(self, run):
         """A scene without one of its runs has no figures, unless that it fails is one of them."""
         if run.code not in (0, self.may_fail.get(run.case, 0)):
-            raise PostError(f"{run.case} ended with exit code {run.code}: {run.reason}", run.code)
+            raise ScreeError(f"{run.case} ended with exit code {run.code}: {run.reason}", run.code)
 
     def documents(self, runs, text, times=None):
         """What the documents hold and what they should, by path: the tables as `text`, and numbers."""
@@ -182,7 +217,7 @@ class Study:
 def with_tables(path, text, tables):
     """A document with other text between its two lines."""
     if text.count(BEGIN) != 1 or text.count(END) != 1:
-        raise PostError(f"{path}: wants one line {BEGIN} and one line {END}")
+        raise ScreeError(f"{path}: wants one line {BEGIN} and one line {END}")
     before, rest = text.split(BEGIN)
     return f"{before}{BEGIN}\n\n{tables}\n{END}{rest.split(END)[1]}"
 
@@ -196,7 +231,7 @@ def with_numbers(path, text, values):
     unmarked, unknown = set(values) - marked - set(TIMES), marked - set(values)
     for kind, names in (("no mark", unmarked), ("a mark without a value", unknown)):
         if names:
-            raise PostError(f"{path}: {kind} for the number '{min(names)}'; marks are <!--=NAME-->...<!--=-->")
+            raise ScreeError(f"{path}: {kind} for the number '{min(names)}'; marks are <!--=NAME-->...<!--=-->")
 
     def renewed(found):
         value = values[found[1]]

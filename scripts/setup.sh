@@ -146,12 +146,12 @@ install_missing() {
 }
 
 setup_python() {
-   local requirements="${scripts}/requirements.txt" optional="${scripts}/requirements_optional.txt"
+   local requirements="${root}/python/pyproject.toml"
    local stamp="${root}/build/venv/requirements.stamp"
    local commands="${root}/build/venv/bin"
    # what cannot be brought here is made anew below
    renew_python || rm -rf "${root}/build/venv"
-   if [[ -x "${python}" ]] && cat "${requirements}" "${optional}" | cmp -s - "${stamp}" \
+   if [[ -x "${python}" ]] && cmp -s "${requirements}" "${stamp}" \
       && "${commands}/scree-post" --version > /dev/null 2>&1; then
       return
    fi
@@ -164,12 +164,12 @@ setup_python() {
          || stop_with 3 "the Python environment could not be made; is python3-venv installed?"
    fi
    say "Installing Python packages into build/venv"
-   "${python}" -m pip install --quiet --disable-pip-version-check --requirement "${requirements}" \
-      || stop_with 3 "pip could not install the packages of scripts/requirements.txt"
-   "${python}" -m pip install --quiet --disable-pip-version-check --requirement "${optional}" \
-      || say "pip could not install scripts/requirements_optional.txt, which names the effect"
+   "${python}" -m pip install --quiet --disable-pip-version-check "${root}/python[develop]" \
+      || stop_with 3 "pip could not install the packages of python/pyproject.toml"
+   "${python}" -m pip install --quiet --disable-pip-version-check "${root}/python[mpi]" \
+      || say "pip could not install mpi4py; python/pyproject.toml names the effect"
    link_packages || stop_with 3 "pip could not install the folder python"
-   cat "${requirements}" "${optional}" > "${stamp}"
+   cp "${requirements}" "${stamp}"
    printf '%s\n' "${root}" > "${root}/build/venv/place.stamp"
 }
 

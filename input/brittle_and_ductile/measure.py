@@ -12,7 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python/src"), str(ROOT / "test/support")]
 import scree_post                      # noqa: E402
 import taylor                          # noqa: E402
-from scree_post import look, panel     # noqa: E402
+from scree.drawing import look     # noqa: E402
+from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 METHODS = {"mpm": ("plain", {"run.method": "mpm"}),

@@ -13,7 +13,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python/src"), str(ROOT / "test/support")]
 import flows                           # noqa: E402
 import scree_post                      # noqa: E402
-from scree_post import look, panel     # noqa: E402
+from scree.drawing import look     # noqa: E402
+from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 ASPECTS = (0.5, 1.0, 2.0, 4.0)

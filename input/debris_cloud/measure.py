@@ -10,8 +10,8 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
 import scree_post                      # noqa: E402
-from scree_post.areal_density import radiograph      # noqa: E402
-from scree_post.radiograph_page import exposure      # noqa: E402
+from scree.drawing.areal_density import radiograph      # noqa: E402
+from scree.drawing.radiograph_page import exposure      # noqa: E402
 from scree_post import panel           # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 

@@ -10,7 +10,8 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("scripts", "python/src")]
 import scree_post                      # noqa: E402
-from scree_post import look, panel     # noqa: E402
+from scree.drawing import look     # noqa: E402
+from scree_post import panel     # noqa: E402
 from scree_scene import Study, Table   # noqa: E402
 
 SPEEDS = (1.0, 2.0, 3.0)               # [m/s]

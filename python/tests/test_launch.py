@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -250,6 +251,32 @@ def test_sweep(tmp_path: Path) -> None:
     assert table["folder"].nunique() == 3
 
 
+def test_sweep_resumes(tmp_path: Path) -> None:
+    """Would catch finished runs that are made again, combinations that are lost, and results of other settings that are
+    taken for those of this study."""
+    keys = {"grid.dx": [1e-3, 2e-3], "time.cfl": [0.3, 0.2]}
+
+    def study(**options: Any) -> dict[tuple[float, float], float]:
+        table = scree.sweep(LINE, keys, measure=lambda run: run.summary["steps"], outdir=tmp_path, progress=False,
+                            **options)
+        return {(row["grid.dx"], row["time.cfl"]): row["value"] for _, row in table.iterrows()}
+
+    first = study(resume=True)
+    assert len(first) == 4 and first[1e-3, 0.2] > first[1e-3, 0.3] > first[2e-3, 0.3]
+    summaries = sorted(tmp_path.glob("*/*.summary.json"))
+    made = [path.stat().st_mtime_ns for path in summaries]
+    summaries[0].write_text(summaries[0].read_text(encoding="utf-8").replace('"exit_code": 0', '"exit_code": 4'),
+                            encoding="utf-8")
+    assert study(resume=True) == first
+    kept = [path.stat().st_mtime_ns for path in summaries]
+    assert len(made) == 4 and kept[0] != made[0] and kept[1:] == made[1:]
+    with pytest.raises(scree.FileProblem, match="of other values"):
+        study(resume=True, set={"time.t_end": 2e-6})
+    assert study(resume=True, overwrite=True, set={"time.t_end": 2e-6})[1e-3, 0.3] > first[1e-3, 0.3]
+    with pytest.raises(ValueError, match="mapping"):
+        scree.sweep(LINE, "grid.dx")
+
+
 def test_sweep_with_failures(tmp_path: Path) -> None:
     """Would catch a sweep that loses its results because one run failed, and one that hides a wrong key."""
     table = scree.sweep(LINE, "time.dt_min", [1e-12, 1.0], lambda run: run.summary["steps"], outdir=tmp_path,
@@ -262,4 +289,4 @@ def test_sweep_with_failures(tmp_path: Path) -> None:
         scree.sweep(LINE, "grid.dx", [1e-3, 1e-3], lambda run: 0.0, outdir=tmp_path, progress=False)
     with pytest.raises(scree.FileProblem, match="already"):
         scree.sweep(LINE, "time.dt_min", [1e-12], lambda run: 0.0, outdir=tmp_path, progress=False)
-    assert study.folder_name("body[bar].velocity", (-1.5, 0, 0)) == "velocity_-1.5_0_0"
+    assert study.folder_name({"body[bar].velocity": (-1.5, 0, 0)}) == "velocity_-1.5_0_0"

@@ -10,6 +10,7 @@ from conftest import LINE
 
 import scree
 from scree.convergence import cost_law, forecast, judge
+from scree.grids import read_grid
 
 SET = {"grid.dx": 0.001}
 
@@ -53,6 +54,24 @@ def test_power_laws(order: float, sizes: tuple[float, float, float]) -> None:
     assert plan is not None
     assert plan[0] == pytest.approx(sizes[-1] * 0.5 ** (1.0 / order))
     assert plan[1] == pytest.approx(7.0 * plan[0] ** -3.0)
+
+
+@pytest.mark.parametrize(("system", "grid", "spacing", "unit"), [
+    ("si", "lo = 0 0 0  hi = 20 mm, 1 mm, 2 mm  dx = 1 mm", 1e-3, "m"),
+    ("mm-us-mg", "lo = 0 0 0  hi = 2 cm, 0.1 cm, 0.2 cm  dx = 1e3 um  ! 3 m", 1.0, "mm"),
+    ("mm-us-mg", "lo = 0, 0, 0  hi = 20 1 2  dx = 1d0", 1.0, "mm")])
+def test_units_behind_numbers(tmp_path: Path, system: str, grid: str, spacing: float, unit: str) -> None:
+    """Would catch cells of a deck with units behind numbers that are off by a power of ten, or that are not read."""
+    deck = tmp_path / "deck.nml"
+    deck.write_text(f"""&run dimension = '1d'  title = 'a bar of 2 m' /
+&units system = '{system}' /
+&grid {grid} /
+&time t_end = 15 us  dt_max = 3 /
+&body name = 'bar'  velocity = 2 km/s, 0, 0  spin = 0, 0, 1 /
+""", encoding="utf-8")
+    found = read_grid(str(deck), {})
+    assert found.cells == (20, 1, 1) and found.unit == unit
+    assert found.spacing == pytest.approx(spacing, rel=1e-12)
 
 
 def test_cost_needs_an_order() -> None:

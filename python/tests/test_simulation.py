@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib.util
 import os
 import shutil
@@ -25,6 +26,7 @@ try:
 except scree.FileProblem as error:
     pytest.skip(str(error), allow_module_level=True)
 
+ALL_OBJECTS = 0x1F       # H5F_OBJ_ALL: files, data sets, groups, types and attributes
 # A block that flies, is pressed by a load, or meets walls that move.
 BLOCK = """
 &run       case = 'block'  dimension = '1d' /
@@ -73,11 +75,14 @@ def test_two_at_the_same_time(run: scree.Run, tmp_path: Path) -> None:
 
 
 def test_many_in_a_row(tmp_path: Path) -> None:
-    """Would catch files, communicators and memory that a simulation keeps: open files are as many as before, and a
-    communicator is left for the last one."""
+    """Would catch files, communicators, and objects of HDF5 that a simulation keeps: open files and objects are as many
+    as before, and a communicator is left for the last one."""
     with simulate(tmp_path / "first") as sim:
         sim.step()
     open_files = len(os.listdir("/proc/self/fd"))
+    count = library.load(library.find_library()).H5Fget_obj_count
+    count.argtypes, count.restype = (ctypes.c_int64, ctypes.c_uint), ctypes.c_ssize_t
+    objects = count(ALL_OBJECTS, ALL_OBJECTS)
     for number in range(30):
         sim = simulate(tmp_path / str(number % 3), overwrite=True)
         sim.step()
@@ -86,6 +91,7 @@ def test_many_in_a_row(tmp_path: Path) -> None:
         else:
             sim.finish()
     assert len(os.listdir("/proc/self/fd")) == open_files
+    assert count(ALL_OBJECTS, ALL_OBJECTS) == objects
 
 
 def test_fields_are_memory(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ cells; metals strike a wall, so that they are compressed and yield.
 import fnmatch
 from dataclasses import dataclass, field
 
-from scree_post.errors import unknown
+from scree.errors import unknown
 
 SIZES = ("small", "full")
 LAYOUTS = ((2, 1), (1, 2))                               # ranks, threads beside 1 x 1

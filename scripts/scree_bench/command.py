@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 from scree_post.command import Parser
-from scree_post.errors import EXIT_DIFFERENT, EXIT_USAGE, PostError
+from scree.errors import EXIT_DIFFERENT, EXIT_USAGE, ScreeError
 from scree_post.errors import run as run_main
 
 from . import __version__, cases, machine, measure, result, tables
@@ -55,7 +55,7 @@ def layouts(text):
     for word in filter(None, (part.strip() for part in text.split(","))):
         match = re.fullmatch(r"([1-9]\d{0,5})x([1-9]\d{0,3})", word)
         if not match:
-            raise PostError(f"--layouts {word}: write ranks x threads, such as 2x1,1x2", EXIT_USAGE)
+            raise ScreeError(f"--layouts {word}: write ranks x threads, such as 2x1,1x2", EXIT_USAGE)
         found.append((int(match.group(1)), int(match.group(2))))
     return list(dict.fromkeys(found))
 
@@ -63,11 +63,11 @@ def layouts(text):
 def check_numbers(options):
     """Refuse values that make no sense."""
     if not 1 <= options.repeat <= 1000:
-        raise PostError(f"--repeat {options.repeat}: a number from 1 to 1000", EXIT_USAGE)
+        raise ScreeError(f"--repeat {options.repeat}: a number from 1 to 1000", EXIT_USAGE)
     if not 1.0 <= options.limit < 1.0e6:
-        raise PostError(f"--limit {options.limit:g}: how many times slower is allowed, 1 or more", EXIT_USAGE)
+        raise ScreeError(f"--limit {options.limit:g}: how many times slower is allowed, 1 or more", EXIT_USAGE)
     if sum(map(bool, (options.list, options.show, options.compare, options.turns))) > 1:
-        raise PostError("--list, --show, --compare and --turns exclude each other", EXIT_USAGE)
+        raise ScreeError("--list, --show, --compare and --turns exclude each other", EXIT_USAGE)
 
 
 def listing(options):
@@ -85,7 +85,7 @@ def read(path):
         tables.terminal(whole)
         tables.compared(whole, whole, 1.0)
     except (AttributeError, IndexError, KeyError, TypeError, ValueError, ZeroDivisionError) as error:
-        raise PostError(f"{path} is a damaged file of results ({type(error).__name__}: {error}); "
+        raise ScreeError(f"{path} is a damaged file of results ({type(error).__name__}: {error}); "
                         "measure again") from error
     return whole
 
@@ -108,7 +108,7 @@ def compare(options):
         print("\n   ".join([f"{name}: {tables.head(whole)[0]}", *tables.head(whole)[1:]]))
     print()
     if not rows:
-        raise PostError("\n".join([f"{options.compare[0]} and {options.compare[1]} have no case in common", *missing]))
+        raise ScreeError("\n".join([f"{options.compare[0]} and {options.compare[1]} have no case in common", *missing]))
     print(tables.plain(tables.COMPARED, rows))
     print("\n".join([*missing, *(slower or [f"no case is more than {options.limit:g} times slower"])]))
     return EXIT_DIFFERENT if slower else 0
@@ -121,7 +121,7 @@ def out_file(options):
     try:
         path.open("a", encoding="utf-8").close()
     except OSError as error:
-        raise PostError(f"cannot write {path}: {error.strerror}; name another file with --out") from error
+        raise ScreeError(f"cannot write {path}: {error.strerror}; name another file with --out") from error
     if not known:
         path.unlink()
     return path
@@ -182,7 +182,7 @@ class scratch:
             self.temporary = tempfile.TemporaryDirectory(prefix="scree_bench_")
             return Path(self.temporary.name)
         except OSError as error:
-            raise PostError(f"no folder for scratch files: {error}; name another one with --work") from error
+            raise ScreeError(f"no folder for scratch files: {error}; name another one with --work") from error
 
     def __exit__(self, *_):
         if self.temporary:

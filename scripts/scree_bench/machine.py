@@ -8,8 +8,8 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from scree_post.errors import PostError
-from scree_post.study import cores, find_program
+from scree.errors import ScreeError
+from scree.program import cores, find_program
 
 COPY_NAME = "memory_copy"
 COPY_FOLDER = "../libexec/scree"         # relative to that of scree
@@ -47,7 +47,7 @@ def read_version(path, text):
     """A Program from the text of `scree --version`."""
     found = VERSION.search(text)
     if not found:
-        raise PostError(f"{path} is not scree: --version says '{text.strip().splitlines()[:1]}'")
+        raise ScreeError(f"{path} is not scree: --version says '{text.strip().splitlines()[:1]}'")
     return Program(path, *(part.strip() for part in found.groups()))
 
 
@@ -59,7 +59,7 @@ def program(path, beside=None):
     try:
         answer = subprocess.run([path, "--version"], capture_output=True, text=True, check=True, timeout=60)
     except (OSError, subprocess.SubprocessError) as error:
-        raise PostError(f"{path} does not print its version; is it scree, and does it start?") from error
+        raise ScreeError(f"{path} does not print its version; is it scree, and does it start?") from error
     return read_version(path, answer.stdout)
 
 
@@ -69,7 +69,7 @@ def copy_program(scree, folder=None):
         path = Path(place).absolute() / COPY_NAME
         if os.access(path, os.X_OK):
             return os.path.normpath(path)
-    raise PostError(f"no program {COPY_NAME} beside {scree}; build or install Scree again, or take a program of "
+    raise ScreeError(f"no program {COPY_NAME} beside {scree}; build or install Scree again, or take a program of "
                     "this version with --scree")
 
 
@@ -79,10 +79,10 @@ def measure_copy(path, threads, megabytes=COPY_MEGABYTES, repeats=COPY_REPEATS):
         answer = subprocess.run([path, str(megabytes), str(repeats)], env=environment(threads), text=True, check=True,
                                 capture_output=True)
     except (OSError, subprocess.SubprocessError) as error:
-        raise PostError(f"{path} could not copy {3 * megabytes} MB in memory: {error}") from error
+        raise ScreeError(f"{path} could not copy {3 * megabytes} MB in memory: {error}") from error
     found = {word: re.search(rf"^{word} GB/s ([\d.]+)", answer.stdout, re.M) for word in ("copy", "triad")}
     if not all(found.values()):
-        raise PostError(f"{path} printed no speed: {answer.stdout.strip()[:100]}")
+        raise ScreeError(f"{path} printed no speed: {answer.stdout.strip()[:100]}")
     return {word: float(match.group(1)) for word, match in found.items()}
 
 

@@ -9,9 +9,9 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from scree_post.errors import EXIT_USAGE, PostError
+from scree.errors import EXIT_USAGE, ScreeError
 from scree_post.progress import Progress
-from scree_post.study import reason_of
+from scree.errors import reason_of
 
 from . import machine, result
 
@@ -42,7 +42,7 @@ class Bench:
                                     capture_output=True)
             found = sorted(folder.glob("*.nml")) if folder.is_dir() else []
             if answer.returncode or not found:
-                raise PostError(f"{case.name}: scree --new {case.example} failed: "
+                raise ScreeError(f"{case.name}: scree --new {case.example} failed: "
                                 f"{reason_of(answer.stdout + answer.stderr, answer.returncode)}")
             deck = found[0]
         else:
@@ -107,7 +107,7 @@ def mpiexec_words(text):
     except ValueError:
         words = ()
     if not words:
-        raise PostError(f"--mpiexec '{text}' names no command; write --mpiexec mpiexec, or 'srun --exclusive'",
+        raise ScreeError(f"--mpiexec '{text}' names no command; write --mpiexec mpiexec, or 'srun --exclusive'",
                         EXIT_USAGE)
     return words
 

@@ -8,7 +8,7 @@ copy is that of one core.
 import json
 import statistics
 
-from scree_post.errors import EXIT_USAGE, PostError, readable
+from scree.errors import EXIT_USAGE, ScreeError, readable
 
 SCHEMA, SCHEMA_VERSION = "scree-bench", 1
 #: Names of phases in tables, by the names of timers of a summary. A phase that is not listed keeps its name.
@@ -112,7 +112,7 @@ def write(path, whole):
             json.dump(whole, handle, indent=1)
             handle.write("\n")
     except OSError as error:
-        raise PostError(f"cannot write {path}: {error.strerror}; choose another file with --out") from error
+        raise ScreeError(f"cannot write {path}: {error.strerror}; choose another file with --out") from error
 
 
 def read(path):
@@ -121,13 +121,13 @@ def read(path):
         with open(readable(path), encoding="utf-8") as handle:
             whole = json.load(handle)
     except (UnicodeDecodeError, ValueError) as error:
-        raise PostError(f"{path} is not JSON, or cut short: {error}") from error
+        raise ScreeError(f"{path} is not JSON, or cut short: {error}") from error
     except OSError as error:
-        raise PostError(f"cannot read {path}: {error.strerror}") from error
+        raise ScreeError(f"cannot read {path}: {error.strerror}") from error
     if not isinstance(whole, dict) or whole.get("schema") != SCHEMA:
-        raise PostError(f"{path} holds no results of scree-bench; make some with scree-bench --out FILE.json")
+        raise ScreeError(f"{path} holds no results of scree-bench; make some with scree-bench --out FILE.json")
     if whole.get("schema_version") != SCHEMA_VERSION:
-        raise PostError(f"{path} has version {whole.get('schema_version')} of the results, this scree-bench reads "
+        raise ScreeError(f"{path} has version {whole.get('schema_version')} of the results, this scree-bench reads "
                         f"version {SCHEMA_VERSION}; measure again")
     return whole
 
@@ -135,5 +135,5 @@ def read(path):
 def comparable(first, second, names):
     """Refuse two files that hold different things."""
     if first["size"] != second["size"]:
-        raise PostError(f"{names[0]} was measured with --size {first['size']}, {names[1]} with --size "
+        raise ScreeError(f"{names[0]} was measured with --size {first['size']}, {names[1]} with --size "
                         f"{second['size']}: measure one of them again", EXIT_USAGE)

@@ -4,7 +4,7 @@ import os
 import re
 from pathlib import Path
 
-from scree_post.errors import PostError
+from scree.errors import ScreeError
 
 BEGIN, END = "<!-- table -->", "<!-- end -->"
 ORDER = ("sort", "to nodes", "nodes", "exchange", "to particles", "contact", "conduction", "waiting", "material")
@@ -127,11 +127,11 @@ def check_page(path):
     page = Path(path)
     if not page.is_file():
         if page.is_dir() or not page.parent.is_dir() or not os.access(page.parent, os.W_OK):
-            raise PostError(f"--markdown {path}: cannot write there; name a file in a folder of yours")
+            raise ScreeError(f"--markdown {path}: cannot write there; name a file in a folder of yours")
         return
     text = page.read_text(encoding="utf-8", errors="replace")
     if text and (BEGIN not in text or END not in text.partition(BEGIN)[2]):
-        raise PostError(f"--markdown {path}: the file exists and has no lines {BEGIN} and {END}; add them where the "
+        raise ScreeError(f"--markdown {path}: the file exists and has no lines {BEGIN} and {END}; add them where the "
                         "table shall be, or name a new file")
 
 
@@ -145,7 +145,7 @@ def write_page(path, text):
     try:
         page.write_text(whole, encoding="utf-8")
     except OSError as error:
-        raise PostError(f"cannot write {path}: {error.strerror}") from error
+        raise ScreeError(f"cannot write {path}: {error.strerror}") from error
 
 
 def compared(first, second, limit):

@@ -7,15 +7,17 @@
 !! all ranks before the next collective call. The bytes of a file do not depend on the number of
 !! ranks.
 !!
-!! The library is initialised and closed with each file, so no handle outlives its file.
+!! The library is initialised with the first file and stays so: each pair of h5open_f and h5close_f
+!! leaves types of HDF5's Fortran interface behind, 2.8 kB in version 1.10. No handle outlives its
+!! file.
 module io_hdf5
    use base_agreement, only: agree
    use base_communicator, only: communicator_t
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int32, int64, wp
-   use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5close_f, h5dont_atexit_f, &
-      h5eset_auto_f, h5f_acc_trunc_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, &
-      h5gclose_f, h5gcreate_f, h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, &
+   use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dont_atexit_f, h5eset_auto_f, &
+      h5f_acc_trunc_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, &
+      h5gcreate_f, h5iis_valid_f, h5oclose_f, h5oopen_f, h5open_f, h5p_file_access_f, &
       h5p_file_create_f, h5pclose_f, h5pcreate_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
       h5screate_simple_f, h5t_fortran_s1, h5t_native_double, h5t_std_i32le, h5t_std_i64le, &
       h5tclose_f, h5tcopy_f, h5tset_size_f, hid_t, hsize_t, size_t
@@ -68,12 +70,15 @@ module io_hdf5
 
 contains
 
-   !> Initialise the library without error printing and without an exit handler.
+   !> Initialise the library, unless it is, without error printing and without an exit handler.
    subroutine start_library(status)
       integer, intent(out) :: status                      !! 0 on success
+      logical :: started
 
       call h5dont_atexit_f(status)
-      call h5open_f(status)
+      ! a type of the Fortran interface, which h5open_f makes
+      call h5iis_valid_f(h5t_fortran_s1, started, status)
+      if (.not. started) call h5open_f(status)
       if (status == 0) call h5eset_auto_f(0, status)
       call clear_failure()
    end subroutine start_library
@@ -158,7 +163,6 @@ contains
       if (self%id >= 0) call h5fclose_f(self%id, status)
       self%id = -1
       if (self%works()) call self%share_status("close", "", status)
-      call h5close_f(status)
       if (self%works() .and. allocated(self%seal)) then
          call write_seal(self%communicator, part_of(self), self%seal, error)
          if (allocated(error)) call move_alloc(error, self%problem)

@@ -4,9 +4,9 @@ module io_hdf5_read
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
    use hdf5, only: h5aclose_f, h5aexists_by_name_f, h5aget_space_f, h5aopen_by_name_f, h5aread_f, &
-      h5close_f, h5dclose_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, &
-      h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5g_dataset_f, h5gget_obj_info_idx_f, &
-      h5gn_members_f, h5lexists_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
+      h5dclose_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, h5f_acc_rdonly_f, &
+      h5fclose_f, h5fopen_f, h5g_dataset_f, h5gget_obj_info_idx_f, h5gn_members_f, h5lexists_f, &
+      h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
       h5sselect_hyperslab_f, h5t_float_f, h5t_integer_f, h5t_native_double, h5t_std_i64le, &
       h5t_std_u8le, h5tclose_f, h5tget_class_f, h5tget_size_f, hid_t, hsize_t, size_t
@@ -74,7 +74,6 @@ contains
       call h5fopen_f(path, h5f_acc_rdonly_f, self%id, status)
       if (status >= 0) return
       self%id = -1
-      call h5close_f(status)
       call fail(error, exit_file, "cannot read '"//path//"': not an HDF5 file, or cut short")
    end subroutine source_open
 
@@ -86,7 +85,6 @@ contains
       if (self%id < 0) return
       call h5fclose_f(self%id, status)
       self%id = -1
-      call h5close_f(status)
    end subroutine source_close
 
    !> Allocate an error about something in the file.

@@ -2,18 +2,22 @@
 """ParaView itself opens what a run wrote; skipped where pvbatch or a screen for it is missing.
 
 Would catch a layout that the VTK wheels read and ParaView's own readers do not, a series whose times it takes for
-others, points or fields that are lost on the way, and a view script that no longer fits.
+others, points or fields that are lost on the way, and a view script or a state file that no longer fits.
 """
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
 
 import h5py
 import numpy as np
+import PIL.Image
 import pytest
+
+import post_command
 
 # Runs in the Python of ParaView: prints what it sees at each time of the files that are named.
 READS = """
@@ -36,6 +40,19 @@ for name in sys.argv[1:]:
                       for n in range(arrays.GetNumberOfArrays())}})
     Delete(reader)
 print("SEEN " + json.dumps(seen))
+"""
+
+
+# Opens a state file: prints the time and the half height of its view, and saves a picture.
+OPENS = """
+import json, sys
+from paraview.simple import GetViews, LoadState, Render, SaveScreenshot, _DisableFirstRenderCameraReset
+_DisableFirstRenderCameraReset()
+LoadState(sys.argv[1])
+(view,) = GetViews()
+Render(view)
+SaveScreenshot(sys.argv[2], view)
+print("SEEN " + json.dumps([view.ViewTime, view.CameraParallelScale]))
 """
 
 
@@ -102,3 +119,43 @@ def test_paraview(options, sheet):
                             text=True, check=False)
     picture = folder / "view.png"
     sheet.require(picture.is_file() and picture.stat().st_size > 5000, f"view.py: {answer.stdout}{answer.stderr}")
+
+
+def halves(picture):
+    """Pixels with colours left and right of the middle of a picture; grey are letters and the background."""
+    pixels = np.asarray(PIL.Image.open(picture).convert("RGB")).astype(int)[:, 100:1450]
+    coloured = np.ptp(pixels, axis=2) > 30
+    middle = 700                                         # of 1600 pixels, of which 100 are cut off
+    return int(coloured[:, :middle].sum()), int(coloured[:, middle:].sum())
+
+
+def test_script_and_state(options, sheet):
+    """What scree-post paraview writes of an axisymmetric run shows both halves at the last time, and so does the state.
+
+    Would catch a script or state that ParaView refuses, a window beside the particles, one half, and another time."""
+    start = command()
+    if not start or not shutil.which("pvpython"):
+        pytest.skip("pvbatch and pvpython, or xvfb-run for them, are not installed")
+    work = post_command.run_cases(options, "debris_cloud")
+    folder = work / "out/debris_cloud"
+    answer = post_command.call("paraview", folder, "--colour", "damage")
+    script, state = folder / "debris_cloud_view.py", folder / "debris_cloud_view.pvsm"
+    sheet.require(answer.returncode == 0 and state.is_file(), f"scree-post: {answer.stdout}{answer.stderr}")
+    (work / "opens.py").write_text(OPENS, encoding="utf-8")
+    answers = [subprocess.run([*start, *words], capture_output=True, text=True, check=False) for words in (
+        (script, work / "script.png"), (work / "opens.py", state, work / "state.png"))]
+    said = [line for line in answers[1].stdout.splitlines() if line.startswith("SEEN ")]
+    sheet.require(bool(said), f"the state: {answers[1].stdout}{answers[1].stderr}")
+    last = expected(sorted(folder.glob("debris_cloud_p_[0-9]*.hdf"))[-1])
+    time, half_height = json.loads(said[0][5:])
+    sheet.require(np.isclose(time, last["time"], rtol=1e-9), f"time {time} of the state")
+    text = script.read_text(encoding="utf-8")
+    wanted = float(re.search(r"^MIDDLE, HALF_HEIGHT = \[.*\], (\S+)", text, re.M).group(1))
+    height = 0.5 * (last["bounds"][5] - last["bounds"][4])
+    sheet.require(0.2 * height < half_height < 2.0 * height, f"half height {half_height} of the window, {height}")
+    sheet.require(np.isclose(half_height, wanted, rtol=1e-9), f"half height {half_height} of the state, not {wanted}")
+    for name in ("script", "state"):
+        picture = work / f"{name}.png"
+        sheet.require(picture.is_file(), f"{name}: no picture: {answers[0].stdout}{answers[0].stderr}")
+        left, right = halves(picture)
+        sheet.require(min(left, right) > 500 and 0.8 < left / right < 1.25, f"{name}: pixels {left} and {right}")

@@ -16,7 +16,7 @@ import case
 import scree_post
 from post_command import call, process
 from sample_snapshots import CENTRE, DENSITY, RADIUS, ball, make_series, matter, write
-from scree_post import areal_density
+from scree.drawing import areal_density
 
 
 @pytest.fixture
@@ -150,7 +150,7 @@ def test_symmetry_plane(work):
     snap.provenance["symmetry"] = "xlo left"
     try:
         areal_density.radiograph(snap, RADIUS / 20.0)
-    except scree_post.PostError as error:
+    except scree_post.ScreeError as error:
         assert "'left'" in str(error)
     else:
         raise AssertionError("an unknown face of symmetry was accepted")

@@ -105,7 +105,7 @@ def test_grids(options):
 
 def lines_drawn(function, *words):
     """The figure that a call of plot saves."""
-    from scree_post import look
+    from scree.drawing import look
     kept, saved = [], look.save
     look.save = lambda figure, path, dpi: kept.append(figure) or saved(figure, path, dpi)
     try:

@@ -16,10 +16,10 @@ import pytest
 import case
 import report
 from post_command import INPUT, call, run_cases
+from scree.errors import ScreeError
 from scree_post import film
 from scree_post.command import load
 from scree_post.commands import COMMANDS
-from scree_post.errors import PostError
 
 DOCUMENTS = ("README.md", "doc/learn/first_deck.md", "doc/guide/post_processing.md", "doc/guide/accuracy.md",
              "doc/reference/matter_outputs.md", "doc/guide/grain_cell.md", "doc/reference/materials.md",
@@ -59,7 +59,7 @@ def words_of(line, options):
         words += ["--scree", str(options.scree)]
     try:
         film.encoder()
-    except PostError:
+    except ScreeError:
         if any(word.endswith(".mp4") for word in words):
             report.skipped(f"the film of '{line}'", "there is no ffmpeg; it is made as a .gif")
         words = [re.sub(r"\.mp4$", ".gif", word) for word in words]

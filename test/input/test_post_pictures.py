@@ -17,8 +17,9 @@ import scree_post
 import tier
 from post_command import call, run_cases, series
 from sample_snapshots import matter, write
-from scree_post import film, fragment_table, pieces, view_options
-from scree_post.colour import colour_for, paint, values_of
+from scree.drawing import view_options
+from scree.drawing.colour import colour_for, paint, values_of
+from scree_post import film, fragment_table, pieces
 from scree_post.command import parser_of
 from scree_post.commands import movie as movie_command
 
@@ -158,7 +159,7 @@ def test_movie(options):
         if out.suffix == ".mp4":
             try:
                 film.encoder()
-            except scree_post.PostError as error:
+            except scree_post.ScreeError as error:
                 assert "imageio-ffmpeg" in str(error) and error.code == 2
                 answer = call("movie", base / "two_discs", "--out", out)
                 assert answer.returncode == 2 and "write a .gif" in answer.stderr, answer.stderr

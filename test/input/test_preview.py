@@ -84,7 +84,7 @@ FINE = 1.0e-9            # of the size of a set: 40 halvings of a step
 
 def all_walls(path):
     """Walls of a file."""
-    from scree_post import walls
+    from scree.drawing import walls
     return walls.read_walls(str(path))
 
 
@@ -95,7 +95,7 @@ def walls_in(path):
 
 def area_of(segments):
     """Area inside closed outlines in the plane x, z."""
-    from scree_post import walls
+    from scree.drawing import walls
     total = 0.0
     for loop in walls.outlines(segments[:, :, [0, 2]]):
         x, z = loop[:, 0], loop[:, 1]

@@ -5,8 +5,8 @@
 """The Python package in the folder python: its own tests by pytest, its style by ruff, its types by mypy, and that it
 can be installed.
 
-Would catch what the tests in python/tests catch, a function without types, a module that an installation lacks, and
-a dependency that is imported and not listed, or listed in scripts/requirements.txt with another range.
+Would catch what the tests in python/tests catch, a function without types, a module that an installation lacks, a
+dependency that is imported and not listed, and a wheel without licence or with another version than the program.
 """
 
 import ast
@@ -43,13 +43,12 @@ def names_and_ranges(text):
 
 
 def test_dependencies(sheet):
-    """What the package imports is listed, with the ranges of scripts/requirements.txt."""
+    """What the package imports is listed in python/pyproject.toml, and no second list exists."""
     project = (FOLDER / "pyproject.toml").read_text(encoding="utf-8")
     listed = names_and_ranges(re.search(r"^dependencies = \[(.*?)^\]", project, re.M | re.S).group(1))
     sheet.above("dependencies", len(listed), 4)
-    everything = names_and_ranges((case.ROOT / "scripts/requirements.txt").read_text(encoding="utf-8"))
-    different = {name: text for name, text in listed.items() if everything.get(name) != text}
-    sheet.require(not different, f"other ranges in scripts/requirements.txt: {different}")
+    others = sorted(path.name for path in (case.ROOT / "scripts").glob("*requirements*"))
+    sheet.require(not others, f"a second list of packages: {others}")
     optional = set(re.findall(r"\"([\w-]+)>", re.search(r"^\[project.optional-dependencies\](.*?)^\[", project,
                                                          re.M | re.S).group(1)))
     if sys.version_info < (3, 10):
@@ -78,16 +77,22 @@ def test_installation(options, sheet):
     sheet.require(answer.returncode == 0, f"pip: {answer.stdout}")
     code = ("import importlib, pathlib, pkgutil, scree, scree_post\n"
             "place = pathlib.Path(scree.__file__).parent\n"
-            "names = [entry.name for entry in pkgutil.iter_modules([str(place)])]\n"
+            "names = sorted(entry.name for entry in pkgutil.iter_modules([str(place)]))\n"
             "[importlib.import_module('scree.' + name) for name in names]\n"
             "print(place, (place / 'py.typed').exists(), *names, sep=chr(10))")
     answer = subprocess.run([sys.executable, "-c", code], cwd=options.work, text=True, check=False,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             env={**os.environ, "PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"})
-    there = sorted(path.stem for path in (FOLDER / "src/scree").glob("[a-z]*.py"))
+    there = sorted([path.stem for path in (FOLDER / "src/scree").glob("[a-z]*.py")] + ["drawing"])
     sheet.require(answer.returncode == 0 and answer.stdout.splitlines() == [str(place / "scree"), "True", *there],
                   f"the installed package: {answer.stdout}")
     sheet.require((place / "bin/scree-post").exists(), "the command scree-post is installed")
+    (metadata,) = place.glob("scree-*.dist-info")
+    said = subprocess.run([str(options.scree), "--version"], text=True, check=True, stdout=subprocess.PIPE).stdout
+    sheet.require(f"-{said.split()[1]}." in metadata.name, f"version of the package: {metadata.name}, of {said}")
+    licence = (case.ROOT / "LICENSE").read_text(encoding="utf-8")
+    sheet.require([path.read_text(encoding="utf-8") for path in metadata.rglob("LICENSE")] == [licence],
+                  f"the licence in {metadata}")
     rests = [str(path) for name in ("build", "dist", "*.egg-info") for path in FOLDER.rglob(name)]
     sheet.require(not rests, f"the installation leaves files in the sources: {rests}")
 

@@ -15,8 +15,8 @@ import subprocess
 import pytest
 
 import case
+from scree.errors import ScreeError
 from scree_bench import cases, command, machine, measure, result, tables
-from scree_post.errors import PostError
 
 FOLDER = "wo rk ü"
 MILLION = 1000000
@@ -292,7 +292,7 @@ class TestCommand:
                 tried += 1
                 try:
                     command.read(str(path))
-                except PostError as error:
+                except ScreeError as error:
                     refused += 1
                     assert "broken.json" in str(error)
         assert tried > 400
@@ -322,7 +322,7 @@ class TestMachine:
             "-O3 -march=native",
             "Open MPI v4.1.4",
         ]
-        with pytest.raises(PostError):
+        with pytest.raises(ScreeError):
             machine.read_version("p", "something 1.0")
         assert machine.program(str(options.scree)).build[:1].isupper()
 

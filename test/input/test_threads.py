@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 import case
-from scree_post import study
+from scree import program
 
 SETTINGS = ("OMP_NUM_THREADS", "OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMPI_MCA_mpi_yield_when_idle")
 CORES = len(os.sched_getaffinity(0))
@@ -139,9 +139,9 @@ class TestThreads:
         """A run of a study has one thread, and as many run at a time as there are cores."""
         before = os.environ.pop("OMP_NUM_THREADS", None)
         try:
-            assert (study.threads_of_a_run(), study.jobs_for(1)) == (1, CORES)
+            assert (program.threads_of_a_run(), program.jobs_for(1)) == (1, CORES)
             os.environ["OMP_NUM_THREADS"] = "2"
-            assert (study.threads_of_a_run(), study.jobs_for(2)) == (2, max(1, CORES // 2))
+            assert (program.threads_of_a_run(), program.jobs_for(2)) == (2, max(1, CORES // 2))
         finally:
             os.environ.pop("OMP_NUM_THREADS", None)
             if before is not None:

@@ -86,6 +86,13 @@ def error_of_run(code: int, messages: Iterable[str], folder: str = "") -> ScreeE
     return kind(text, code, lines, folder)
 
 
+def reason_of(said: str, code: int) -> str:
+    """Why a run failed, from what the program said: its first error, or its last line."""
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    errors = [line for line in lines if "error" in line.lower()]
+    return (errors or lines[-1:] or [f"exit code {code}"])[0][:200]
+
+
 def modules(*names: str) -> list[Any]:
     """Import what a command needs, with one clear line if it is not installed."""
     try:

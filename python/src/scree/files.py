@@ -8,13 +8,19 @@ from __future__ import annotations
 
 import csv
 import os
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import units as units_of
 from .errors import EXIT_FILE, FileProblem, modules, readable, unknown
 
-Array = Any              # an array of numpy, which is imported where it is used only
+if TYPE_CHECKING:
+    from .arrays import Array
+
+Moment = tuple[float, str]                               # time [s] and file of a snapshot
+
+
 
 UNTITLED = "untitled"    # title of a deck that gives none
 DIMENSIONS = ("3d", "plane_strain", "axisymmetric", "1d", "2d")
@@ -44,7 +50,19 @@ def history_file(path: str) -> str:
     return path
 
 
-def series(path: str, own_units: bool = False) -> list[tuple[float, str]]:
+def beside(source: str, ending: str) -> str:
+    """A file beside a series or a snapshot: CASE and an ending such as _view.py."""
+    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
+    return os.path.join(os.path.dirname(source) or ".", stem + ending)
+
+
+def nearest(frames: Sequence[Moment], times: Iterable[float]) -> list[Moment]:
+    """The snapshots of a series that are nearest to times [s], each once, in their order."""
+    rows = {min(range(len(frames)), key=lambda row: abs(frames[row][0] - time)) for time in times}
+    return [frames[row] for row in sorted(rows)]
+
+
+def series(path: str, own_units: bool = False) -> list[Moment]:
     """List of (time [s], file) of a .series file, a snapshot, or a folder with one series.
 
     With `own_units` the times are in the unit of the files.
@@ -117,10 +135,11 @@ class Snapshot:
     def body_rows(self) -> Array:
         """Row of `bodies` of every particle; 0 where there is one body only."""
         (np,) = modules("numpy")
-        rows = self.fields.get("body", np.full(len(self.points), self.first_body))
+        rows: Array = self.fields.get("body", np.full(len(self.points), self.first_body))
         # files of other programs may count from 0 whatever they say
         first = self.first_body if len(rows) == 0 or rows.min() >= self.first_body else 0
-        return np.asarray(rows).astype(int) - first
+        numbers: Array = np.asarray(rows).astype(int) - first
+        return numbers
 
     def body_name(self, row: int) -> str:
         """Name of a body of the table."""
@@ -187,7 +206,7 @@ def _bodies(handle: Any) -> tuple[list[dict[str, Any]], int]:
 
 def header(handle: Any, file: str, own_units: bool = False) -> Snapshot:
     """What an open file says of a snapshot, without points and fields."""
-    snap = Snapshot(file=file, time=_time(handle, file, own_units), points=())
+    snap = Snapshot(file=file, time=_time(handle, file, own_units), points=modules("numpy")[0].zeros((0, 3)))
     snap.units["time"] = units_of.raw_time_unit(handle) if own_units else "s"
     snap.bodies, snap.first_body = _bodies(handle)
     if "bodies/material_name" in handle:
@@ -209,7 +228,8 @@ def snapshot(file: str, names: Any = None, own_units: bool = False) -> Snapshot:
     With `own_units` all numbers are as they are in the file, for comparisons with other readers.
     """
     def numbers(data: Any) -> Array:
-        return data[...] if own_units else units_of.data_si(data)
+        values: Array = data[...] if own_units else units_of.data_si(data)
+        return values
 
     with open_snapshot(file) as handle:
         try:
@@ -240,7 +260,7 @@ def is_grid(file: str) -> bool:
     return bool((kind if isinstance(kind, bytes) else kind.encode()).rstrip(b"\0 ") == b"ImageData")
 
 
-class History(dict[str, Array]):
+class History(dict[str, "Array"]):
     """Columns of a table by name, in SI; `units` holds the units, `order` the names."""
 
     def __init__(self) -> None:

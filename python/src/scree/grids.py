@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from .errors import DeckError, readable
 from .units import deck_length
 
+PREFIXES = {"": 0, "p": -12, "n": -9, "u": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9, "T": 12}
+EXPONENTS = {"m": 0, "cm": -2, "mm": -3}                 # of the units of length of systems
+# A text in quotes, a comment, or a number with the unit behind it.
+WITH_UNIT = re.compile(r"'[^'\n]*'|\"[^\"\n]*\"|![^\n]*|"
+                       r"(?P<number>(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?)"
+                       r"[ \t]*(?P<unit>[A-Za-z][\w/*.]*(?:\([^)\n]*\))?)(?!\w)(?!\s*[=(\[%])")
 AXES: dict[str, tuple[int, ...]] = {"3d": (0, 1, 2), "plane_strain": (0, 2), "axisymmetric": (0, 2), "1d": (0,)}
 
 
@@ -45,11 +53,30 @@ class Grid:
                                     for axis, count in enumerate(self.cells))}
 
 
+def without_units(text: str) -> str:
+    """A deck with its lengths in the unit of its system, and without units behind other numbers.
+
+    f90nml reads everything of a deck but these.
+    """
+    system = re.search(r"^[^!]*\bsystem\s*=\s*'([\w-]+)'", text, re.M)
+    own = EXPONENTS[deck_length(system.group(1) if system else "si")]
+
+    def plain(found: re.Match[str]) -> str:
+        if found.group("number") is None:                # a text or a comment
+            return found.group()
+        prefix, unit = found.group("unit")[:-1], found.group("unit")[-1:]
+        if unit != "m" or prefix not in PREFIXES:
+            return found.group("number")
+        return repr(float(found.group("number").lower().replace("d", "e")) * 10.0 ** (PREFIXES[prefix] - own))
+
+    return WITH_UNIT.sub(plain, text)
+
+
 def groups(deck: str) -> list[dict[str, Any]]:
     """The groups of a deck and of the files that it includes."""
     import f90nml
     try:
-        read = f90nml.read(readable(deck))
+        read = f90nml.reads(without_units(Path(readable(deck)).read_text(encoding="utf-8")))
     except (ValueError, UnicodeDecodeError, StopIteration, AssertionError) as error:
         raise DeckError(f"{deck} is not a deck: {error}") from error
     found = [{name: value for name, value in read.items() if isinstance(value, dict)}]

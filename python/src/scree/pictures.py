@@ -8,12 +8,13 @@
 """
 from __future__ import annotations
 
-import importlib
 import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Union, cast
+from typing import TYPE_CHECKING, Any, Union
 
 from . import files
+from .drawing import page
+from .drawing.radiograph_page import Picture
 from .errors import FileProblem
 from .results import Run
 from .snapshot import Snapshot
@@ -23,12 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from .drawing.areal_density import Frame
+
 Source = Union[Run, Snapshot, str, "os.PathLike[str]"]
-
-
-def part(name: str) -> Any:
-    """A module of scree_post, which draws and is not typed."""
-    return importlib.import_module(f"scree_post.{name}")
 
 
 def file_of(source: Source, time: float | None) -> str:
@@ -39,7 +37,7 @@ def file_of(source: Source, time: float | None) -> str:
         if len(source.snapshots) == 0:
             raise FileProblem(f"{source.folder} holds no series of particles, or several: open one of them")
         return (source.snapshots[-1] if time is None else source.snapshots.near(time)).file
-    return str(part("drawing").nearest(files.series(str(source)), time))
+    return page.nearest(files.series(str(source)), time)
 
 
 def picture(source: Source, colour: str | None = None, *, time: float | None = None,
@@ -55,12 +53,11 @@ def picture(source: Source, colour: str | None = None, *, time: float | None = N
     keep, map, no_mirror, no_walls, title, zoom and dpi (of the image of balls).
     """
     import matplotlib
-    drawing = part("drawing")
     words = camera if isinstance(camera, str) else f"{camera[0]},{camera[1]}"
-    chosen = drawing.options(colour=colour, range=limits, view=view, camera=words, up=up, **options)
+    chosen = page.options(colour=colour, range=limits, view=view, camera=words, up=up, **options)
     with matplotlib.rc_context():                        # settings of the caller stay
-        figure, _ = drawing.picture(file_of(source, time), chosen)
-    return cast("Figure", figure)
+        figure, _ = page.picture(file_of(source, time), chosen)
+    return figure
 
 
 @dataclass(frozen=True)
@@ -74,17 +71,16 @@ class Radiograph:
     mass: float                                          # of the particles and their mirror images [kg]
     front: float                                         # position of the leading edge along z [m]
     speed: float                                         # of the leading edge [m/s]
-    _frame: Any = field(repr=False)
+    _frame: Frame = field(repr=False)
     _title: str = field(default="", repr=False)
 
     def figure(self, *, absorption: float | None = None, unit: str = "kg/m2") -> Figure:
         """The page of scree-post radiograph: film, areal density and particles; absorption in m2/kg."""
         import matplotlib
-        page_of = part("radiograph_page").Picture
         towards = -1.0 if self.speed < 0.0 else 1.0
         options = {"mu": absorption, "unit": unit, "towards": towards, "view": None}
         with matplotlib.rc_context():                    # settings of the caller stay
-            return cast("Figure", page_of([self._frame], self._title, options).draw())
+            return Picture([self._frame], self._title, options).draw()
 
 
 def radiograph(source: Source, *, time: float | None = None, pixel: float | None = None, sight: str = "y",
@@ -95,9 +91,8 @@ def radiograph(source: Source, *, time: float | None = None, pixel: float | None
     With `smear` "spacing" particles that moved apart are spread over the gaps between them, with "volume" each is as
     wide as its volume. Both keep the mass of the particles to round-off.
     """
-    drawing = part("drawing")
     file = file_of(source, time)
-    frame = drawing.radiograph(file, pixel, sight, None, smear)
+    frame = page.radiograph(file, pixel, sight, None, smear)
     with files.open_snapshot(file) as handle:
         title = files.header(handle, file).title
     return Radiograph(frame.time, frame.sigma, frame.box, frame.pixel, frame.mass, frame.front, frame.speed, frame,

@@ -9,47 +9,32 @@ axes are readable. Colours and colour maps can be told apart with any colour vis
 """
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, cast
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from .drawing.look import COLOURS, readable_unit, with_unit, words
 from .errors import nearest
 from .results import Run
 from .snapshot import Snapshot
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-# Okabe and Ito (2008).
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
 SEQUENTIAL, DIVERGING = "viridis", "PuOr_r"
-PREFIXES = {-9: "n", -6: "µ", -3: "m", 3: "k", 6: "M", 9: "G"}
-PREFIXED = ("m", "s", "J", "Pa", "N", "W")               # units that take prefixes
 ENERGIES = ("kinetic", "internal", "total")
-
-
-def readable_unit(size: float, unit: str) -> tuple[float, str]:
-    """Factor and unit for numbers of this size, such as (1e-6, "MPa")."""
-    if not (size > 0.0 and math.isfinite(size)) or unit == "":
-        return 1.0, unit
-    exponent = 3 * math.floor(math.log10(size) / 3.0 + 1.0e-9)
-    if exponent == 0:
-        return 1.0, unit
-    if unit in PREFIXED and exponent in PREFIXES and not (unit in ("m", "s") and exponent > 0):
-        return 10.0 ** -exponent, PREFIXES[exponent] + unit
-    if exponent == 3 or unit in ("m", "s", "K"):
-        return 1.0, unit
-    return 10.0 ** -exponent, f"$10^{{{exponent}}}$" + ("" if unit == "1" else f" {unit}")
+DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 2, 1, 2)))
+WORDS = {"J": "energy", "kg": "mass", "s": "time", "m": "length", "m/s": "velocity", "kg m/s": "momentum",
+         "N s": "impulse", "kg m2/s": "angular momentum"}    # what columns of a unit are
 
 
 def label(name: str, unit: str) -> str:
     """Label of an axis: words and the unit in brackets."""
-    words = name.replace("_", " ")
-    return words if unit in ("", "1") else f"{words} [{unit}]"
+    return with_unit(words(name), unit)
 
 
 def largest(values: Iterable[float] | NDArray[np.floating]) -> float:
@@ -68,37 +53,65 @@ def canvas(axes: Axes | None) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def history(runs: Run | Sequence[Run], columns: str | Sequence[str] = ENERGIES, table: str = "history") -> Figure:
-    """Columns of a table over time, a panel for each unit; several runs share the panels.
+def columns_of(tables: Mapping[str, pandas.DataFrame], names: Sequence[str], *, x: str = "time", log: bool = False,
+               log_x: bool = False) -> Figure:
+    """Columns of tables against the column `x`, a panel for each unit.
 
-    `table` is a name in `run.tables`, such as "gauge" or "forces".
+    `tables` are tables of one kind by the names of their curves, such as cases. With `log` sizes are drawn on a
+    logarithmic axis and zeros left out, with `log_x` the other axis is logarithmic.
     """
     import matplotlib.pyplot
-    several = [runs] if isinstance(runs, Run) else list(runs)
-    names = [columns] if isinstance(columns, str) else list(columns)
-    tables = [run.history if table == "history" else run.tables[table] for run in several]
+    several, (first, *_) = list(tables.items()), tables.values()
+    for name in (x, *names):
+        for _, table in several:
+            if name not in table:
+                raise KeyError(f"no column '{name}' in the table{nearest(name, table.columns)}")
     panels: dict[str, list[str]] = {}
     for name in names:
-        for one in tables:
-            if name not in one:
-                raise KeyError(f"no column '{name}' in the table {table}{nearest(name, one.columns)}")
-        panels.setdefault(tables[0].attrs["units"][name], []).append(name)
-    figure = matplotlib.pyplot.figure(figsize=(6.4, 1.2 + 2.6 * len(panels)), layout="constrained")
+        panels.setdefault(first.attrs["units"][name], []).append(name)
+    figure = matplotlib.pyplot.figure(figsize=(8.0, 3.4 * len(panels) + 0.6), layout="constrained")
     cells = figure.subplots(len(panels), 1, squeeze=False, sharex=True)
-    factor_time, unit_time = readable_unit(max(largest(one["time"]) for one in tables), "s")
+    factor_x, unit_x = readable_unit(max(largest(table[x]) for table in tables.values()), first.attrs["units"][x])
     for axes, (unit, group) in zip(cells[:, 0], panels.items()):
+        size = max(largest(table[name]) for table in tables.values() for name in group)
+        factor, shown = (1.0, unit) if log else readable_unit(size, unit)
+        for number, (case, table) in enumerate(several):
+            for place, name in enumerate(group):
+                tint = place if len(group) > 1 or len(several) == 1 else number
+                values = factor * table[name].to_numpy()
+                if log:
+                    values = np.where(values != 0.0, np.abs(values), np.nan)
+                axes.plot(factor_x * table[x].to_numpy(), values, color=COLOURS[tint % len(COLOURS)],
+                          linestyle=DASHES[number % len(DASHES)], linewidth=1.6,
+                          label=f"{case}: {words(name)}" if len(several) > 1 else words(name))
+        head = words(group[0]) if len(group) == 1 else WORDS.get(unit, "value")
+        if log and any(table[name].min() < 0.0 for table in tables.values() for name in group):
+            head = f"size of {head}"
+        axes.set(xscale="log" if log_x else "linear", yscale="log" if log else "linear", ylabel=with_unit(head, shown))
         canvas(axes)
-        factor, shown = readable_unit(max(largest(one[name]) for one in tables for name in group), unit)
-        for place, name in enumerate(group):
-            for line, (run, one) in enumerate(zip(several, tables)):
-                axes.plot(factor_time * one["time"], factor * one[name], color=COLOURS[place % len(COLOURS)],
-                          linestyle=("-", "--", ":", "-.")[line % 4],
-                          label=name.replace("_", " ") + (f", {run.case}" if len(several) > 1 else ""))
-        axes.set_ylabel(label(group[0] if len(group) == 1 else "", shown).strip())
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.margins(x=0.0)
         if len(group) * len(several) > 1:
-            axes.legend(frameon=False)
-    cells[-1, 0].set_xlabel(label("time", unit_time))
+            axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0, frameon=False)
+    cells[-1, 0].set_xlabel(label(x, unit_x))
     return figure
+
+
+def history(runs: Run | Sequence[Run], columns: str | Sequence[str] = ENERGIES, table: str = "history", *,
+            x: str = "time", log: bool = False, log_x: bool = False) -> Figure:
+    """Columns of a table over time, a panel for each unit; several runs share the panels.
+
+    `table` is a name in `run.tables`, such as "gauge" or "forces", and `x` another column to draw over. `log` and
+    `log_x` make axes logarithmic.
+    """
+    several = [runs] if isinstance(runs, Run) else list(runs)
+    names = [columns] if isinstance(columns, str) else list(columns)
+    tables: dict[str, pandas.DataFrame] = {}
+    for run in several:                                  # cases of the same name stay apart
+        name = run.case if run.case not in tables else f"{run.case} ({len(tables) + 1})"
+        tables[name] = run.history if table == "history" else run.tables[table]
+    return columns_of(tables, names, x=x, log=log, log_x=log_x)
 
 
 def limits_of(values: NDArray[np.floating], limits: tuple[float, float] | None) -> tuple[float, float]:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The program scree: where it is."""
+"""The program scree: where it is, what it says of itself, and how many runs of it keep the cores busy."""
 from __future__ import annotations
 
 import os
 import shutil
+import subprocess
 from pathlib import Path
 
 from .errors import FileProblem, unknown
@@ -38,3 +39,30 @@ def example(name: str, program: str | os.PathLike[str] | None = None) -> Path:
     if name not in decks:
         raise unknown("example", name, decks, str(folder))
     return decks[name]
+
+
+def version_of(program: str) -> str:
+    """What the program says it is."""
+    try:
+        answer = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise FileProblem(f"{program} does not tell its version; is it scree?") from error
+    return answer.stdout.strip()
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def threads_of_a_run() -> int:
+    """Threads of a run of a study: one, as many runs at a time use the cores better, or those of OMP_NUM_THREADS."""
+    try:
+        return max(1, int(os.environ.get("OMP_NUM_THREADS", "1")))
+    except ValueError:
+        return 1
+
+
+def jobs_for(threads: int) -> int:
+    """Runs at a time that keep the cores busy."""
+    return max(1, cores() // threads)

@@ -9,7 +9,6 @@
 """
 from __future__ import annotations
 
-import importlib
 import math
 import os
 import subprocess
@@ -22,11 +21,13 @@ from typing import TYPE_CHECKING, Any
 
 from . import grids
 from .convergence import Verdict, forecast, judge
+from .drawing.look import COLOURS
 from .errors import ScreeError, error_of_run
 from .launch import deck_file, is_text, options_of, progress_bar
 from .launch import run as run_deck
-from .plot import COLOURS, label
+from .plot import label
 from .program import find_program
+from .quantities import unit_of, value_of
 from .results import Run
 from .units import si_unit
 
@@ -103,13 +104,12 @@ def check(program: str, deck: Path, settings: Mapping[str, Any]) -> None:
 def measured(run: Run, quantities: Iterable[str | Measure], body: str | None, percentile: float
              ) -> tuple[dict[str, float], dict[str, str]]:
     """The quantities of a run and their units; functions may return several numbers by name."""
-    written = importlib.import_module("scree_post.written").Written(run.folder, run.case)
     values: dict[str, float] = {}
     units: dict[str, str] = {}
     for quantity in quantities:
         if isinstance(quantity, str):
-            values[quantity] = written.value(quantity, body, percentile)
-            units[quantity] = written.unit(quantity)
+            values[quantity] = value_of(run, quantity, body, percentile)
+            units[quantity] = unit_of(run, quantity)
             continue
         found = quantity(run)
         values |= found if isinstance(found, Mapping) else {getattr(quantity, "__name__", "value"): float(found)}

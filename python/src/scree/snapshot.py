@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from . import files
 from . import units as units_of
+from .drawing.shape import widths
 from .errors import FileProblem, nearest
 
 if TYPE_CHECKING:
@@ -169,20 +169,10 @@ class Snapshot:
             volume = self["mass"].astype(np.float64) / np.maximum(self["density"].astype(np.float64), 1.0e-300)
         else:
             volume = self["volume"].astype(np.float64)
-        volume = np.maximum(np.nan_to_num(volume), 0.0)
-        width: NDArray[np.float64]
         if self.dimension == "3d":
-            width = np.cbrt(volume)
-            return width
+            return widths("3d", volume, self["x"], lambda axis: 1.0)
         grid = self.deck["grid"]
-        edges = np.subtract(grid["hi"], grid["lo"])
-        if self.dimension == "axisymmetric":
-            width = np.sqrt(volume / (2.0 * math.pi * np.maximum(self["x"], 1.0e-300)))
-        elif self.dimension == "plane_strain":
-            width = np.sqrt(volume / float(edges[1]))
-        else:
-            width = volume / float(edges[1] * edges[2])
-        return width
+        return widths(self.dimension, volume, self["x"], lambda axis: float(grid["hi"][axis] - grid["lo"][axis]))
 
     def along(self, start: Sequence[float], end: Sequence[float], names: str | Sequence[str],
               width: float | None = None) -> pandas.DataFrame:

@@ -11,12 +11,13 @@
 All values are in SI, whatever units the files are in. Reading needs h5py and numpy only; the command
 scree-post, which draws and compares, stands in scree_post.commands.
 """
-from .errors import EXIT_FILE, EXIT_USAGE, PostError, modules, readable, run
-from scree.files import (DIMENSIONS, History, Snapshot, history, series, series_file, snapshot,
-                    snapshot_time, text)
-from .look import make_small, pyplot, save, scaled
+from scree import __version__
+from scree.drawing.look import make_small, pyplot, save, scaled
+from scree.errors import EXIT_FILE, EXIT_USAGE, ScreeError, modules, readable
+from scree.files import DIMENSIONS, History, Snapshot, history, series, series_file, snapshot, snapshot_time, text
 
-__version__ = "0.1.0"
-__all__ = ["DIMENSIONS", "EXIT_FILE", "EXIT_USAGE", "History", "PostError", "Snapshot", "history",
-           "make_small", "modules", "pyplot", "readable", "run", "save", "scaled", "series", "series_file",
-           "snapshot", "snapshot_time", "text"]
+from .errors import run
+
+__all__ = ["DIMENSIONS", "EXIT_FILE", "EXIT_USAGE", "History", "ScreeError", "Snapshot", "__version__", "history",
+           "make_small", "modules", "pyplot", "readable", "run", "save", "scaled", "series", "series_file", "snapshot",
+           "snapshot_time", "text"]

@@ -1,14 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The command scree-post: finds the subcommand, reads its options, runs it."""
+from __future__ import annotations
+
 import argparse
 import importlib
 import re
 import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from scree.errors import EXIT_USAGE, ScreeError, modules, unknown
 
 from . import __version__
 from .commands import COMMANDS
-from .errors import EXIT_USAGE, PostError, modules, unknown
 from .errors import run as run_main
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 CODES = "exit codes: 0 done, 1 something differs or failed, 2 command line wrong, 3 file problem"
 
@@ -16,25 +24,26 @@ CODES = "exit codes: 0 done, 1 something differs or failed, 2 command line wrong
 class Parser(argparse.ArgumentParser):
     """A parser that says what is wrong in one line, and takes -10mm for a number."""
 
-    def __init__(self, *words, **options):
-        super().__init__(*words, allow_abbrev=False, **options)
+    def __init__(self, *words: Any, **options: Any) -> None:
+        super().__init__(*words, **{"allow_abbrev": False, **options})
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
-    def error(self, message):
+    def error(self, message: str) -> NoReturn:
+        """Raise an error in one line, with the nearest option for an unknown one."""
         wrong = re.match(r"unrecognized arguments: (--[\w-]+)", message)
         if wrong:
             known = [text for action in self._actions for text in action.option_strings]
             raise unknown("option", wrong.group(1), [text for text in known if text[:2] == "--"])
-        raise PostError(f"{message}; see {self.prog} --help", EXIT_USAGE)
+        raise ScreeError(f"{message}; see {self.prog} --help", EXIT_USAGE)
 
 
-def load(name):
+def load(name: str) -> ModuleType:
     """The module of a subcommand."""
     modules("numpy", "h5py")
     return importlib.import_module(f"{__package__}.commands.{name}")
 
 
-def overview():
+def overview() -> str:
     """What scree-post --help prints."""
     lines = ["usage: scree-post COMMAND [options]", "",
              "Reads, draws and compares what Scree writes.", ""]
@@ -43,7 +52,7 @@ def overview():
     return "\n".join(lines)
 
 
-def parser_of(name, module):
+def parser_of(name: str, module: ModuleType) -> Parser:
     """The parser of a subcommand."""
     examples = "\n".join(f"  scree-post {line}" for line in module.EXAMPLES)
     result = Parser(prog=f"scree-post {name}", description=module.__doc__,
@@ -53,12 +62,12 @@ def parser_of(name, module):
     return result
 
 
-def name_in(words):
+def name_in(words: Sequence[str]) -> str:
     """The subcommand that the words begin with, if there is one."""
     return words[0] if words and words[0] in COMMANDS else ""
 
 
-def main(words=None):
+def main(words: list[str] | None = None) -> int | None:
     """Run a subcommand; the result is the exit code."""
     words = list(sys.argv[1:] if words is None else words)
     if words[:1] in (["-V"], ["--version"]):
@@ -68,15 +77,16 @@ def main(words=None):
         print(overview())
         return 0
     if not words:
-        raise PostError("which command? scree-post --help lists them", EXIT_USAGE)
+        raise ScreeError("which command? scree-post --help lists them", EXIT_USAGE)
     if not name_in(words):
         raise unknown("command", words[0], COMMANDS)
     name, *rest = words
     module = load(name)
-    return module.run(parser_of(name, module).parse_args(rest))
+    code: int | None = module.run(parser_of(name, module).parse_args(rest))
+    return code
 
 
-def run():
+def run() -> None:
     """The program: errors are one line on standard error."""
     words = sys.argv[1:]
     run_main(main, f"scree-post {name_in(words)}".strip())

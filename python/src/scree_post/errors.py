@@ -1,27 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Errors that users see: one line on standard error and an exit code."""
+from __future__ import annotations
+
 import os
 import sys
+from collections.abc import Callable
 
-from scree.errors import (EXIT_DEFECT, EXIT_DIFFERENT, EXIT_FILE, EXIT_USAGE, ScreeError, modules,
-                          readable, unknown)
-
-PostError = ScreeError   # a one-line message for the user and the exit code that goes with it
-__all__ = ["EXIT_DEFECT", "EXIT_DIFFERENT", "EXIT_FILE", "EXIT_USAGE", "PostError", "modules", "readable",
-           "run", "unknown"]
+from scree.errors import EXIT_FILE, ScreeError
 
 
-def run(main, name):
+def run(main: Callable[[], int | None], name: str) -> None:
     """Run a command's main; errors are one line on standard error and an exit code."""
     os.environ["MPLBACKEND"] = "Agg"                     # pictures go into files, with a display or without
+    code: int | None
     try:
         code = main()
         sys.stdout.flush()
-    except PostError as error:
+    except ScreeError as error:
         print(f"{name}: {error}", file=sys.stderr)
         code = error.code
     except BrokenPipeError:                              # the reader of our output went away
-        sys.stdout = open(os.devnull, "w", encoding="ascii")
+        sys.stdout = open(os.devnull, "w", encoding="ascii")  # noqa: SIM115
         code = 0
     except KeyboardInterrupt:
         print(f"{name}: interrupted", file=sys.stderr)

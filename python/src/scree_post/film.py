@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Films from pages: .gif by Pillow, .mp4 by ffmpeg, or numbered pictures."""
+from __future__ import annotations
+
 import os
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .errors import EXIT_USAGE, PostError, modules
+from scree.errors import EXIT_USAGE, ScreeError, modules
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
 
 ENDINGS = (".mp4", ".gif", ".png")
 CLEAR = 18               # quality of an .mp4: 0 loses nothing, 51 is worst
@@ -15,20 +22,20 @@ CHUNK = 4096             # colours that are compared with a palette in one go
 EXACT = 32               # most frequent colours of a .gif, which are kept as they are
 
 
-def check_film(path, option="--out"):
+def check_film(path: str, option: str = "--out") -> None:
     """Refuse a film that cannot be written before any page is drawn."""
     ending = os.path.splitext(path)[1].lower()
     if ending not in ENDINGS:
-        raise PostError(f"{option} {path}: write an .mp4, a .gif, or .png for numbered pictures",
+        raise ScreeError(f"{option} {path}: write an .mp4, a .gif, or .png for numbered pictures",
                         EXIT_USAGE)
     folder = os.path.dirname(path) or "."
     if not os.path.isdir(folder):
-        raise PostError(f"cannot write {path}: no folder {folder}")
+        raise ScreeError(f"cannot write {path}: no folder {folder}")
     if ending == ".mp4":
         encoder()
 
 
-def encoder():
+def encoder() -> str:
     """The ffmpeg program: of the system, or of the package imageio-ffmpeg."""
     program = shutil.which("ffmpeg")
     if program is None:
@@ -36,19 +43,19 @@ def encoder():
             import imageio_ffmpeg
             program = imageio_ffmpeg.get_ffmpeg_exe()
         except (ImportError, RuntimeError) as error:
-            raise PostError(
+            raise ScreeError(
                 "a film in .mp4 needs ffmpeg or the Python package imageio-ffmpeg, and neither is "
                 "installed; write a .gif, or .png for numbered pictures", EXIT_USAGE) from error
     return program
 
 
-def even(page):
+def even(page: Array) -> Array:
     """The colours of a page, with an even number of rows and columns as codecs want it."""
     height, width = (2 * (side // 2) for side in page.shape[:2])
     return np.ascontiguousarray(page[:height, :width, :3])
 
 
-def encode(pages, path, rate, quality=CLEAR):
+def encode(pages: Iterable[Array], path: str, rate: int, quality: int = CLEAR) -> list[str]:
     """Write pages (height, width, 3 or 4) of bytes, all of one size, as a film.
 
     `quality` is that of an .mp4, from 0, the best, to 51. Returns the files written. A film appears under its
@@ -65,20 +72,22 @@ def encode(pages, path, rate, quality=CLEAR):
             encode_mp4(pages, part, rate, quality)
         os.replace(part, path)
     except OSError as error:
-        raise PostError(f"cannot write {path}: {error.strerror or error}") from error
+        raise ScreeError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         if os.path.exists(part):
             os.remove(part)
     return [path]
 
 
-def encode_gif(pages, path, rate):
+def encode_gif(pages: Iterable[Array], path: str, rate: int) -> None:
     """All pages in one palette, so that no colour changes from page to page.
 
     The palette is that of all pages, so they wait in a file until the last one is drawn.
     """
     (image,) = modules("PIL.Image")
-    seen, counts, shape = np.zeros(0, "u4"), np.zeros(0), None
+    seen: Array = np.zeros(0, "u4")
+    counts: Array = np.zeros(0)
+    shape: tuple[int, ...] = ()
     with tempfile.TemporaryFile() as store:
         pages_drawn = 0
         for page in pages:
@@ -93,30 +102,30 @@ def encode_gif(pages, path, rate):
         entry = nearest_entries(seen, palette)
         store.seek(0)
 
-        def stills():
+        def stills() -> Iterator[Any]:
             for _ in range(pages_drawn):
                 page = np.frombuffer(store.read(int(np.prod(shape))), "u1").reshape(shape)
                 still = image.fromarray(entry[np.searchsorted(seen, packed_colours(page))], "P")
                 still.putpalette(palette.ravel().tolist())
                 yield still
 
-        stills = stills()
-        next(stills).save(path, save_all=True, append_images=stills, duration=int(1000 / rate),
+        images = stills()
+        next(images).save(path, save_all=True, append_images=images, duration=int(1000 / rate),
                           loop=0, optimize=False, disposal=1)
 
 
-def packed_colours(page):
+def packed_colours(page: Array) -> Array:
     """A whole number for the colour of each pixel."""
     page = page.astype("u4")
     return page[..., 0] << 16 | page[..., 1] << 8 | page[..., 2]
 
 
-def unpacked(seen):
+def unpacked(seen: Array) -> Array:
     """Colours (n, 3) of whole numbers."""
     return np.stack([seen >> 16, seen >> 8 & 255, seen & 255], axis=1).astype("i4")
 
 
-def nearest_entries(seen, palette):
+def nearest_entries(seen: Array, palette: Array) -> Array:
     """The entry of a palette (256, 3) that is nearest to each colour."""
     found = np.zeros(len(seen), "u1")
     for begin in range(0, len(seen), CHUNK):
@@ -126,7 +135,7 @@ def nearest_entries(seen, palette):
     return found
 
 
-def shared_palette(image, seen, counts):
+def shared_palette(image: Any, seen: Array, counts: Array) -> Array:
     """A palette (256, 3) for packed colours: the most frequent ones as they are, such as the white of the
     page, the others so that rare ones, as those of the colour bar, have their share."""
     colours = unpacked(seen).astype("u1")
@@ -137,7 +146,7 @@ def shared_palette(image, seen, counts):
     return np.concatenate([palette, np.repeat(palette[:1], 256 - len(palette), axis=0)])
 
 
-def numbered(pages, stem):
+def numbered(pages: Iterable[Array], stem: str) -> list[str]:
     """Write pages as STEM_000000.png and so on."""
     (image,) = modules("PIL.Image")
     names = []
@@ -147,7 +156,7 @@ def numbered(pages, stem):
     return names
 
 
-def encode_mp4(pages, path, rate, quality=CLEAR):
+def encode_mp4(pages: Iterable[Array], path: str, rate: int, quality: int = CLEAR) -> None:
     """Send pages to ffmpeg."""
     pages = iter(pages)
     first = even(next(pages))
@@ -156,6 +165,7 @@ def encode_mp4(pages, path, rate, quality=CLEAR):
                "-s", f"{width}x{height}", "-r", str(rate), "-i", "-", "-pix_fmt", "yuv420p",
                "-crf", str(quality), path]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdin is not None
         try:
             process.stdin.write(first.tobytes())
             for page in pages:
@@ -164,4 +174,4 @@ def encode_mp4(pages, path, rate, quality=CLEAR):
             pass
         said = process.communicate()[1].decode("utf-8", "replace").strip()
     if process.returncode != 0:
-        raise PostError(f"ffmpeg could not write {path}: {said[-200:]}")
+        raise ScreeError(f"ffmpeg could not write {path}: {said[-200:]}")

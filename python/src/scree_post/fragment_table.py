@@ -1,15 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The fragments of a snapshot: pieces of particles that have not failed, as a table."""
+from __future__ import annotations
+
 import math
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .box import box_of, thickness
-from .errors import EXIT_USAGE, PostError
+from scree.drawing.box import box_of, thickness
+from scree.drawing.shape import images, mirror_faces, particle_size
+from scree.drawing.view import failed_of
+from scree.errors import EXIT_USAGE, ScreeError
+
 from .pieces import find_pieces
-from .shape import images, mirror_faces, particle_size
-from .view import failed_of
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
+    from scree.drawing.box import Box
+    from scree.files import Snapshot
 
 COLUMNS = ("time [s]", "fragment", "particles", "mass [kg]", "volume [m3]", "size [m]",
            "centre_x [m]", "centre_y [m]", "centre_z [m]", "velocity_x [m/s]", "velocity_y [m/s]",
@@ -21,18 +31,18 @@ class Fragments:
     """All fragments of a time, the heaviest first."""
 
     time: float                                          # [s]
-    rows: list = field(default_factory=list)             # values of COLUMNS
+    rows: list[tuple[Any, ...]] = field(default_factory=list)             # values of COLUMNS
     failed: float = 0.0                                  # mass of failed particles [kg]
     total: float = 0.0                                   # mass of all particles [kg]
     note: str = ""                                       # what a fragment is in this run
 
     @property
-    def masses(self):
+    def masses(self) -> Array:
         """Mass of each fragment [kg]."""
         return np.array([row[3] for row in self.rows])
 
 
-def note_of(snap, mirror, periodic):
+def note_of(snap: Snapshot, mirror: bool, periodic: Collection[int]) -> str:
     """What a fragment is, in a sentence for people."""
     text = {"axisymmetric": "axisymmetric: a fragment is a ring around the axis; its mass is that "
             "of the whole ring, centre_x its radius, size the diameter of its cross-section",
@@ -50,12 +60,12 @@ def note_of(snap, mirror, periodic):
     return text
 
 
-def plane_axes(snap):
+def plane_axes(snap: Snapshot) -> tuple[int, ...]:
     """Axes in which particles can be apart."""
     return {"3d": (0, 1, 2), "1d": (0,)}.get(snap.dimension, (0, 2))
 
 
-def fragments_of(snap, factor=1.5, cell=None, mirror=True):
+def fragments_of(snap: Snapshot, factor: float = 1.5, cell: float | None = None, mirror: bool = True) -> Fragments:
     """The fragments of a snapshot.
 
     factor  particles are neighbours within this many times the mean of their widths
@@ -66,12 +76,12 @@ def fragments_of(snap, factor=1.5, cell=None, mirror=True):
         snap.points, np.arange(len(snap.points)), np.ones((len(snap.points), 3)))
     mass = snap.fields["mass"].astype("f8")[rows]
     failed = failed_of(snap)[rows]
-    width = particle_size(snap, snap.points[:, 0])[rows]
+    width = particle_size(snap)[rows]
     good = ~failed & np.isfinite(positions).all(axis=1)
     box, axes = box_of(snap), plane_axes(snap)
     around = box.periodic & set(axes) if box.low is not None and box.high is not None else set()
     if around and any(axis in around for axis, _ in mirror_faces(snap)):
-        raise PostError(f"{snap.file}: an axis is periodic and has a mirror plane")
+        raise ScreeError(f"{snap.file}: an axis is periodic and has a mirror plane")
     found = Fragments(snap.time, failed=float(mass[failed].sum()), total=float(mass.sum()),
                       note=note_of(snap, mirror, around))
     periodic = [(axes.index(axis), axis) for axis in around]
@@ -79,24 +89,25 @@ def fragments_of(snap, factor=1.5, cell=None, mirror=True):
     if len(pick) == 0:
         return found
     if width[pick].max() <= 0.0 and cell is None:
-        raise PostError(f"{snap.file}: particles without volume have no neighbours; use --cell",
+        raise ScreeError(f"{snap.file}: particles without volume have no neighbours; use --cell",
                         EXIT_USAGE)
     labels = find_pieces(positions[pick][:, axes], width[pick], factor, cell, box, periodic)
-    found.rows = table(snap, labels, positions[pick], signs[pick], rows[pick], (box, around))
+    found.rows = table(snap, labels, positions[pick], signs[pick], rows[pick], (box, sorted(around)))
     return found
 
 
-def unwrapped(points, labels, first, box, around):
+def unwrapped(points: Array, labels: Array, first: Array, box: Box, around: Sequence[int]) -> Array:
     """Points of pieces that lie across a periodic face, moved to the side of their first one."""
     points = points.copy()
     for axis in around:
-        length = box.high[axis] - box.low[axis]
+        length = box.side(axis)[1] - box.side(axis)[0]
         off = points[:, axis] - points[first[labels], axis]
         points[:, axis] -= length * np.round(off / length)
     return points
 
 
-def table(snap, labels, points, signs, rows, wrap):
+def table(snap: Snapshot, labels: Array, points: Array, signs: Array, rows: Array,
+          wrap: tuple[Box, Sequence[int]]) -> list[tuple[Any, ...]]:
     """A row of COLUMNS for each piece, the heaviest first."""
     box, around = wrap
     mass = snap.fields["mass"].astype("f8")[rows]
@@ -106,14 +117,14 @@ def table(snap, labels, points, signs, rows, wrap):
     first = np.unique(labels, return_index=True)[1]
     points = unwrapped(points, labels, first, box, around)
 
-    def total(values):
+    def total(values: Array) -> Array:
         return np.bincount(labels, values, minlength=count)
 
     heavy = np.maximum(total(mass), 1.0e-300)
     centre = np.stack([total(mass * points[:, k]) / heavy for k in range(3)], axis=1)
     for axis in around:                                  # back into the box
-        length = box.high[axis] - box.low[axis]
-        centre[:, axis] = box.low[axis] + (centre[:, axis] - box.low[axis]) % length
+        low, high = box.side(axis)
+        centre[:, axis] = low + (centre[:, axis] - low) % (high - low)
     speed = np.stack([total(mass * velocity[:, k]) / heavy for k in range(3)], axis=1)
     number, space = np.bincount(labels, minlength=count), total(volume)
     size = diameter(snap, space, total(volume / np.maximum(points[:, 0], 1.0e-300)))
@@ -127,17 +138,17 @@ def table(snap, labels, points, signs, rows, wrap):
             for place, row in enumerate(order)]
 
 
-def diameter(snap, volume, volume_over_radius):
+def diameter(snap: Snapshot, volume: Array, volume_over_radius: Array) -> Array:
     """Diameter of a sphere of the same volume or of a circle of the same cross-section [m]."""
     if snap.dimension == "axisymmetric":
         return 2.0 * np.sqrt(volume_over_radius / (2.0 * math.pi) / math.pi)
     if snap.dimension == "plane_strain":
         return 2.0 * np.sqrt(volume / thickness(snap) / math.pi)
-    return np.cbrt(6.0 * volume / math.pi)
+    return np.asarray(np.cbrt(6.0 * volume / math.pi))
 
 
-def main_body(bodies, mass, labels, count):
+def main_body(bodies: Array, mass: Array, labels: Array, count: int) -> Array:
     """Row of the body that most of the mass of each piece belongs to."""
     kinds = int(bodies.max()) + 1
     share = np.bincount(labels * kinds + bodies, mass, minlength=count * kinds)
-    return share.reshape(count, kinds).argmax(axis=1)
+    return np.asarray(share.reshape(count, kinds).argmax(axis=1))

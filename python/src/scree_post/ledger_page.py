@@ -4,10 +4,22 @@
 Columns that the file does not hold are left out; columns unknown here are drawn by unit below the
 ledger.
 """
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Union
+
 import numpy as np
 
-from . import look
-from .errors import PostError
+from scree.drawing import look
+from scree.errors import ScreeError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from scree.arrays import Array
+    from scree.files import History
 
 ENERGY = {"total": "#111111", "kinetic": "#1f5a93", "internal": "#b3311b", "plastic": "#e08a1e",
           "viscous": "#2f7d3b", "lost_energy": "#8a8a8a", "external_work": "#6a4098"}
@@ -22,24 +34,27 @@ DASHES = {"total": "-", "lost_energy": (0, (4, 2)), "external_work": (0, (1, 1.2
 FLOOR = 1.0e-17          # errors below are drawn here: round-off of one number is 1e-16
 BOOKKEEPING = ("step", "particles")
 
+Style = Callable[[str], tuple[str, Any, Union[str, None]]]   # colour, dash and label of a column
+Draw = Callable[["Axes", "Array", "History"], None]
 
-def present(table, names):
+
+def present(table: History, names: Iterable[str]) -> list[str]:
     """Those of the names that the file holds and that are not always zero."""
     return [name for name in names if name in table and abs(table[name]).max() > 0.0]
 
 
-def largest(table, names):
+def largest(table: History, names: Iterable[str]) -> float:
     """Largest finite magnitude of some columns."""
     values = np.abs(np.concatenate([table[name] for name in names]))
     values = values[np.isfinite(values)]
     return float(values.max()) if len(values) else 0.0
 
 
-def lines(axes, time, table, names, style):
+def lines(axes: Axes, time: Array, table: History, names: Sequence[str], style: Style) -> str:
     """Draw columns of one unit; `style` gives colour, dash and label of a name."""
     unit = table.units[names[0]]
     size = largest(table, names)
-    factor, label = look.label_unit(size, unit)
+    factor, label = look.readable_unit(size, unit)
     for name in names:
         colour, dash, text = style(name)
         axes.plot(
@@ -54,7 +69,7 @@ def lines(axes, time, table, names, style):
     return label
 
 
-def energies(axes, time, table):
+def energies(axes: Axes, time: Array, table: History) -> None:
     """Energies against time."""
     names = present(table, ENERGY)
     label = lines(axes, time, table, names, lambda n: (
@@ -63,7 +78,7 @@ def energies(axes, time, table):
     axes.set_title("Energy", loc="left")
 
 
-def errors(axes, time, table):
+def errors(axes: Axes, time: Array, table: History) -> None:
     """Relative errors on a log axis."""
     for name, (colour, text) in ERRORS.items():
         if name in table:
@@ -75,7 +90,7 @@ def errors(axes, time, table):
     axes.set_title("Ledger", loc="left")
 
 
-def momenta(axes, time, table):
+def momenta(axes: Axes, time: Array, table: History) -> None:
     """Components of the momentum, and what left through faces dashed."""
     names = present(
         table, [stem + axis for stem in ("momentum_", "lost_momentum_") for axis in "xyz"]
@@ -88,7 +103,7 @@ def momenta(axes, time, table):
     axes.set_title("Momentum", loc="left")
 
 
-def angular(axes, time, table):
+def angular(axes: Axes, time: Array, table: History) -> None:
     """Components of the angular momentum."""
     names = present(table, ["angular_momentum_" + axis for axis in "xyz"])
     label = lines(axes, time, table, names, lambda n: (
@@ -97,7 +112,7 @@ def angular(axes, time, table):
     axes.set_title("Angular momentum", loc="left")
 
 
-def masses(axes, time, table):
+def masses(axes: Axes, time: Array, table: History) -> None:
     """Mass in the domain and mass that left."""
     names = present(table, ("mass", "lost_mass"))
     label = lines(axes, time, table, names, lambda n: (
@@ -108,7 +123,7 @@ def masses(axes, time, table):
     axes.set_title("Mass", loc="left")
 
 
-def steps(axes, time, table):
+def steps(axes: Axes, time: Array, table: History) -> None:
     """Time step."""
     label = lines(axes, time, table, ["dt"], lambda n: ("#1f5a93", "-", None))
     axes.set_ylabel(f"time step [{label}]")
@@ -116,20 +131,20 @@ def steps(axes, time, table):
     axes.set_title("Time step", loc="left")
 
 
-def others(names):
+def others(names: Sequence[str]) -> Draw:
     """A panel of further columns of one unit."""
-    def draw(axes, time, table):
+    def draw(axes: Axes, time: Array, table: History) -> None:
         label = lines(axes, time, table, names, lambda n: (
             look.COLOURS[names.index(n) % len(look.COLOURS)], "-", look.words(n)))
         title = look.words(names[0]).capitalize() if len(names) == 1 else "Further columns"
-        axes.set_ylabel(f"[{label}]" if label else "")
+        axes.set_ylabel(f"[{label}]" if label not in ("", "1") else "")
         axes.set_title(title, loc="left")
     return draw
 
 
-def panels(table):
+def panels(table: History) -> list[Draw]:
     """The panels that the columns of the file allow, in the order of the page."""
-    wanted = [
+    wanted: list[tuple[Draw, Iterable[str]]] = [
         (energies, ENERGY),
         (errors, ERRORS),
         (momenta, ["momentum_" + axis for axis in "xyz"]),
@@ -137,12 +152,12 @@ def panels(table):
         (masses, ["mass"]),
         (steps, ["dt"]),
     ]
-    found = [draw for draw, names in wanted
+    found: list[Draw] = [draw for draw, names in wanted
              if (any(name in table for name in names) if draw is errors else present(table, names))]
     known = {"time", "mass", "lost_mass", "dt", *ENERGY, *ERRORS, *BOOKKEEPING}
     known |= {stem + axis for stem in ("momentum_", "lost_momentum_", "angular_momentum_",
                                        "lost_angular_momentum_") for axis in "xyz"}
-    units = {}
+    units: dict[str, list[str]] = {}
     for name in table.order:
         if name not in known and abs(table[name]).max() > 0.0:
             units.setdefault(table.units[name], []).append(name)
@@ -151,15 +166,16 @@ def panels(table):
     return found
 
 
-def picture(table, title):
+def picture(table: History, title: str) -> Figure:
     """The figure: panels in two columns."""
     plot = look.pyplot()
     draws = panels(table)
     if not draws:
-        raise PostError("the history holds no column that is not zero beside the time")
+        raise ScreeError("the history holds no column that is not zero beside the time")
     factor, unit = look.scaled(float(np.abs(table["time"]).max()), "s")
     columns = min(2, len(draws))
     rows = (len(draws) + columns - 1) // columns
+    figure: Figure
     figure, grid = plot.subplots(
         rows,
         columns,

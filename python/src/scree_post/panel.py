@@ -5,17 +5,31 @@
     figure.colorbar(shown, ax=axes, label="pressure [MPa]")
     panel.window(axes, (0, 165, 0, 165), "x [mm]", "z [mm]", title="60 µs")
 """
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from . import look
-from .shape import particle_size, plane_edges
+from scree.drawing import look
+from scree.drawing.shape import particle_size, plane_edges
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Patch
+
+    from scree.arrays import Array
+    from scree.files import Snapshot
 
 BELOW = 1.3              # width of the layer below over that of a particle
 SEAM = 0.25              # line around each particle, which closes seams and shows the smallest ones [points]
 
 
-def particles(axes, snap, values, *, low=None, high=None, colours=look.SEQUENTIAL, rows=None, sides=(1.0,),
-              factor=1.0e3, along=0.0, log=False):
+def particles(axes: Axes, snap: Snapshot, values: Any, *, low: float | None = None, high: float | None = None,
+              colours: str = look.SEQUENTIAL, rows: Array | None = None, sides: Sequence[float] = (1.0,),
+              factor: float = 1.0e3, along: float = 0.0, log: bool = False) -> PolyCollection:
     """Draw particles as large as their volume; what is drawn, for a colour bar.
 
     values  numbers (n) for the colour map, colours (n, 3) or (n, 4), or one colour for all
@@ -30,7 +44,7 @@ def particles(axes, snap, values, *, low=None, high=None, colours=look.SEQUENTIA
     if "volume" not in snap.fields:
         mass, density = snap.need("mass", "density")
         snap.fields["volume"] = mass / density
-    size = particle_size(snap, snap.points[:, 0])
+    size = particle_size(snap)
     middle, edges = snap.points[rows][:, [0, 2]], 0.5 * plane_edges(snap, size)[rows]
     if not isinstance(values, str):
         values = np.concatenate([np.asarray(values)[rows] for _ in sides])
@@ -38,13 +52,13 @@ def particles(axes, snap, values, *, low=None, high=None, colours=look.SEQUENTIA
         corners = np.stack([middle + spread * (a * edges[:, 0] + b * edges[:, 1])
                             for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1)
         corners = np.concatenate([factor * corners * (side, 1.0) + (along, 0.0) for side in sides])
-        shown = PolyCollection(corners, linewidths=SEAM, antialiaseds=False, rasterized=True, zorder=layer)
+        shown = PolyCollection(list(corners), linewidths=SEAM, antialiaseds=False, rasterized=True, zorder=layer)
         dress(shown, values, low, high, colours, log)
         axes.add_collection(shown)
     return shown
 
 
-def dress(shown, values, low, high, colours, log):
+def dress(shown: PolyCollection, values: Any, low: float | None, high: float | None, colours: str, log: bool) -> None:
     """Colours of a layer: of a map, of each particle, or one for all."""
     from matplotlib.colors import LogNorm, Normalize
     if isinstance(values, str):
@@ -53,15 +67,15 @@ def dress(shown, values, low, high, colours, log):
         shown.set(facecolors=values, edgecolors=values)
     else:
         norm = LogNorm(low, high) if log else Normalize(low, high)
-        shown.set(array=np.maximum(values, low) if log else values, cmap=colours, norm=norm, edgecolor="face")
+        shown.set(array=np.maximum(values, low or 0.0) if log else values, cmap=colours, norm=norm, edgecolor="face")
 
 
-def window(axes, limits, across="", up="", title=""):
+def window(axes: Axes, limits: Sequence[float], across: str = "", up: str = "", title: str = "") -> None:
     """Equal axes with these ends (left, right, bottom, top), labels and title."""
     axes.set(xlim=limits[:2], ylim=limits[2:], aspect="equal", xlabel=across, ylabel=up, title=title)
 
 
-def patches(names):
+def patches(names: Mapping[str, str]) -> list[Patch]:
     """Coloured patches for a legend: names with their colours."""
     from matplotlib.patches import Patch
     return [Patch(color=tint, label=name) for name, tint in names.items()]

@@ -1,21 +1,36 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The page of a preview: bodies, walls, boundaries with their types, and cells of a scene."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from . import colour as colours
-from . import look
-from .box import box_of
-from .errors import PostError
-from .space import SpacePage
-from .view import Options, PlanePage, matter
-from .walls import STYLES, draw_plane, walls_of
+from scree.drawing import colour as colours
+from scree.drawing import look, render
+from scree.drawing.box import Edges, box_of
+from scree.drawing.space import SpacePage
+from scree.drawing.view import Options, PlanePage, matter
+from scree.drawing.walls import STYLES, draw_plane, walls_of
+from scree.errors import ScreeError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from scree.arrays import Array
+    from scree.drawing.colour import Colour
+    from scree.drawing.view import Matter, Window
+    from scree.drawing.walls import Wall
+    from scree.files import Snapshot
 
 MOST_LINES = 80          # of the grid along a side; more are thinned out
 MARGIN = 0.06            # of the page around the box
 FRAME = 0.012            # width of the edges of the box in space [inch]
 
 
-def options_for(snap, by, view, title, dpi, camera):
+def options_for(snap: Snapshot, by: str | None, view: Window | tuple[()], title: str, dpi: int,
+                camera: tuple[float, float]) -> Options:
     """How a scene is drawn: not mirrored, because a preview shows what is computed."""
     if by is None:
         by = "body" if "body" in snap.fields else "material"
@@ -23,15 +38,15 @@ def options_for(snap, by, view, title, dpi, camera):
                    dpi=dpi, camera=camera)
 
 
-def edges_of(snap):
+def edges_of(snap: Snapshot) -> Edges:
     """Corners of the box [m]."""
     box = box_of(snap)
     if box.low is None or box.high is None or box.cell is None:
-        raise PostError(f"{snap.file}: the file does not say where the box of the run is")
-    return box
+        raise ScreeError(f"{snap.file}: the file does not say where the box of the run is")
+    return Edges(box.low, box.high, box.cell)
 
 
-def count_text(snap):
+def count_text(snap: Snapshot) -> str:
     """Cells and particles in words."""
     box = edges_of(snap)
     axes = {"1d": (0,), "3d": (0, 1, 2)}.get(snap.dimension, (0, 2))
@@ -40,21 +55,22 @@ def count_text(snap):
     return f"{cells} cells of {k * box.cell:.4g} {unit}, {len(snap.points)} particles drawn"
 
 
-def draw(snap, options):
+def draw(snap: Snapshot, options: Options) -> Figure:
     """The figure of a scene."""
     return {"1d": draw_line, "3d": draw_space}.get(snap.dimension, draw_plane_page)(snap, options)
 
 
-def heading(snap, options):
+def heading(snap: Snapshot, options: Options) -> str:
     """Title, and what there is."""
     return (f"{options.title}\n" if options.title else "") + count_text(snap)
 
 
-def wall_handles(drawn):
+def wall_handles(drawn: Sequence[Wall]) -> list[Any]:
     """A line of the legend for each wall, those of a face and a type once."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
-    handles, seen = [], {}
+    handles: list[Any] = []
+    seen: dict[tuple[str, bool], list[str]] = {}
     for wall in drawn:
         names = seen.setdefault((wall.kind, wall.face == 0), [])
         if wall.name not in names:
@@ -69,7 +85,7 @@ def wall_handles(drawn):
     return handles
 
 
-def body_handles(colour, snap):
+def body_handles(colour: Colour, snap: Snapshot) -> list[Any]:
     """A line of the legend for each body or material, with its material."""
     from matplotlib.patches import Patch
     handles = []
@@ -83,14 +99,14 @@ def body_handles(colour, snap):
     return handles
 
 
-def legend(figure, snap, options, drawn):
+def legend(figure: Figure, snap: Snapshot, options: Options, drawn: Sequence[Wall]) -> None:
     """Bodies, then walls, right of the page."""
     handles = body_handles(options.colour, snap) + wall_handles(drawn)
     figure.axes[0].legend(handles=handles, loc="upper left", bbox_to_anchor=(1.02, 1.0),
                           handlelength=2.0, borderaxespad=0.0)
 
 
-def thinning(longest, cell):
+def thinning(longest: float, cell: float) -> int:
     """How many cells lie between two lines, for the longest side of the box [m]."""
     every = 1
     while longest / cell / every > MOST_LINES:
@@ -98,13 +114,13 @@ def thinning(longest, cell):
     return every
 
 
-def grid_lines(low, high, cell, every):
+def grid_lines(low: float, high: float, cell: float, every: int) -> Array:
     """Places of the edges of cells along a side [m], those that are drawn."""
-    count = max(1, int(round((high - low) / cell)))
+    count = max(1, round((high - low) / cell))
     return low + cell * np.arange(0, count + 1, every)
 
 
-def draw_plane_page(snap, options):
+def draw_plane_page(snap: Snapshot, options: Options) -> Figure:
     """A scene in a plane."""
     box = edges_of(snap)
     low, high = box.low[[0, 2]], box.high[[0, 2]]
@@ -112,6 +128,7 @@ def draw_plane_page(snap, options):
     view = options.view or (low[0] - pad, high[0] + pad, low[1] - pad, high[1] + pad)
     page = PlanePage(snap, options, view)
     wide, tall = page.shape()
+    figure: Figure
     figure, axes = page.plot.subplots(figsize=(wide + 2.2, tall), layout="constrained")
     k = page.metres
     page.dots(figure, axes, matter(snap, options))
@@ -126,10 +143,11 @@ def draw_plane_page(snap, options):
     return figure
 
 
-def draw_line(snap, options):
+def draw_line(snap: Snapshot, options: Options) -> Figure:
     """A scene along a line: a row for each body."""
     box, plot = edges_of(snap), look.pyplot()
     k, unit = look.scaled(float(max(abs(box.low[0]), abs(box.high[0]))), "m")
+    figure: Figure
     figure, axes = plot.subplots(figsize=(options.wide + 2.2, 3.2), layout="constrained")
     part = matter(snap, options)
     tints = colours.paint(options.colour, part.values)
@@ -157,7 +175,7 @@ def draw_line(snap, options):
 class ScenePage(SpacePage):
     """A scene in space: the window holds the whole box, the heading says what there is."""
 
-    def window(self, parts):
+    def window(self, parts: Sequence[Matter]) -> Window:
         """Left, right, bottom, top around all corners of the box [m]."""
         if self.options.view:
             return self.options.view
@@ -168,16 +186,16 @@ class ScenePage(SpacePage):
         pad = MARGIN * max(high - low for low, high in ends)
         return (ends[0][0] - pad, ends[0][1] + pad, ends[1][0] - pad, ends[1][1] + pad)
 
-    def __init__(self, snap, options):
+    def __init__(self, snap: Snapshot, options: Options) -> None:
         box = edges_of(snap)
         self.ends, self.snap = (box.low, box.high), snap
         super().__init__([snap], options)
 
-    def heading(self, _time):
+    def heading(self, _time: float) -> str:
         """Title, and what there is."""
         return heading(self.snap, self.options)
 
-    def add_walls(self, image, snap, axes):
+    def add_walls(self, image: render.Image, snap: Snapshot, axes: Array) -> None:
         """Rigid regions and closed faces, and the edges of the box."""
         super().add_walls(image, snap, axes)
         corners = np.array([[self.ends[i][0], self.ends[j][1], self.ends[k][2]]
@@ -188,13 +206,14 @@ class ScenePage(SpacePage):
                     image.line(corners[one], corners[one | bit], (0.6, 0.6, 0.6), FRAME * self.options.dpi)
 
 
-def draw_space(snap, options):
+def draw_space(snap: Snapshot, options: Options) -> Figure:
     """A scene in space, the faces named beside it."""
     page = ScenePage(snap, options)
     figure = page.draw(snap)
     for axes in figure.axes:
-        if axes.get_legend():
-            axes.get_legend().remove()
+        named = axes.get_legend()
+        if named is not None:
+            named.remove()
     handles = body_handles(options.colour, snap) + wall_handles(page.walls)
     place = figure.axes[0].get_position()
     figure.set_size_inches(figure.get_figwidth() + 1.6, figure.get_figheight())

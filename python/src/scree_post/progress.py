@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Progress of long work with the time left, on a terminal only."""
+from __future__ import annotations
+
 import sys
 
 
 class Progress:
     """A bar of tqdm that disappears at the end; nothing without a terminal or without tqdm."""
 
-    def __init__(self, total, what):
+    def __init__(self, total: int, what: str) -> None:
         self.bar = None
         if sys.stderr.isatty():
             try:                                         # scree-bench needs the standard library only
@@ -15,19 +17,19 @@ class Progress:
             except ImportError:
                 pass
 
-    def __enter__(self):
+    def __enter__(self) -> Progress:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         if self.bar is not None:
             self.bar.close()
 
-    def step(self, count=1):
+    def step(self, count: int = 1) -> None:
         """Some more of the work is done."""
         if self.bar is not None:
             self.bar.update(count)
 
-    def clear(self):
+    def clear(self) -> None:
         """Remove the line, so that what is printed next stands alone."""
         if self.bar is not None:
             self.bar.clear()

@@ -6,30 +6,43 @@
     mie_gruneisen(densities, temperatures, Solid(2785.0, 5328.0, 1.338, 2.0, 900.0))
     write(path, densities, temperatures, pressure, energy, "aluminium")
 """
-from collections import namedtuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-#: Constants of eos_model = 'mie_gruneisen', specific heat [J/(kg K)] and the temperature at which e = 0 [K].
-Solid = namedtuple("Solid", "density sound slope gamma heat zero", defaults=(293.0,))
-STEPS = 400              # of the integration of the cold energy between two densities
+if TYPE_CHECKING:
+    from scree.arrays import Array
 
 
-def axis(least, greatest, count):
+class Solid(NamedTuple):
+    """Constants of eos_model = 'mie_gruneisen', specific heat, and the temperature at which e = 0."""
+
+    density: float                                       # at rest [kg/m3]
+    sound: float                                         # [m/s]
+    slope: float
+    gamma: float
+    heat: float                                          # specific heat [J/(kg K)]
+    zero: float = 293.0                                  # temperature at which e = 0 [K]
+
+
+
+def axis(least: float, greatest: float, count: int) -> Array:
     """Numbers with equal ratios, the ends exact."""
     numbers = np.geomspace(least, greatest, count)
     numbers[[0, -1]] = least, greatest
     return numbers
 
 
-def ideal_gas(densities, temperatures, gamma, heat):
+def ideal_gas(densities: Array, temperatures: Array, gamma: float, heat: float) -> tuple[Array, Array]:
     """Pressure and energy (density, temperature) of p = (gamma - 1) rho e with e = c_v T."""
     density, temperature = np.meshgrid(densities, temperatures, indexing="ij")
     energy = heat * temperature
     return (gamma - 1.0) * density * energy, energy
 
 
-def solid_curves(volume, solid):
+def solid_curves(volume: float, solid: Solid) -> tuple[float, float]:
     """Pressure without energy A and its growth with energy G of p = A + G e at a specific volume."""
     ratio = volume * solid.density                       # rho0/rho
     y, strain = 1.0 / ratio, 1.0 - ratio
@@ -43,36 +56,28 @@ def solid_curves(volume, solid):
     return -bulk * y * y * d - heating * 0.5 * solid.sound ** 2 * d * d, heating
 
 
-def cold_energies(densities, solid):
+def cold_energies(densities: Array, solid: Solid) -> Array:
     """Energy at the temperature at which e = 0 at rest, along the densities: of a free energy
     F = e_c(v) + c_v (T - T0 - T ln(T/T0) - T g(v)) with g' = G follow p = A + G e and rho**2 de/drho = p - T dp/dT,
     if -de_c/dv = A + G (e_c - c_v T0)."""
-    def slope(volume, energy):
+    from scipy.integrate import solve_ivp
+
+    def slope(volume: float, energy: Array) -> Array:
         cold, heating = solid_curves(volume, solid)
-        return -(cold + heating * (energy - solid.heat * solid.zero))
+        return np.asarray(-(cold + heating * (energy - solid.heat * solid.zero)))
 
-    def run(start, energy, end):
-        h = (end - start) / STEPS
-        for n in range(STEPS):
-            v = start + n * h
-            a = slope(v, energy)
-            b = slope(v + 0.5 * h, energy + 0.5 * h * a)
-            c = slope(v + 0.5 * h, energy + 0.5 * h * b)
-            energy += h / 6.0 * (a + 2.0 * b + 2.0 * c + slope(v + h, energy + h * c))
-        return energy
-
-    found = {}
-    for part in (sorted(d for d in densities if d >= solid.density),
-                 sorted((d for d in densities if d < solid.density), reverse=True)):
-        place, energy = 1.0 / solid.density, 0.0
-        for density in part:
-            energy = run(place, energy, 1.0 / density)
-            place = 1.0 / density
-            found[density] = energy
-    return np.array([found[density] for density in densities])
+    rest = 1.0 / solid.density
+    volumes = 1.0 / np.asarray(densities, dtype=np.float64)
+    found = np.zeros(len(volumes))
+    for side in (volumes < rest, volumes > rest):        # the curves have a kink at rest
+        if side.any():
+            order = np.flatnonzero(side)[np.argsort(np.abs(volumes[side] - rest))]
+            found[order] = solve_ivp(slope, (rest, volumes[order[-1]]), [0.0], "DOP853", volumes[order], rtol=1.0e-12,
+                                     atol=1.0e-12 * solid.sound ** 2).y[0]
+    return found
 
 
-def mie_gruneisen(densities, temperatures, solid):
+def mie_gruneisen(densities: Array, temperatures: Array, solid: Solid) -> tuple[Array, Array]:
     """Pressure and energy (density, temperature) of a free energy whose p of density and energy is that of
     eos_model = 'mie_gruneisen', with a constant specific heat."""
     cold = cold_energies(densities, solid)
@@ -81,7 +86,7 @@ def mie_gruneisen(densities, temperatures, solid):
     return curves[:, :1] + curves[:, 1:] * energy, energy
 
 
-def write(path, densities, temperatures, pressure, energy, title):
+def write(path: str, densities: Array, temperatures: Array, pressure: Array, energy: Any, title: str) -> None:
     """Write a table; densities and temperatures ascend."""
     with open(path, "w", encoding="ascii") as file:
         file.write(f"# {title}\n# {len(densities)} densities, each with {len(temperatures)} temperatures\n"

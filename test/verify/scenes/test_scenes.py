@@ -21,7 +21,8 @@ import pytest
 import gallery
 import scree_scene
 import tier
-from scree_post import PostError, study
+from scree import study
+from scree.errors import ScreeError
 
 ROOT = Path(__file__).resolve().parents[3]
 SHORT = ("cell_crossing", "driven_plate", "taylor_copper", "two_discs")    # the others take minutes
@@ -55,7 +56,7 @@ def refused(action, *words):
     """Whether an action ends with an error that a user would see."""
     try:
         action(*words)
-    except PostError:
+    except ScreeError:
         return True
     return False
 
@@ -88,7 +89,7 @@ def test_failures(sheet):
     """Which failed runs are results."""
     scene = scree_scene.Study(__file__, {}, None, {}, may_fail={"bad": 4})
     for name, code, wrong in (("bad", 4, False), ("bad", 0, False), ("bad", 3, True), ("good", 4, True)):
-        sheet.require(refused(scene.refuse_failed, study.Run({}, "", name, code)) == wrong,
+        sheet.require(refused(scene.refuse_failed, study.Combination({}, "", name, code)) == wrong,
                       f"{name} with exit code {code} is {'refused' if wrong else 'a result'}")
 
 

@@ -10,27 +10,33 @@ and others, ibid. 130 (2008) 078001). A quantity is one of:
   PLACE    a number of the summary, such as ledger.energy_error
   length, width, radius, front_z, ...   of the particles of the last snapshot
 """
+from __future__ import annotations
+
 import argparse
 import csv
 import math
 import re
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from scree.convergence import SAFE, cost_law
+from scree.drawing import look
+from scree.drawing.quantity import quantity as number_with_unit
+from scree.program import jobs_for, threads_of_a_run
 from scree.refinement import MassWarning, accuracy
 
-import scree_post
-
-from ..quantity import quantity as number_with_unit
-from ..study import jobs_for, threads_of_a_run
+if TYPE_CHECKING:
+    from scree.convergence import Verdict
+    from scree.refinement import Accuracy
 
 SUMMARY = "how accurate a number of a deck is, and what more costs"
 EXAMPLES = ("accuracy input/taylor_copper/scene.nml --quantity length radius --factors 4,2,1",
             "accuracy input/two_discs/scene.nml --quantity length --factors 4,2,1")
 
 
-def tolerance_of(text, verdict, fine):
+def tolerance_of(text: str, verdict: Verdict, fine: float) -> float:
     """The tolerance as a number in SI; 1% is of the extrapolated value."""
     if not text.endswith("%"):
         return number_with_unit(text)
@@ -38,7 +44,7 @@ def tolerance_of(text, verdict, fine):
     return 0.01 * float(text[:-1]) * abs(base)
 
 
-def sentence(verdict, unit, fine):
+def sentence(verdict: Verdict, unit: str, fine: float) -> str:
     """The verdict for people."""
     share = f" ({100.0 * verdict.error / abs(verdict.limit):.2g} %)" if verdict.limit else ""
     bound = f"error of the finest run below {verdict.error:.3g}{unit}{share}, safety factor {verdict.safety:g}"
@@ -55,7 +61,7 @@ def sentence(verdict, unit, fine):
     return f"monotone, order {verdict.order:.2f}{belief}; extrapolated value {verdict.limit:.8g}{unit}; {bound}"
 
 
-def plan_text(found, quantity, text):
+def plan_text(found: Accuracy, quantity: str, text: str) -> str:
     """What a tolerance would cost."""
     grid, verdict, fine = found.grid, found.verdicts[quantity], found.table.iloc[-1]
     dimensions = len(grid.axes)
@@ -74,7 +80,7 @@ def plan_text(found, quantity, text):
             f"{seconds:.3g} core-seconds (cost as h^-{dimensions + 1}, {power:.1f} measured)")
 
 
-def print_table(options, method, quantity, found):
+def print_table(options: argparse.Namespace, method: str | None, quantity: str, found: Accuracy) -> None:
     """Print the table of one quantity and method, and the verdict."""
     unit = found.units[quantity]
     unit = f" {unit}" if unit and unit != "1" else ""
@@ -82,15 +88,14 @@ def print_table(options, method, quantity, found):
     print(f"  {f'cells [{found.grid.unit}]':>10} {'particles':>10} {'steps':>8} {'core-seconds':>13} {'value':>18}"
           f" {'change':>10}")
     changes = found.table[quantity].diff()
-    for size, row, change in zip(found.sizes, found.table.itertuples(), changes):
-        value = found.table[quantity][row.Index]
+    for size, row, change, value in zip(found.sizes, found.table.itertuples(), changes, found.table[quantity]):
         print(f"  {size:10.4g} {row.particles:10d} {row.steps:8d} {row.core_seconds:13.4g}"
               f" {value:18.10g} {'' if math.isnan(change) else f'{change:.2e}':>10}")
     print("  " + sentence(found.verdicts[quantity], unit, value))
     print("  " + plan_text(found, quantity, options.tolerance))
 
 
-def write_table(path, results):
+def write_table(path: str, results: Mapping[str | None, Accuracy]) -> None:
     """All runs and verdicts as comma separated values."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -105,7 +110,7 @@ def write_table(path, results):
                                      repr(verdict.order), repr(verdict.limit), repr(verdict.error)])
 
 
-def numbers(text):
+def numbers(text: str) -> list[float]:
     """Positive numbers between commas, none twice."""
     try:
         found = [float(word) for word in text.split(",")]
@@ -117,7 +122,7 @@ def numbers(text):
     return found
 
 
-def change(text):
+def change(text: str) -> tuple[str, str]:
     """A pair of name and value from GROUP.KEY=VALUE."""
     name, sign, value = text.partition("=")
     if not sign or not re.fullmatch(r"\w+(\[[^]]*\])?\.\w+", name.strip()):
@@ -125,7 +130,7 @@ def change(text):
     return name.strip(), value.strip()
 
 
-def tolerance(text):
+def tolerance(text: str) -> str:
     """A tolerance: a number, or a percentage."""
     try:
         if (float(text[:-1]) if text.endswith("%") else number_with_unit(text)) > 0.0:
@@ -135,7 +140,7 @@ def tolerance(text):
     raise argparse.ArgumentTypeError(f"'{text}' is not like 1% (of the value), 0.002 (in SI) or 2mm")
 
 
-def percentile(text):
+def percentile(text: str) -> float:
     """More than a half of the mass, at most all of it."""
     try:
         value = float(text)
@@ -146,7 +151,7 @@ def percentile(text):
     return value
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     parser.add_argument("deck", metavar="DECK")
     parser.add_argument("--quantity", nargs="+", required=True, metavar="NAME", help="see above")
@@ -166,7 +171,7 @@ def add_arguments(parser):
     parser.add_argument("--plot", metavar="FILE", help="draw it")
 
 
-def run(options):
+def run(options: argparse.Namespace) -> int:
     """Run, judge, print."""
     threads = threads_of_a_run()
     results = {}
@@ -186,5 +191,5 @@ def run(options):
         write_table(options.csv, results)
     if options.plot:
         figure = found.plot({method or "deck": result for method, result in results.items()})
-        scree_post.save(figure, options.plot, 110)
+        look.save(figure, options.plot, 110)
     return 0

@@ -6,14 +6,24 @@ compared line by line, with --interpolate at the times of the first. A relative 
 to the greatest size of the field in A at all times. The exit code is 1 if one is above --tolerance,
 which is 0 unless given, or if particles, times or fields of one are missing in the other.
 """
+from __future__ import annotations
+
+import argparse
 import math
 import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import EXIT_DIFFERENT, EXIT_USAGE, PostError, unknown
+from scree.errors import EXIT_DIFFERENT, EXIT_USAGE, ScreeError, unknown
 from scree.files import history, history_file, series, series_file, snapshot
+
 from ..progress import Progress
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
+    from scree.files import Moment, Snapshot
 
 SUMMARY = "differences of two runs, particle by particle"
 EXAMPLES = ("compare out/two_discs out/again",
@@ -23,7 +33,7 @@ EXAMPLES = ("compare out/two_discs out/again",
 MOST_LINES = 12          # on what one side lacks
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("a", metavar="A", help="series, snapshot, folder or history")
@@ -35,15 +45,17 @@ def add_arguments(parser):
         help="times are the same within this share of the whole (1e-6)")
     add("--interpolate", action="store_true", help="histories: at the times of A")
 
+Differences = tuple[dict[str, "Field"], dict[str, str], list[str]]   # by name: differences, units; what is missing
+
 
 class Field:
     """Differences of one field over all times."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.greatest, self.squares, self.count, self.scale = 0.0, 0.0, 0, 0.0
         self.time = math.nan                             # of the greatest difference [s]
 
-    def add(self, one, two, time):
+    def add(self, one: Any, two: Any, time: float) -> None:
         """Numbers of one time; two that are both not a number are the same."""
         one, two = np.asarray(one, "f8"), np.asarray(two, "f8")
         if not one.size:
@@ -60,18 +72,18 @@ class Field:
         self.count += off.size
 
     @property
-    def mean(self):
+    def mean(self) -> float:
         """Root mean square difference."""
         return math.sqrt(self.squares / self.count) if self.count else 0.0
 
-    def relative(self, size):
+    def relative(self, size: float) -> float:
         """A difference over the greatest size of the field."""
         if size == 0.0:
             return 0.0
         return size / self.scale if self.scale > 0.0 else math.inf
 
 
-def print_table(fields, units, missing):
+def print_table(fields: Mapping[str, Field], units: Mapping[str, str], missing: list[str]) -> None:
     """The differences, and what one side lacks."""
     width = max([len(name) for name in fields] + [5])
     print(f"{'field':<{width}}  {'unit':<9} {'greatest':>12} {'relative':>10} {'rms':>12} "
@@ -86,7 +98,8 @@ def print_table(fields, units, missing):
         print(f"DIFFERENT and {len(missing) - MOST_LINES} more like these")
 
 
-def pair_times(frames_a, frames_b, tolerance):
+def pair_times(frames_a: Sequence[Moment], frames_b: Sequence[Moment],
+               tolerance: float) -> tuple[list[tuple[str, str]], list[str]]:
     """Pairs of files of the same time, and sentences on times of one side only."""
     times_b = np.array([time for time, _ in frames_b])
     span = max(abs(frames_a[-1][0]), abs(frames_b[-1][0]))
@@ -103,11 +116,11 @@ def pair_times(frames_a, frames_b, tolerance):
     return pairs, missing
 
 
-def matched(one, two, missing):
+def matched(one: Snapshot, two: Snapshot, missing: list[str]) -> tuple[Array, Array]:
     """Rows of the particles that both snapshots hold, in the same order."""
     if "identity" not in one.fields or "identity" not in two.fields:
         if len(one.points) != len(two.points):
-            raise PostError(f"{one.file}: {len(one.points)} and {len(two.points)} particles and no "
+            raise ScreeError(f"{one.file}: {len(one.points)} and {len(two.points)} particles and no "
                             "field identity to match them by; write it with &output fields")
         rows = np.arange(len(one.points))
         return rows, rows
@@ -120,7 +133,7 @@ def matched(one, two, missing):
     return rows_a, rows_b
 
 
-def wanted_names(names, there, path):
+def wanted_names(names: list[str] | None, there: list[str], path: str) -> list[str]:
     """The names asked for, all if none were."""
     if names is None:
         return there
@@ -130,14 +143,15 @@ def wanted_names(names, there, path):
     return names
 
 
-def compare_series(arguments, names):
+def compare_series(arguments: argparse.Namespace, names: list[str] | None) -> Differences:
     """Fields, units and sentences of two series."""
-    frames = [series(path) for path in (arguments.a, arguments.b)]
-    pairs, missing = pair_times(*frames, arguments.time_tolerance)
+    frames_a, frames_b = series(arguments.a), series(arguments.b)
+    pairs, missing = pair_times(frames_a, frames_b, arguments.time_tolerance)
     if not pairs:
-        raise PostError(f"{arguments.a} and {arguments.b} have no time in common; "
+        raise ScreeError(f"{arguments.a} and {arguments.b} have no time in common; "
                         "see --time-tolerance", EXIT_USAGE)
-    fields, units, particles = {}, {"position": "m"}, 0
+    fields: dict[str, Field] = {}
+    units, particles = {"position": "m"}, 0
     with Progress(len(pairs), "comparing") as progress:
         for file_a, file_b in pairs:
             one, two = snapshot(file_a), snapshot(file_b)
@@ -160,13 +174,14 @@ def compare_series(arguments, names):
     return fields, units, missing
 
 
-def compare_histories(arguments, names):
+def compare_histories(arguments: argparse.Namespace, names: list[str] | None) -> Differences:
     """Columns, units and sentences of two histories."""
     one, two = history(arguments.a), history(arguments.b)
     time, other = one["time"], two["time"]
     columns = [name for name in one.order if name not in ("time", "step", "dt")]
     columns = wanted_names(names, columns if names is None else one.order, arguments.a)
-    missing, fields = [], {}
+    missing: list[str] = []
+    fields: dict[str, Field] = {}
     if arguments.interpolate:
         keep = (time >= other[0]) & (time <= other[-1])
         rows = np.flatnonzero(keep)
@@ -175,11 +190,11 @@ def compare_histories(arguments, names):
         same = len(time) == len(other) and np.all(
             np.abs(time - other) <= arguments.time_tolerance * span)
         if not same:
-            raise PostError(f"{arguments.a} and {arguments.b} have lines of different times; "
+            raise ScreeError(f"{arguments.a} and {arguments.b} have lines of different times; "
                             "use --interpolate", EXIT_USAGE)
         rows = np.arange(len(time))
     if len(rows) == 0:
-        raise PostError(f"{arguments.a} and {arguments.b} have no time in common", EXIT_USAGE)
+        raise ScreeError(f"{arguments.a} and {arguments.b} have no time in common", EXIT_USAGE)
     for name in columns:
         if name not in two:
             missing.append(f"column {name} is in A only")
@@ -194,21 +209,21 @@ def compare_histories(arguments, names):
     return fields, one.units, missing
 
 
-def is_history(path):
+def is_history(path: str) -> bool:
     """Whether a path means a history: a .csv, or a folder without particles."""
     if not os.path.isdir(path):
         return path.endswith(".csv")
     return not any(name.endswith("_p.hdf.series") for name in os.listdir(path))
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read both, compare, print."""
     if not arguments.tolerance >= 0.0 or not arguments.time_tolerance >= 0.0:
-        raise PostError("tolerances must not be below 0", EXIT_USAGE)
+        raise ScreeError("tolerances must not be below 0", EXIT_USAGE)
     names = arguments.fields.split(",") if arguments.fields else None
     kinds = [is_history(path) for path in (arguments.a, arguments.b)]
     if kinds[0] != kinds[1]:
-        raise PostError("a history can only be compared with a history", EXIT_USAGE)
+        raise ScreeError("a history can only be compared with a history", EXIT_USAGE)
     find = history_file if kinds[0] else series_file
     arguments.a, arguments.b = find(arguments.a), find(arguments.b)
     work = compare_histories if kinds[0] else compare_series

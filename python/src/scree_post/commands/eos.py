@@ -7,10 +7,20 @@ are the same for all densities. Both have equal ratios, and the density and the 
 are among them. The solid has the free energy of a constant specific heat, with which pressure and
 energy belong together.
 """
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ..errors import EXIT_USAGE, PostError
+from scree.errors import EXIT_USAGE, ScreeError
+
 from ..state_table import Solid, axis, ideal_gas, mie_gruneisen, write
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
 
 SUMMARY = "a table of an equation of state, for eos_model = 'table'"
 EXAMPLES = ("eos ideal_gas --gamma 1.4 --heat 717.5 --density 0.01 20 --out air.txt",
@@ -18,7 +28,7 @@ EXAMPLES = ("eos ideal_gas --gamma 1.4 --heat 717.5 --density 0.01 20 --out air.
 LEAST = 2
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("law", choices=("ideal_gas", "mie_gruneisen"), help="the equation of state")
@@ -37,22 +47,22 @@ def add_arguments(parser):
     add("--out", metavar="FILE", help="the table (LAW.txt)")
 
 
-def nodes(name, bounds, count, rest=None):
+def nodes(name: str, bounds: Sequence[float], count: int, rest: float | None = None) -> Array:
     """Numbers with equal ratios, and one that must be among them if it lies between."""
     if count < LEAST or not 0.0 < bounds[0] < bounds[1]:
-        raise PostError(f"--{name} needs two numbers above 0 that ascend, and --nodes at least {LEAST}", EXIT_USAGE)
-    numbers = axis(*bounds, count)
+        raise ScreeError(f"--{name} needs two numbers above 0 that ascend, and --nodes at least {LEAST}", EXIT_USAGE)
+    numbers = axis(bounds[0], bounds[1], count)
     if rest is not None and bounds[0] < rest < bounds[1]:
         place = 1 + np.argmin(np.abs(np.log(numbers[1:-1] / rest))) if count > LEAST else None
         numbers = np.append(numbers, rest) if place is None else np.where(np.arange(count) == place, rest, numbers)
     return np.unique(numbers)
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> None:
     """Write the table."""
     solid = arguments.law == "mie_gruneisen"
     if solid and None in (arguments.rest, arguments.sound, arguments.slope):
-        raise PostError("mie_gruneisen needs --rest, --sound and --slope", EXIT_USAGE)
+        raise ScreeError("mie_gruneisen needs --rest, --sound and --slope", EXIT_USAGE)
     bounds = arguments.density or ((0.85 * arguments.rest, 1.6 * arguments.rest) if solid else (1.0e-3, 100.0))
     out = arguments.out or f"{arguments.law}.txt"
     densities = nodes("density", bounds, arguments.nodes[0], arguments.rest)
@@ -61,7 +71,7 @@ def run(arguments):
         constants = Solid(arguments.rest, arguments.sound, arguments.slope, arguments.gamma, arguments.heat,
                           arguments.zero)
         if arguments.slope * (1.0 - arguments.rest / densities[-1]) >= 0.9:
-            raise PostError("--density ends too near the greatest compression, where slope (1 - rest/density) = 1",
+            raise ScreeError("--density ends too near the greatest compression, where slope (1 - rest/density) = 1",
                             EXIT_USAGE)
         pressure, energy = mie_gruneisen(densities, temperatures, constants)
         title = f"Mie-Grueneisen: {constants}"

@@ -7,16 +7,29 @@ touching cells. The table has one line a fragment, the heaviest first. In axisym
 rings, because that is what such a run can hold. Mirror planes are completed: a piece across one is
 whole, others are there twice. Pieces go on across periodic faces.
 """
+from __future__ import annotations
+
+import argparse
 import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .. import look
-from ..errors import EXIT_USAGE, PostError
-from scree.files import series, series_file, snapshot
+from scree.drawing import look
+from scree.drawing.quantity import quantity
+from scree.errors import EXIT_USAGE, ScreeError
+from scree.files import beside, nearest, series, series_file, snapshot
+
 from ..fragment_table import COLUMNS, fragments_of
 from ..progress import Progress
-from ..quantity import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from scree.files import Moment, beside, nearest
+
+    from ..fragment_table import Fragments
 
 SUMMARY = "pieces that hold together: table, masses, cumulated numbers"
 EXAMPLES = ("fragments out/debris_cloud",
@@ -26,7 +39,7 @@ FIELDS = ("mass", "volume", "velocity", "body", "failed", "damage")
 SHOWN = 10               # lines of the table on the screen
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("source", metavar="SERIES_OR_SNAPSHOT",
@@ -48,16 +61,14 @@ def add_arguments(parser):
     add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
 
 
-def chosen(frames, arguments):
+def chosen(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[Moment]:
     """The snapshots asked for."""
     if arguments.all:
         return frames
-    times = np.array([time for time, _ in frames])
-    wanted = arguments.time or [times[-1]]
-    return [frames[row] for row in sorted({int(np.argmin(np.abs(times - t))) for t in wanted})]
+    return nearest(frames, arguments.time or [frames[-1][0]])
 
 
-def write_table(path, found):
+def write_table(path: str, found: Sequence[Fragments]) -> None:
     """The table as comma separated values; lines that begin with # say what it is."""
     try:
         with open(path + ".part", "w", encoding="utf-8") as handle:
@@ -67,10 +78,10 @@ def write_table(path, found):
                     handle.write(",".join(f"{value:.9g}" for value in row) + "\n")
         os.replace(path + ".part", path)
     except OSError as error:
-        raise PostError(f"cannot write {path}: {error.strerror or error}") from error
+        raise ScreeError(f"cannot write {path}: {error.strerror or error}") from error
 
 
-def say(one):
+def say(one: Fragments) -> None:
     """The heaviest fragments, and where the mass is."""
     masses = one.masses
     lone = sum(row[2] == 1 for row in one.rows)
@@ -88,9 +99,10 @@ def say(one):
         print(f" ... {len(masses) - SHOWN} more in the table")
 
 
-def picture(found, title):
+def picture(found: Sequence[Fragments], title: str) -> Figure:
     """Histogram of masses and cumulated numbers of the times."""
     plot = look.pyplot()
+    figure: Figure
     figure, (left, right) = plot.subplots(1, 2, figsize=(11.0, 4.6), layout="constrained")
     every = np.concatenate([one.masses for one in found])
     factor, unit = look.scaled(float(every.max()), "kg")
@@ -122,24 +134,23 @@ def picture(found, title):
     return figure
 
 
-def check_arguments(arguments):
+def check_arguments(arguments: argparse.Namespace) -> None:
     """What the parser cannot check."""
     if not (np.isfinite(arguments.reach) and arguments.reach > 0.0):
-        raise PostError("--reach must be above 0", EXIT_USAGE)
+        raise ScreeError("--reach must be above 0", EXIT_USAGE)
     if arguments.cell is not None and not arguments.cell > 0.0:
-        raise PostError("--cell must be above 0", EXIT_USAGE)
+        raise ScreeError("--cell must be above 0", EXIT_USAGE)
     if arguments.least < 1:
-        raise PostError("--least must be above 0", EXIT_USAGE)
+        raise ScreeError("--least must be above 0", EXIT_USAGE)
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read, find, write."""
     check_arguments(arguments)
     source = series_file(arguments.source)
     frames = chosen(series(source), arguments)
-    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
-    beside = os.path.join(os.path.dirname(source) or ".", f"{stem}_pieces")
-    out, path = arguments.out or beside + ".png", arguments.table or beside + ".csv"
+    out = arguments.out or beside(source, "_pieces.png")
+    path = arguments.table or beside(source, "_pieces.csv")
     look.check_picture(out)
     found, title = [], ""
     with Progress(len(frames), "searching") as progress:

@@ -7,22 +7,39 @@ decay after a stop, normal stress and correlation; G and lambda of probes. The s
 stage, --skip, is left out. Tables, figures and a &material block for a deck are written beside
 the first run.
 """
+from __future__ import annotations
+
+import argparse
 import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import look
-from ..errors import EXIT_USAGE, PostError
+from scree.drawing import look
+from scree.errors import EXIT_USAGE, ScreeError
+
 from ..grains import force_chains, material, memory, moduli, pictures, rheology, tables
-from ..grains.cell_run import read_run
+from ..grains.cell_run import CellRun, read_run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..grains.memory import Memory
+    from ..grains.moduli import Moduli
+    from ..grains.rheology import Fits, SteadyShear
 
 SUMMARY = "constants of a cell of grains: friction, relaxation, moduli, &material"
 EXAMPLES = ("grains out/grain_cell",
             "grains out/grain_cell --tau reversal --stage reverse",
             "grains out/grain_cell --law mu_i --out mu_i.nml")
 
+# runs, their steady shear, and by run what was measured of tau and the probes
+Measured = tuple[list[CellRun], list[rheology.SteadyShear], list[tuple[CellRun, list[memory.Memory]]],
+                 list[tuple[CellRun, list[moduli.Moduli]]]]
 
-def add_arguments(parser):
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("folders", metavar="FOLDER", nargs="+", help="out/CASE of runs of scree --grains")
@@ -35,15 +52,15 @@ def add_arguments(parser):
     add("--dpi", type=int, default=150, help="pixels per inch of the pictures (150)")
 
 
-def check_arguments(arguments):
+def check_arguments(arguments: argparse.Namespace) -> None:
     """What the parser cannot check."""
     if not (np.isfinite(arguments.skip) and arguments.skip >= 0.0):
-        raise PostError(f"--skip {arguments.skip:g} must not be negative", EXIT_USAGE)
+        raise ScreeError(f"--skip {arguments.skip:g} must not be negative", EXIT_USAGE)
     if arguments.out and not os.path.isdir(os.path.dirname(arguments.out) or "."):
-        raise PostError(f"cannot write {arguments.out}: no folder {os.path.dirname(arguments.out)}")
+        raise ScreeError(f"cannot write {arguments.out}: no folder {os.path.dirname(arguments.out)}")
 
 
-def measured(arguments):
+def measured(arguments: argparse.Namespace) -> Measured:
     """Runs, their steady shear, and pairs of runs with measurements of tau and probes."""
     generator = np.random.default_rng(12345)             # the same errors in each call
     runs = [read_run(os.path.normpath(folder)) for folder in arguments.folders]
@@ -51,7 +68,7 @@ def measured(arguments):
         if run.unfinished:
             print(f"note: {run.folder} is not finished ({run.unfinished}); its last stage is used as far as it goes")
     if not any(run.stages_of("shear") for run in runs):
-        raise PostError(f"{', '.join(arguments.folders)}: no stage has a shear rate; give a &stage rate or "
+        raise ScreeError(f"{', '.join(arguments.folders)}: no stage has a shear rate; give a &stage rate or "
                         "inertial_number")
     shears = [rheology.steady_shear(run, stage, arguments.skip, generator)
               for run in runs for stage in run.stages_of("shear")]
@@ -60,7 +77,7 @@ def measured(arguments):
     return runs, shears, memories, probes
 
 
-def say_rheology(shears, fits):
+def say_rheology(shears: Sequence[SteadyShear], fits: Fits) -> None:
     """Lines on friction and volume fraction."""
     print(f"{'stage':<20} {'I':>7} {'mu':>13} {'phi':>13} {'W':>13}  drift")
     for one in shears:
@@ -77,7 +94,9 @@ def say_rheology(shears, fits):
         print("one inertial number: no fit of mu and phi")
 
 
-def say_memory(runs, shears, memories, probes):
+def say_memory(runs: Sequence[CellRun], shears: Sequence[SteadyShear],
+               memories: Sequence[tuple[CellRun, list[Memory]]],
+               probes: Sequence[tuple[CellRun, list[Moduli]]]) -> None:
     """Lines on tau and moduli."""
     for run, found in memories:
         for line in tables.four_ways([one for one in shears if one.run is run], found):
@@ -85,17 +104,18 @@ def say_memory(runs, shears, memories, probes):
         for one in found:
             if one.measure in ("hold", "normal", "correlation") and one.note:
                 print(f"  {one.measure} of {one.stage}: {one.note}")
-    for run, found in probes:
-        for one in found:
-            name = next((stage.name for stage in run.stages if stage.number == one.stage), one.stage)
-            print(f"probe of {run.case}, {name}, {'relaxed' if one.relaxed else 'unrelaxed'}: G {one.shear:.4g} Pa, "
-                  f"lambda {one.lame:.4g} Pa at pressure {one.pressure:.4g} Pa"
-                  + ("" if one.elastic else "; not elastic, so not used: grains changed places"))
+    for run, probed in probes:
+        for probe in probed:
+            name = next((stage.name for stage in run.stages if stage.number == probe.stage), str(probe.stage))
+            print(f"probe of {run.case}, {name}, {'relaxed' if probe.relaxed else 'unrelaxed'}: G {probe.shear:.4g} Pa,"
+                  f" lambda {probe.lame:.4g} Pa at pressure {probe.pressure:.4g} Pa"
+                  + ("" if probe.elastic else "; not elastic, so not used: grains changed places"))
     if not any(found for _, found in probes):
         print(f"no moduli in {', '.join(run.case for run in runs)}: set probe = .true. in a &stage")
 
 
-def write_tables(run, shears, memories, probes, fits, keys):
+def write_tables(run: CellRun, shears: Sequence[SteadyShear], memories: Sequence[tuple[CellRun, list[Memory]]],
+                 probes: Sequence[tuple[CellRun, list[Moduli]]], fits: Fits, keys: Mapping[str, Any]) -> list[str]:
     """CSV files and a JSON file; the result is their paths."""
     parts = (("_shear.csv", tables.STAGES, tables.stage_rows(shears)),
              ("_tau.csv", tables.MEMORY, tables.memory_rows(memories)),
@@ -114,10 +134,11 @@ def write_tables(run, shears, memories, probes, fits, keys):
     return [run.path(ending) for ending, *_ in parts] + [run.path("_fit.json")]
 
 
-def draw(run, shears, memories, fits, keys, arguments):
+def draw(run: CellRun, shears: Sequence[SteadyShear], memories: Sequence[Memory], fits: Fits, keys: Mapping[str, Any],
+         arguments: argparse.Namespace) -> list[str]:
     """All figures; the result is their paths."""
     title = look.words(run.case)
-    figures = {"_rheology.png": pictures.rheology(shears, fits, title)}
+    figures: dict[str, Figure | None] = {"_rheology.png": pictures.rheology(shears, fits, title)}
     if memories:
         figures["_memory.png"] = pictures.memory(memories, title)
     if arguments.law == "granular":
@@ -134,7 +155,7 @@ def draw(run, shears, memories, fits, keys, arguments):
     return written
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read, evaluate, write."""
     check_arguments(arguments)
     runs, shears, memories, probes = measured(arguments)

@@ -5,15 +5,25 @@ Takes a snapshot, a series, a checkpoint, a history or another table, or a folde
 series the last snapshot is shown unless --time names another one. All numbers are in SI, also of
 files in other units (output_units of the deck).
 """
+from __future__ import annotations
+
+import argparse
 import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from scree import units as units_of
-from ..errors import EXIT_USAGE, PostError, modules, readable
+from scree.drawing.quantity import quantity
+from scree.errors import EXIT_USAGE, ScreeError, modules, readable
 from scree.files import history, is_grid, series, snapshot, text
+
 from ..progress import Progress
-from ..quantity import quantity
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
+    from scree.files import Snapshot
 
 SUMMARY = "fields, units, ranges, bodies, times and origin of a file"
 EXAMPLES = ("info out/two_discs",
@@ -23,7 +33,7 @@ EXAMPLES = ("info out/two_discs",
 ORIGIN = ("title", "case", "dimension", "symmetry", "version", "git", "compiler")
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("source", metavar="FILE", help="snapshot, series, checkpoint, history or folder")
@@ -32,13 +42,13 @@ def add_arguments(parser):
     add("--deck", action="store_true", help="print the deck that the file carries, nothing else")
 
 
-def line(name, value):
+def line(name: str, value: Any) -> None:
     """A fact."""
     if str(value).strip():
         print(f"{name:<12} {value}")
 
 
-def ranges(fields, units):
+def ranges(fields: Mapping[str, Sequence[Array]], units: Mapping[str, str]) -> None:
     """A table of fields: unit, components, least, greatest and mean of their numbers."""
     width = max([len(name) for name in fields] + [5])
     print(f"{'field':<{width}}  {'unit':<8} {'parts':>5} {'least':>12} {'greatest':>12} "
@@ -58,7 +68,7 @@ def ranges(fields, units):
               + (f"  {wrong} not a number" if wrong else ""))
 
 
-def bodies(snap):
+def bodies(snap: Snapshot) -> None:
     """A table of bodies."""
     if not snap.bodies or len(snap.points) == 0:
         return
@@ -75,7 +85,7 @@ def bodies(snap):
         print(f"{snap.body_name(row):<12} {int(pick.sum()):>9} {heavy}  {mean}")
 
 
-def describe_snapshot(snap, others=()):
+def describe_snapshot(snap: Snapshot, others: Sequence[Snapshot] = ()) -> None:
     """Everything of one snapshot; ranges also over `others`."""
     for name in ORIGIN:
         line(name, snap.provenance.get(name, ""))
@@ -90,18 +100,18 @@ def describe_snapshot(snap, others=()):
     ranges(fields, {"position": "m", **snap.units})
 
 
-def span_text(times):
+def span_text(times: Array) -> str:
     """The times of a series in words."""
     return f"{times[0]:.6g} to {times[-1]:.6g} s" + (
         f", about every {np.median(np.diff(times)):.4g} s" if len(times) > 1 else "")
 
 
-def nearest(times, wanted):
+def nearest(times: Array, wanted: float | None) -> int:
     """Row of the time nearest to the one that is wanted, by default the last."""
     return -1 if wanted is None else int(np.argmin(np.abs(times - wanted)))
 
 
-def describe_series(path, arguments):
+def describe_series(path: str, arguments: argparse.Namespace) -> None:
     """Times, and one snapshot."""
     frames = series(path)
     times = np.array([time for time, _ in frames])
@@ -118,7 +128,7 @@ def describe_series(path, arguments):
     describe_snapshot(snapshot(frames[row][1]), others)
 
 
-def describe_checkpoint(path):
+def describe_checkpoint(path: str) -> None:
     """State, fields and ranges of a checkpoint."""
     (h5py,) = modules("h5py")
     with h5py.File(path, "r") as handle:
@@ -135,7 +145,7 @@ def describe_checkpoint(path):
             ranges(fields, units)
 
 
-def describe_history(path):
+def describe_history(path: str) -> None:
     """Lines and ranges of the columns."""
     table = history(path)
     kind = "history" if path.endswith("_history.csv") else "table"
@@ -154,7 +164,7 @@ def describe_history(path):
         print(f"always zero: {', '.join(zero)}")
 
 
-def describe_grids(path, arguments):
+def describe_grids(path: str, arguments: argparse.Namespace) -> None:
     """Times of a series of grids, and ranges of one of them or of a lone file."""
     (h5py,) = modules("h5py")
     if path.endswith(".series"):
@@ -180,12 +190,12 @@ def describe_grids(path, arguments):
                {name: units_of.data_unit(data[name]) for name in data})
 
 
-def flat(values):
+def flat(values: Array) -> Array:
     """Values on a grid as rows of points, components last."""
     return values.reshape(-1, values.shape[3]) if values.ndim == 4 else values.reshape(-1)
 
 
-def kind_of(path):
+def kind_of(path: str) -> str:
     """What a file is: series, snapshot, checkpoint or history."""
     if path.endswith(".series"):
         return "series"
@@ -200,34 +210,34 @@ def kind_of(path):
                 return "grid"
             return "snapshot"
     except OSError as error:
-        raise PostError(f"cannot open {path}: neither series, history, snapshot nor checkpoint, or "
+        raise ScreeError(f"cannot open {path}: neither series, history, snapshot nor checkpoint, or "
                         "cut short") from error
 
 
-def deck_of(path):
+def deck_of(path: str) -> str:
     """The deck that a file carries."""
     (h5py,) = modules("h5py")
     kind = kind_of(path)
     if kind == "series":
         path, kind = series(path)[-1][1], "snapshot"
     if kind == "history":
-        raise PostError(f"{path}: a history carries no deck; ask a snapshot", EXIT_USAGE)
+        raise ScreeError(f"{path}: a history carries no deck; ask a snapshot", EXIT_USAGE)
     with h5py.File(path, "r") as handle:
         name = "deck" if kind == "checkpoint" else "provenance/deck"
         if name not in handle:
-            raise PostError(f"{path} carries no deck")
+            raise ScreeError(f"{path} carries no deck")
         return bytes(handle[name][...]).decode("utf-8", "replace")
 
 
-def first_of(path):
+def first_of(path: str) -> str:
     """The first file that a series lists, without opening it as a snapshot."""
     return series(path)[0][1]
 
 
-def describe(path, arguments):
+def describe(path: str, arguments: argparse.Namespace) -> None:
     """A file of any kind."""
     kind = kind_of(readable(path))
-    if kind == "grid" or kind == "series" and is_grid(first_of(path)):
+    if kind == "grid" or (kind == "series" and is_grid(first_of(path))):
         describe_grids(path, arguments)
     elif kind == "series":
         describe_series(path, arguments)
@@ -241,19 +251,19 @@ def describe(path, arguments):
         describe_snapshot(snap)
 
 
-def in_folder(path):
+def in_folder(path: str) -> tuple[list[str], list[str]]:
     """Series, histories and checkpoints of a folder."""
     names = sorted(os.listdir(path), key=lambda name: (name.endswith(".csv"), name))
     found = [os.path.join(path, name) for name in names
              if name.endswith((".hdf.series", "_history.csv"))]
     if not found:
-        raise PostError(f"{path}: no series (*.hdf.series) and no history (*_history.csv) in this "
+        raise ScreeError(f"{path}: no series (*.hdf.series) and no history (*_history.csv) in this "
                         "folder")
     kept = [name for name in names if "_chk_" in name and name.endswith(".h5")]
     return found, kept
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Say what is there."""
     path = arguments.source
     if os.path.isdir(path):

@@ -7,16 +7,26 @@ grids each field in each cell: FIELD and FIELD_error in an image for ParaView. E
 blocks of rows, the greatest over lengths of blocks (H. Flyvbjerg, H. G. Petersen, J. Chem. Phys.
 91 (1989) 461). Sums since the start, such as impulses, have no mean; take forces.
 """
+from __future__ import annotations
+
+import argparse
 import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import PostError
-from scree.files import history, is_grid, readable, series
+from scree.drawing.quantity import quantity
+from scree.errors import ScreeError, readable
+from scree.files import history, is_grid, series
+
 from ..grains.statistics import drift, drifts, mean_error
 from ..progress import Progress
-from ..quantity import quantity
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
+    from scree.files import Moment
 
 SUMMARY = "means over time with errors, of tables and of fields on the grid"
 EXAMPLES = ("means out/two_discs/two_discs_history.csv --from 1s",
@@ -24,7 +34,7 @@ EXAMPLES = ("means out/two_discs/two_discs_history.csv --from 1s",
 FEWEST = 4               # rows of a mean
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("source", metavar="TABLE_OR_SERIES", help="CASE_history.csv, CASE_gauge.csv, ... or CASE_g.hdf.series")
@@ -34,19 +44,19 @@ def add_arguments(parser):
     add("--out", metavar="FILE", help="table as CSV; of grids the image, by default CASE_g_mean.hdf beside the series")
 
 
-def of_table(arguments):
+def of_table(arguments: argparse.Namespace) -> int:
     """Print the means of the columns of a table; rows (name, unit, mean, error, drift) are written if asked for."""
     table = history(arguments.source)
     time = table["time"]
     inside = (time >= arguments.begin) & (time <= arguments.end)
     if inside.sum() < FEWEST:
-        raise PostError(f"{arguments.source}: {inside.sum()} rows between the times, a mean needs {FEWEST}")
+        raise ScreeError(f"{arguments.source}: {inside.sum()} rows between the times, a mean needs {FEWEST}")
     names = [name for name in table.order if name not in ("time", "step", "dt")]
     if arguments.columns:
         names = [name.strip() for name in arguments.columns.split(",")]
         for name in names:
             if name not in table:
-                raise PostError(f"{arguments.source} has no column {name}; there are {', '.join(table.order)}")
+                raise ScreeError(f"{arguments.source} has no column {name}; there are {', '.join(table.order)}")
     width = max(len(name) for name in names)
     print(f"{inside.sum()} rows from {time[inside][0]:g} to {time[inside][-1]:g} s")
     rows = ["column,unit,mean,error,drift"]
@@ -61,7 +71,7 @@ def of_table(arguments):
     return 0
 
 
-def box_of(handle):
+def box_of(handle: Any) -> tuple[Array, Array]:
     """Twice the first point of an image along each axis in cells, and its shape as (z, y, x)."""
     head = handle["VTKHDF"].attrs
     first = np.rint(np.array(head["Origin"]) / np.array(head["Spacing"]) * 2.0).astype(int)
@@ -69,12 +79,12 @@ def box_of(handle):
     return first, (extent[:, 1] - extent[:, 0] + 1)[::-1]
 
 
-def of_grids(arguments, frames):
+def of_grids(arguments: argparse.Namespace, frames: Sequence[Moment]) -> int:
     """Mean and error of each field in each cell; cells without material count with 0."""
     import h5py
     frames = [(time, path) for time, path in frames if arguments.begin <= time <= arguments.end]
     if len(frames) < FEWEST:
-        raise PostError(f"{arguments.source}: {len(frames)} grids between the times, a mean needs {FEWEST}")
+        raise ScreeError(f"{arguments.source}: {len(frames)} grids between the times, a mean needs {FEWEST}")
     boxes = []
     for _, path in frames:
         with h5py.File(path) as handle:
@@ -89,7 +99,7 @@ def of_grids(arguments, frames):
     with Progress(len(frames), "grids") as progress:
         for row, ((_, path), (first, size)) in enumerate(zip(frames, boxes)):
             start = ((first - low) // 2)[::-1]
-            place = tuple(slice(a, a + n) for a, n in zip(start, size))
+            place: tuple[Any, ...] = tuple(slice(a, a + n) for a, n in zip(start, size))
             with h5py.File(path) as handle:
                 for name in fields:
                     stack[name][(row, *place)] = handle["VTKHDF/PointData"][name][...]
@@ -102,7 +112,7 @@ def of_grids(arguments, frames):
     return 0
 
 
-def write_image(path, head, stack):
+def write_image(path: str, head: Mapping[str, Any], stack: Mapping[str, Array]) -> None:
     """The image: means and errors."""
     import h5py
     with h5py.File(path, "w") as handle:
@@ -117,12 +127,12 @@ def write_image(path, head, stack):
             data[f"{name}_error"] = errors.reshape(values.shape[1:])
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Means of a table or of grids."""
     source = readable(arguments.source) if not os.path.isdir(arguments.source) else arguments.source
     if str(source).endswith(".csv"):
         return of_table(arguments)
     frames = series(arguments.source)
     if not is_grid(frames[-1][1]):
-        raise PostError(f"{arguments.source} is neither a table nor a series of grids (CASE_g.hdf.series)")
+        raise ScreeError(f"{arguments.source} is neither a table nor a series of grids (CASE_g.hdf.series)")
     return of_grids(arguments, frames)

@@ -4,14 +4,24 @@
 Window and colours are the same on all pages. An .mp4 is written with ffmpeg, a .gif without; with
 --out NAME.png the pages become pictures NAME_000000.png and so on.
 """
-import os
+from __future__ import annotations
 
-from .. import film, view_options
-from ..errors import EXIT_USAGE, PostError
-from scree.files import series, series_file
+import argparse
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from scree.drawing import view_options
+from scree.drawing.quantity import quantity
+from scree.drawing.view import to_pixels
+from scree.errors import EXIT_USAGE, ScreeError
+from scree.files import beside, series, series_file
+
+from .. import film
 from ..progress import Progress
-from ..quantity import quantity
-from ..view import to_pixels
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
+    from scree.files import Moment, beside
 
 SUMMARY = "a film of all times, .mp4 or .gif"
 EXAMPLES = ("movie out/two_discs --colour pressure --out discs.mp4",
@@ -19,7 +29,7 @@ EXAMPLES = ("movie out/two_discs --colour pressure --out discs.mp4",
             "movie out/debris_cloud_3d --turn 90 --hide-failed --out turning.mp4")
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("source", metavar="SERIES", help="CASE_p.hdf.series or out/CASE")
@@ -36,35 +46,33 @@ def add_arguments(parser):
     parser.set_defaults(dpi=100)
 
 
-def choose(frames, arguments):
+def choose(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[Moment]:
     """The snapshots of the film."""
     if arguments.every < 1 or arguments.rate < 1:
-        raise PostError("--every and --rate must be above 0", EXIT_USAGE)
+        raise ScreeError("--every and --rate must be above 0", EXIT_USAGE)
     if not 0 <= arguments.quality <= 51:
-        raise PostError("--quality must be from 0 to 51", EXIT_USAGE)
+        raise ScreeError("--quality must be from 0 to 51", EXIT_USAGE)
     times = [time for time, _ in frames]
     begin = times[0] if arguments.begin is None else arguments.begin
     end = times[-1] if arguments.end is None else arguments.end
     slack = 1.0e-9 * max(abs(times[0]), abs(times[-1]))
     frames = [(time, file) for time, file in frames if begin - slack <= time <= end + slack]
     if not frames:
-        raise PostError(f"no snapshot from {begin:g} to {end:g} s; the series has {times[0]:g} to "
+        raise ScreeError(f"no snapshot from {begin:g} to {end:g} s; the series has {times[0]:g} to "
                         f"{times[-1]:g} s", EXIT_USAGE)
     return frames[::arguments.every]
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read, draw, encode."""
     source = series_file(arguments.source)
-    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
     frames = choose(series(source), arguments)
     view_options.settle_colour(arguments, frames[-1][1])
-    out = arguments.out or os.path.join(
-        os.path.dirname(source) or ".", f"{stem}_{arguments.colour.replace('.', '_')}.mp4")
+    out = arguments.out or beside(source, f"_{arguments.colour.replace('.', '_')}.mp4")
     film.check_film(out)
     page = view_options.pages(arguments, view_options.sample(frames))
 
-    def drawn():
+    def drawn() -> Iterator[Array]:
         with Progress(len(frames), "drawing") as progress:
             for number, (_, file) in enumerate(frames):
                 share = number / max(1, len(frames) - 1)

@@ -1,26 +1,42 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes a script that opens a run in ParaView 5.11 or newer: particles of their size, by a field.
 
-    paraview --script=CASE_view.py               # in a window: press play
+The same is written as a state file where pvpython of ParaView is installed.
+
+    paraview --state=CASE_view.pvsm              # in a window: press play
+    paraview --script=CASE_view.py               # the same
     pvbatch CASE_view.py picture.png             # without a window: the last time as a picture
 
-Other fields are in the list of colours of ParaView. The script is a start; change it as you like.
+Both halves of axisymmetric runs are shown, and models with mirror planes are completed. The window
+holds all particles, or those that move if the others reach more than twice as far. Other fields
+are in the list of colours of ParaView. The script is a start; change it as you like.
 """
+from __future__ import annotations
+
+import argparse
 import os
+import shutil
+import subprocess
 
 import numpy as np
 
-from scree.files import series, series_file, snapshot
-from .. import colour as colours
-from .. import look
-from ..errors import EXIT_USAGE, PostError
-from ..shape import particle_size
+from scree.drawing import colour as colours
+from scree.drawing import look
+from scree.drawing.box import mirror_plane
+from scree.drawing.shape import mirror_faces, particle_size
+from scree.drawing.space import basis, framed
+from scree.drawing.view import Matter, Options, fields_for, matter
+from scree.errors import EXIT_USAGE, ScreeError
+from scree.files import Snapshot, beside, series, series_file, snapshot
 
-SUMMARY = "a script that opens a run in ParaView, with colours and camera"
+SUMMARY = "a script and a state file that open a run in ParaView"
 EXAMPLES = ("paraview out/two_discs --colour pressure", "paraview out/debris_cloud_3d --out cloud.py")
 PRESETS = {"viridis": "Viridis (matplotlib)", "inferno": "Inferno (matplotlib)", "magma": "Magma (matplotlib)",
            "plasma": "Plasma (matplotlib)", "coolwarm": "Cool to Warm"}
 SPREAD = 0.6             # radius of a dot over the width of a particle
+PAGE = (1600, 1000)      # width and height of the window [pixels]
+MARGIN = 1.15            # of the window over what it shows
+LONGEST = 120.0          # that pvpython may take [s]
 
 SCRIPT = '''# SPDX-License-Identifier: BSD-3-Clause
 """Opens a run in ParaView 5.11 or newer; written by scree-post paraview.
@@ -28,14 +44,14 @@ SCRIPT = '''# SPDX-License-Identifier: BSD-3-Clause
 {title}
 
     paraview --script={name}
-    pvbatch {name} picture.png
+    pvbatch {name} picture.png       # or a state file, picture.pvsm
 """
 import sys
 from pathlib import Path
 
 from paraview.simple import (
     AnnotateTimeFilter, ColorBy, GetActiveViewOrCreate, GetAnimationScene, GetColorTransferFunction, GetScalarBar,
-    OpenDataFile, Render, ResetCamera, SaveScreenshot, Show)
+    OpenDataFile, Reflect, Render, SaveScreenshot, SaveState, Show, _DisableFirstRenderCameraReset)
 
 SERIES = Path({series!r})
 FIELD, COMPONENT = {field!r}, {component!r}              # of a vector "Magnitude"
@@ -43,16 +59,23 @@ FIELDS = {fields!r}
 LABEL, UNIT = {label!r}, {unit!r}
 LOW, HIGH, PRESET = {low!r}, {high!r}, {preset!r}        # in the unit of the file
 RADIUS = {radius!r}                                      # of a dot, in the unit of the file
+MIRRORS = {mirrors!r}                                    # axis and place of planes of symmetry
 FLAT = {flat!r}                                          # a run in a plane: look along y
+MIDDLE, HALF_HEIGHT = {middle!r}, {half_height!r}        # of the window
+CLOCK, SECOND = {clock!r}, {second!r}                    # factor and unit of the time that is shown
 
+_DisableFirstRenderCameraReset()                         # the camera stays as it is set below
 particles = OpenDataFile(str(SERIES if SERIES.exists() else Path.cwd() / SERIES.name))
+model = particles
+for axis, place in MIRRORS:
+    model = Reflect(Input=model, Plane=axis, Center=place, FlipAllInputArrays=1)
 view = GetActiveViewOrCreate("RenderView")
 view.ViewTime = particles.TimestepValues[-1]
-view.ViewSize = [1600, 1000]
+view.ViewSize = {page!r}
 view.UseColorPaletteForBackground = 0
 view.Background = [1.0, 1.0, 1.0]
 view.OrientationAxesLabelColor = [0.0, 0.0, 0.0]
-dots = Show(particles, view)
+dots = Show(model, view)
 dots.SetRepresentationType("Point Gaussian")
 dots.ShaderPreset = "Plain circle" if FLAT else "Sphere"
 dots.GaussianRadius = RADIUS
@@ -64,69 +87,134 @@ bar = GetScalarBar(colours, view)
 bar.Title, bar.ComponentTitle = f"{{LABEL}} [{{UNIT}}]" if UNIT else LABEL, ""
 bar.TitleColor = bar.LabelColor = [0.0, 0.0, 0.0]
 dots.SetScalarBarVisibility(view, True)
-clock = Show(AnnotateTimeFilter(particles), view)
+time = AnnotateTimeFilter(particles)
+time.Format, time.Scale = f"t = {{{{time:.4g}}}} {{SECOND}}", CLOCK
+clock = Show(time, view)
 clock.Color = [0.0, 0.0, 0.0]
 view.CameraParallelProjection = 1
-view.CameraFocalPoint = [0.0, 0.0, 0.0]
-view.CameraPosition = [0.0, -1.0, 0.0] if FLAT else [0.47, -0.81, 0.34]
+view.CameraFocalPoint = MIDDLE
+view.CameraPosition = [middle + 10.0 * HALF_HEIGHT * way for middle, way in zip(MIDDLE, {towards!r})]
 view.CameraViewUp = [0.0, 0.0, 1.0]
-ResetCamera(view)
-GetAnimationScene().UpdateAnimationUsingDataTimeSteps()
-GetAnimationScene().GoToLast()
+view.CameraParallelScale = HALF_HEIGHT
+scene = GetAnimationScene()
+scene.UpdateAnimationUsingDataTimeSteps()
+scene.AnimationTime = particles.TimestepValues[-1]
 Render(view)
-if len(sys.argv) > 1 and sys.argv[-1].endswith(".png"):
-    SaveScreenshot(sys.argv[-1], view)
-    print(f"wrote {{sys.argv[-1]}}")
+wanted = sys.argv[-1] if len(sys.argv) > 1 else ""
+if wanted.endswith(".png"):
+    SaveScreenshot(wanted, view)
+    print(f"wrote {{wanted}}")
+elif wanted.endswith(".pvsm"):
+    SaveState(wanted)
+    print(f"wrote {{wanted}}")
 '''
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     parser.add_argument("source", metavar="SERIES", help="CASE_p.hdf.series or out/CASE")
     parser.add_argument("--colour", "--color", metavar="FIELD",
                         help="a field, or a component such as velocity.z or stress.xx (velocity)")
-    parser.add_argument("--out", metavar="PY", help="script; default CASE_view.py beside the series")
+    parser.add_argument("--out", metavar="PY", help="script; default CASE_view.py beside the series. The state file "
+                        "is written beside it")
 
 
-def script_of(source, name, out):
+def range_of(snap: Snapshot, name: str) -> tuple[float, float, str]:
+    """Ends of the colour bar, in the unit of the file, and the colour map; symmetric if the sign changes."""
+    values = colours.values_of(snap, name)
+    low, high = colours.sensible(values[np.isfinite(values)])
+    if low < 0.0 < high and min(-low, high) > 0.1 * max(-low, high):
+        return -max(-low, high), max(-low, high), PRESETS[look.SIGNED]
+    return low, high, PRESETS[look.SEQUENTIAL]
+
+
+def mirrors_of(snap: Snapshot) -> list[tuple[int, float]]:
+    """Axes and places [m] of the planes at which the model is completed; of an axisymmetric run its axis is one."""
+    planes = [(axis, mirror_plane(snap, axis, face) or 0.0) for axis, face in mirror_faces(snap)]
+    return [(0, 0.0), *planes] if snap.dimension == "axisymmetric" else planes
+
+
+def window_of(part: Matter, flat: bool) -> tuple[list[float], float, list[float]]:
+    """Middle and half height of the window [m], and the direction to the camera."""
+    right, up, towards = basis(*((-90.0, 0.0) if flat else (-60.0, 20.0)))
+    points = framed([part])[0].points
+    ends = [((points @ way).min(), (points @ way).max()) for way in (right, up, towards)]
+    middle = sum(0.5 * (low + high) * way for (low, high), way in zip(ends, (right, up, towards)))
+    wide, high = (0.5 * (last - first) for first, last in ends[:2])
+    half = MARGIN * max(high, wide * PAGE[1] / PAGE[0], 1.0e-12)
+    return np.asarray(middle).tolist(), float(half), towards.tolist()
+
+
+def script_of(source: str, name: str | None, out: str) -> str:
     """The text of the script."""
     file = series(source)[-1][1]
     snap = snapshot(file, own_units=True)                # ParaView shows the numbers of the file
     if len(snap.points) == 0:
-        raise PostError(f"{file} holds no particles", EXIT_USAGE)
+        raise ScreeError(f"{file} holds no particles", EXIT_USAGE)
     name = name or "velocity"
-    values = colours.values_of(snap, name)
+    low, high, preset = range_of(snap, name)
     field, part = colours.field_of(name)
     if field not in snap.fields:
-        raise PostError(f"{name} is no field of the files, which ParaView needs", EXIT_USAGE)
-    low, high = colours.sensible(values[np.isfinite(values)])
-    signed = low < 0.0 < high and min(-low, high) > 0.1 * max(-low, high)
-    if signed:
-        low, high = -max(-low, high), max(-low, high)
+        raise ScreeError(f"{name} is no field of the files, which ParaView needs", EXIT_USAGE)
     vector = snap.fields[field].ndim == 2
-    size = particle_size(snapshot(file, ("volume",)), snapshot(file, ()).points[:, 0])
+    si = snapshot(file, fields_for(name) | {"velocity"})
+    flat = si.dimension != "3d"
+    middle, half_height, towards = window_of(matter(si, Options(colours.Colour(name, name))), flat)
+    metres = float(np.abs(snap.points).max() / max(np.abs(si.points).max(), 1.0e-300))
+    clock, second = look.scaled(abs(si.time), "s")
     unit = snap.units.get(field, "1")
-    metres = np.abs(snap.points).max() / max(np.abs(snapshot(file, ()).points).max(), 1.0e-300)
     return SCRIPT.format(
         title=(snap.title or os.path.basename(source)).replace('"""', "'"), name=os.path.basename(out),
         series=os.path.abspath(source), field=field, component=part.upper() if part else "Magnitude" if vector else "",
         fields=sorted(snap.fields), label=colours.label_of(snap, name), unit="" if unit == "1" else unit,
-        low=float(low), high=float(high), preset=PRESETS[look.SIGNED if signed else look.SEQUENTIAL],
-        radius=float(SPREAD * metres * np.median(size)), flat=snap.dimension != "3d")
+        low=float(low), high=float(high), preset=preset,
+        radius=float(SPREAD * metres * np.median(particle_size(si))), flat=flat, page=list(PAGE),
+        mirrors=[("XYZ"[axis], metres * place) for axis, place in mirrors_of(si)], towards=towards,
+        middle=[metres * place for place in middle], half_height=metres * half_height,
+        clock=clock * si.time / snap.time if snap.time else clock, second=second)
 
 
-def run(arguments):
-    """Read the last snapshot, write the script."""
+def pvpython() -> list[str]:
+    """The Python of ParaView, on a screen that is not there where there is no other; empty if one of them is missing.
+    """
+    program, screen = shutil.which("pvpython"), shutil.which("xvfb-run")
+    if program is None or os.environ.get("DISPLAY"):
+        return [program] if program else []
+    # a screen that begins anew when its last window is gone refuses the next one for a moment
+    return [screen, "-a", "-s", "-noreset -screen 0 1600x1000x24", program] if screen else []
+
+
+def write_state(script: str) -> str:
+    """Write the state file that a script leads to; the result is its name, or why there is none."""
+    words, state = pvpython(), script.removesuffix(".py") + ".pvsm"
+    if not words:
+        return ""
+    if os.path.exists(state):
+        os.remove(state)
+    try:
+        answer = subprocess.run([*words, script, state], capture_output=True, text=True, errors="replace",
+                                check=False, timeout=LONGEST)
+        said = (answer.stderr or answer.stdout).strip().splitlines()
+    except subprocess.TimeoutExpired:
+        said = [f"it took longer than {LONGEST:g} s"]
+    return state if os.path.exists(state) else f"note: pvpython wrote no state file: {(said or ['no reason'])[-1]}"
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Read the last snapshot, write the script and the state file."""
     source = series_file(arguments.source)
-    out = arguments.out or f"{os.path.splitext(os.path.splitext(source)[0])[0].removesuffix('_p')}_view.py"
+    out = arguments.out or beside(source, "_view.py")
     if not out.endswith(".py"):
-        raise PostError(f"--out {out}: write a .py", EXIT_USAGE)
+        raise ScreeError(f"--out {out}: write a .py", EXIT_USAGE)
     text = script_of(source, arguments.colour, out)
     compile(text, out, "exec")
     try:
         with open(out, "w", encoding="utf-8") as file:
             file.write(text)
     except OSError as error:
-        raise PostError(f"cannot write {out}: {error.strerror}") from error
+        raise ScreeError(f"cannot write {out}: {error.strerror}") from error
     print(f"wrote {out}: paraview --script={out}")
+    state = write_state(out)
+    if state:
+        print(f"wrote {state}: paraview --state={state}" if state.endswith(".pvsm") else state)
     return 0

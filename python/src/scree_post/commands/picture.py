@@ -4,11 +4,13 @@
 Runs in one and two dimensions are drawn in their plane (axisymmetric ones with both halves), runs
 in three dimensions as spheres. Models with mirror planes are completed.
 """
-import os
+from __future__ import annotations
 
-from .. import drawing, look, view_options
-from scree.files import series, series_file
-from ..quantity import quantity
+import argparse
+
+from scree.drawing import look, page, view_options
+from scree.drawing.quantity import quantity
+from scree.files import beside, series, series_file
 
 SUMMARY = "the particles of one time, coloured by a field"
 EXAMPLES = ("picture out/two_discs --colour pressure --time 2",
@@ -16,7 +18,7 @@ EXAMPLES = ("picture out/two_discs --colour pressure --time 2",
             "picture out/debris_cloud_3d --colour damage --keep 'y>0' --camera -70,15")
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     parser.add_argument("source", metavar="SERIES_OR_SNAPSHOT",
                         help="CASE_p.hdf.series, CASE_p_000012.hdf or out/CASE")
@@ -27,17 +29,15 @@ def add_arguments(parser):
     view_options.add_arguments(parser)
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read, draw, write."""
     source = series_file(arguments.source)
     frames = series(source)
-    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
-    file = drawing.nearest(frames, arguments.time)
+    file = page.nearest(frames, arguments.time)
     view_options.settle_colour(arguments, file)
-    out = arguments.out or os.path.join(
-        os.path.dirname(source) or ".", f"{stem}_{arguments.colour.replace('.', '_')}.png")
+    out = arguments.out or beside(source, f"_{arguments.colour.replace('.', '_')}.png")
     look.check_picture(out)
-    figure, snap = drawing.picture(file, arguments)
+    figure, snap = page.picture(file, arguments)
     look.save(figure, out, arguments.dpi)
     print(f"wrote {out}, {len(snap.points)} particles at t = {snap.time:.6g} s")
     return 0

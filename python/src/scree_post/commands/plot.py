@@ -4,24 +4,34 @@
 Without --y the page holds energies, momenta, masses and their errors. With --y there is a panel
 for each unit among the columns; several histories are drawn into the same panels.
 """
+from __future__ import annotations
+
+import argparse
 import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from .. import ledger_page, look
-from ..errors import EXIT_USAGE, PostError, unknown
+from scree import plot
+from scree.drawing import look
+from scree.errors import EXIT_USAGE, ScreeError, unknown
 from scree.files import history, history_file
+from scree.results import read_table
+
+from .. import ledger_page
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+    from scree.files import History
 
 SUMMARY = "columns of histories against time or each other"
 EXAMPLES = ("plot out/two_discs/two_discs_history.csv",
             "plot out/two_discs --y kinetic,internal",
             "plot out/two_discs out/coarse --y energy_error --log --out errors.png")
-QUANTITY = {"J": "energy", "kg": "mass", "s": "time", "m": "length", "m/s": "velocity",
-            "kg m/s": "momentum", "N s": "impulse", "kg m2/s": "angular momentum"}
-DASHES = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 2, 1, 2)))
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("histories", metavar="HISTORY", nargs="+", help="CASE_history.csv or out/CASE")
@@ -34,88 +44,34 @@ def add_arguments(parser):
     add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
 
 
-def case_of(path):
+def case_of(path: str) -> str:
     """Name of the case of a history."""
     return os.path.splitext(os.path.basename(path))[0].removesuffix("_history")
 
 
-def column(table, name, path):
-    """A column, or an error that names those there are."""
-    if name not in table:
-        raise unknown("column", name, table.order, path)
-    return table[name]
-
-
-def groups(tables, names, paths):
-    """Columns by unit, in the order of the command line."""
-    found = {}
-    for name in names:
-        for table, path in zip(tables, paths):
-            column(table, name, path)
-        found.setdefault(tables[0].units[name], []).append(name)
-    return found
-
-
-def largest(tables, names):
-    """Largest finite size of columns of several histories."""
-    return max(ledger_page.largest(table, names) for table in tables)
-
-
-def draw_panel(axes, tables, paths, names, arguments, factor_x):
-    """Columns of one unit of all histories."""
-    unit = tables[0].units[names[0]]
-    size = largest(tables, names)
-    factor, label = (1.0, unit) if arguments.log else look.label_unit(size, unit)
-    for run, (table, path) in enumerate(zip(tables, paths)):
-        for number, name in enumerate(names):
-            tint = number if len(names) > 1 or len(tables) == 1 else run
-            dash = DASHES[run % len(DASHES)] if len(names) > 1 or len(tables) == 1 else "-"
-            text = look.words(name) if len(tables) == 1 else f"{case_of(path)}: {look.words(name)}"
-            values = factor * table[name]
-            if arguments.log:
-                values = np.where(values != 0.0, np.abs(values), np.nan)
-            axes.plot(factor_x * table[arguments.x], values, color=look.COLOURS[tint % 7],
-                      linestyle=dash, linewidth=1.6, label=text)
-    if arguments.log:
-        axes.set_yscale("log")
-    if arguments.log_x:
-        axes.set_xscale("log")
-    head = look.words(names[0]) if len(names) == 1 else QUANTITY.get(unit, "value")
-    if arguments.log and any(table[name].min() < 0.0 for table in tables for name in names):
-        head = f"size of {head}"
-    axes.set_ylabel(look.with_unit(head, label))
-    axes.grid(color="#dddddd", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.margins(x=0.0)
-    if len(names) * len(tables) > 1:
-        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0)
-
-
-def chosen_columns(tables, paths, arguments):
+def chosen_columns(paths: Sequence[str], arguments: argparse.Namespace) -> Figure:
     """The figure of chosen columns, a panel for each unit."""
     names = [name.strip() for name in arguments.y.split(",") if name.strip()]
     if not names:
-        raise PostError("--y names no column", EXIT_USAGE)
-    for table, path in zip(tables, paths):
-        column(table, arguments.x, path)
-    panels = groups(tables, names, paths)
-    if arguments.log and not any(np.any(t[name] != 0.0) for t in tables for name in names):
-        raise PostError("--log: all these columns are zero", EXIT_USAGE)
-    plot = look.pyplot()
-    figure, grid = plot.subplots(len(panels), 1, figsize=(8.0, 3.4 * len(panels) + 0.6),
-                                 squeeze=False, layout="constrained", sharex=True)
-    factor, unit = look.label_unit(largest(tables, [arguments.x]), tables[0].units[arguments.x])
-    for axes, columns in zip(grid.ravel(), panels.values()):
-        draw_panel(axes, tables, paths, columns, arguments, factor)
-    grid.ravel()[-1].set_xlabel(look.with_unit(look.words(arguments.x), unit))
+        raise ScreeError("--y names no column", EXIT_USAGE)
+    tables: dict[str, pandas.DataFrame] = {}
+    for path in paths:
+        table = read_table(path)
+        for name in (arguments.x, *names):
+            if name not in table:
+                raise unknown("column", name, table.columns, path)
+        tables[case_of(path) if case_of(path) not in tables else path] = table
+    if arguments.log and not any(table[name].any() for table in tables.values() for name in names):
+        raise ScreeError("--log: all these columns are zero", EXIT_USAGE)
+    look.pyplot()                                        # its letters and colours
+    figure = plot.columns_of(tables, names, x=arguments.x, log=arguments.log, log_x=arguments.log_x)
     title = arguments.title or (look.words(case_of(paths[0])) if len(paths) == 1 else "")
     if title:
         figure.suptitle(title, fontweight="bold", fontsize=14)
     return figure
 
 
-def say(table, path, lone):
+def say(table: History, path: str, lone: bool) -> None:
     """The state of the ledger at the end."""
     head = "" if lone else f"{case_of(path)}: "
     print(f"{head}{len(table['time'])} lines, time {table['time'][0]:.6g} to "
@@ -126,22 +82,22 @@ def say(table, path, lone):
                   f"end {abs(table[name][-1]):.2e}")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read, plot, and print the state of the ledger at the end."""
     paths = [history_file(path) for path in arguments.histories]
     tables = [history(path) for path in paths]
     for table, path in zip(tables, paths):
         if "time" not in table:
-            raise PostError(f"{path} has no column 'time [s]'")
+            raise ScreeError(f"{path} has no column 'time [s]'")
     if arguments.y is None and len(paths) > 1:
-        raise PostError("several histories need --y, the columns to compare", EXIT_USAGE)
+        raise ScreeError("several histories need --y, the columns to compare", EXIT_USAGE)
     out = arguments.out or os.path.splitext(paths[0])[0] + ".png"
     look.check_picture(out)
     if arguments.y is None:
         title = arguments.title or look.words(case_of(paths[0]))
         figure = ledger_page.picture(tables[0], title)
     else:
-        figure = chosen_columns(tables, paths, arguments)
+        figure = chosen_columns(paths, arguments)
     for table, path in zip(tables, paths):
         say(table, path, len(paths) == 1)
     look.save(figure, out, arguments.dpi)

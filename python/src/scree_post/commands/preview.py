@@ -5,14 +5,19 @@
 the results of a run as well and then draws its first snapshot. Nothing is completed at mirror
 planes: the picture shows what is computed.
 """
+from __future__ import annotations
+
+import argparse
 import os
 
-from .. import look, preview_page
-from ..errors import EXIT_USAGE, PostError
+from scree.drawing import look
+from scree.drawing.quantity import quantity
+from scree.drawing.view import check_view
+from scree.drawing.view_options import camera
+from scree.errors import EXIT_USAGE, ScreeError
 from scree.files import series, series_file, snapshot
-from ..quantity import quantity
-from ..view import check_view
-from ..view_options import camera
+
+from .. import preview_page
 
 SUMMARY = "a scene before it runs: bodies, walls, boundaries, cells"
 EXAMPLES = ("preview out/two_discs",
@@ -20,7 +25,7 @@ EXAMPLES = ("preview out/two_discs",
 FIELDS = ("body", "material", "mass", "volume")
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("source", metavar="FOLDER", help="OUTDIR_preview, out/CASE, a series or a snapshot")
@@ -35,10 +40,10 @@ def add_arguments(parser):
     add("--dpi", type=int, default=100, help="pixels per inch (100)")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read the first state, draw it."""
     if not arguments.dpi > 0:
-        raise PostError("--dpi must be above 0", EXIT_USAGE)
+        raise ScreeError("--dpi must be above 0", EXIT_USAGE)
     check_view(arguments.view)
     source = series_file(arguments.source)
     file = series(source)[0][1]

@@ -6,18 +6,28 @@ frame: the film (transmission exp(-mu * areal density)), the areal density on a 
 particles by body, failed matter in a lighter tint. Flight is to the right. Particles of an
 axisymmetric run are rings, seen from the side; mirror planes of a 3-D run are completed.
 """
+from __future__ import annotations
+
+import argparse
 import math
-import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from scree.drawing import look, page
+from scree.drawing.areal_density import SMEARS
+from scree.drawing.quantity import in_unit
+from scree.drawing.radiograph_page import Picture
+from scree.drawing.view import to_pixels
+from scree.errors import EXIT_DEFECT, EXIT_USAGE, ScreeError
+from scree.files import beside, nearest, series, series_file, snapshot
 
-from .. import drawing, film, look
-from ..areal_density import SMEARS
-from ..errors import EXIT_DEFECT, EXIT_USAGE, PostError
-from scree.files import series, series_file, snapshot
+from .. import film
 from ..progress import Progress
-from ..quantity import in_unit
-from ..radiograph_page import Picture
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
+    from scree.drawing.areal_density import Frame
+    from scree.files import Moment, beside, nearest
 
 SUMMARY = "what a flash X-ray would see, as page and as film"
 EXAMPLES = ("radiograph out/debris_cloud",
@@ -25,7 +35,7 @@ EXAMPLES = ("radiograph out/debris_cloud",
             "radiograph out/debris_cloud --last --unit g/cm2 --movie cloud.gif")
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("source", metavar="SERIES_OR_SNAPSHOT",
@@ -53,51 +63,48 @@ def add_arguments(parser):
     add("--rate", type=int, default=10, help="pictures a second of the film (10)")
 
 
-def check_arguments(arguments):
+def check_arguments(arguments: argparse.Namespace) -> None:
     """What the parser cannot check."""
     for name in ("pixel", "mu", "frames", "dpi", "rate"):
         value = getattr(arguments, name)
         if value is not None and not (math.isfinite(value) and value > 0):
-            raise PostError(f"--{name} must be above 0", EXIT_USAGE)
+            raise ScreeError(f"--{name} must be above 0", EXIT_USAGE)
     view = arguments.view
     if view and not (view[0] < view[1] and view[2] < view[3]):
-        raise PostError("--view wants ZLO < ZHI and VLO < VHI", EXIT_USAGE)
+        raise ScreeError("--view wants ZLO < ZHI and VLO < VHI", EXIT_USAGE)
     if arguments.movie:
         film.check_film(arguments.movie, "--movie")
 
 
-def choose(frames, arguments):
+def choose(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[Moment]:
     """The snapshots asked for: by time, the last, or a number of them spread evenly over time."""
-    times = np.array([time for time, _ in frames])
     if arguments.last:
         return frames[-1:]
     wanted = arguments.time
     if wanted is None:
         count = arguments.frames
-        wanted = [times[0] + (times[-1] - times[0]) * k / count for k in range(1, count + 1)]
-    nearest = {int(np.argmin(np.abs(times - time))) for time in wanted}
-    return [frames[index] for index in sorted(nearest)]
+        begin, end = frames[0][0], frames[-1][0]
+        wanted = [begin + (end - begin) * k / count for k in range(1, count + 1)]
+    return nearest(frames, wanted)
 
 
-def movie(frames, make, title, options, arguments):
+def movie(frames: Sequence[Moment], make: Callable[[str], Frame], title: str, options: Mapping[str, Any],
+          arguments: argparse.Namespace) -> None:
     """A film of all snapshots, each page in the ranges of the last one."""
     ends = Picture([make(frames[0][1]), make(frames[-1][1])], title, options).common()
 
-    def pages():
+    def pages() -> Iterator[Array]:
         with Progress(len(frames), "drawing") as progress:
             for _, file in frames:
                 figure = Picture([make(file)], title, options, ends).draw()
-                figure.set_dpi(100)
-                figure.canvas.draw()
-                yield np.asarray(figure.canvas.buffer_rgba()).copy()
-                look.pyplot().close(figure)
+                yield to_pixels(figure, 100)
                 progress.step()
 
     for path in film.encode(pages(), arguments.movie, arguments.rate):
         print(f"wrote {path}")
 
 
-def table(frames):
+def table(frames: Sequence[Frame]) -> None:
     """What was drawn, and the mass in the picture beside that of the particles."""
     clock, second = look.scaled(max(abs(frame.time) for frame in frames), "s")
     metres, length = look.scaled(max((abs(frame.front) for frame in frames
@@ -110,21 +117,20 @@ def table(frames):
               f"{frame.sigma.sum() * frame.pixel ** 2:13.6e} {frame.mass_error:11.1e}")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Read, project, draw, and print a table of what was drawn."""
     check_arguments(arguments)
     source = series_file(arguments.source)
-    stem = os.path.basename(source).removesuffix(".series").removesuffix(".hdf").removesuffix("_p")
-    out = arguments.out or os.path.join(os.path.dirname(source) or ".", f"{stem}_radiograph.png")
+    out = arguments.out or beside(source, "_radiograph.png")
     frames = series(source)
-    last = snapshot(frames[-1][1], drawing.RADIOGRAPH_FIELDS)
-    pixel = arguments.pixel or drawing.default_pixel(last)
-    options = {"mu": arguments.mu, "unit": arguments.unit, "towards": drawing.flight(last),
+    last = snapshot(frames[-1][1], page.RADIOGRAPH_FIELDS)
+    pixel = arguments.pixel or page.default_pixel(last)
+    options = {"mu": arguments.mu, "unit": arguments.unit, "towards": page.flight(last),
                "view": arguments.view}
     title = arguments.title or last.title
 
-    def make(file):
-        return drawing.radiograph(file, pixel, arguments.axis, options["towards"], arguments.smear)
+    def make(file: str) -> Frame:
+        return page.radiograph(file, pixel, arguments.axis, options["towards"], arguments.smear)
 
     look.check_picture(out)
     chosen = [make(file) for _, file in choose(frames, arguments)]
@@ -135,5 +141,5 @@ def run(arguments):
         movie(frames, make, title, options, arguments)
     worst = max(frame.mass_error for frame in chosen)
     if worst > 1.0e-6:
-        raise PostError(f"the image misses the mass of the particles by {worst:.1e}", EXIT_DEFECT)
+        raise ScreeError(f"the image misses the mass of the particles by {worst:.1e}", EXIT_DEFECT)
     return 0

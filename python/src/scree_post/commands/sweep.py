@@ -10,28 +10,39 @@ deck and program in that folder. It holds the values, how the run ended, and the
 history, or extents of the last snapshot such as length, radius, front_z. A value that holds commas
 is separated by semicolons: --set 'body[ball].velocity=0,0,1;0,0,2'.
 """
-import csv
+from __future__ import annotations
+
+import argparse
 import os
+import re
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import look
-from ..errors import EXIT_DIFFERENT, EXIT_USAGE, PostError, readable, unknown
-from scree.files import history
-from ..study import (Run, Study, combinations, find_program, is_done, jobs_for, read_stamp, settings, short,
-                      stamp_of, threads_of_a_run, version_of)
+from scree.drawing import look
+from scree.errors import EXIT_DIFFERENT, EXIT_USAGE, FileProblem, ScreeError, readable, unknown
+from scree.program import jobs_for, threads_of_a_run
+from scree.quantities import EXTENTS, value_of
+from scree.results import Run
+from scree.study import Combination, Study, combinations, read_stamp, short
 from scree.units import summary_unit
-from ..written import EXTENTS, Written
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SUMMARY = "a deck for many values: table and plot of what came out"
 EXAMPLES = ("sweep input/two_discs/scene.nml --set grid.dx=0.05,0.025 --take energy_error,steps",
             "sweep input/column_collapse/scene.nml --set material.friction_angle=30,45 --jobs 2",
             "sweep input/debris_cloud/scene.nml --set 'body[sphere].velocity=0,0,6;0,0,7' --list")
-OVER = {"max": np.max, "min": np.min, "mean": np.mean}
+OVER = ("max", "min", "mean")
 DEFAULT = "time,steps,wall_s,kinetic,energy_error"
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("deck", metavar="DECK", help="deck of the study")
@@ -47,84 +58,100 @@ def add_arguments(parser):
     add("--list", action="store_true", help="print the combinations and run nothing")
 
 
-def deck_name(deck):
+def settings(words: Sequence[str]) -> dict[str, list[str]]:
+    """Keys and their lists of values, from GROUP.KEY=A,B,C; values that hold commas end in ';'."""
+    found: dict[str, list[str]] = {}
+    for word in words:
+        key, equals, text = word.partition("=")
+        if not equals or not re.fullmatch(r"\w+(\[[^\]]+\])?\.\w+", key):
+            raise ScreeError(f"--set {word}: write GROUP.KEY=A,B,C or 'GROUP[NAME].KEY=A,B'", EXIT_USAGE)
+        values = [part.strip() for part in text.split(";" if ";" in text else ",")]
+        values = [value for value in values if value]
+        if not values:
+            raise ScreeError(f"--set {word}: no value", EXIT_USAGE)
+        if key in found:
+            raise ScreeError(f"--set {key} is given twice; list its values behind one", EXIT_USAGE)
+        if len(set(values)) < len(values):
+            raise ScreeError(f"--set {word}: a value stands there twice", EXIT_USAGE)
+        found[key] = values
+    return found
+
+
+def deck_name(deck: str) -> str:
     """Name of the deck, of its folder if it is named scene.nml."""
     stem = os.path.splitext(os.path.basename(deck))[0]
     return os.path.basename(os.path.dirname(os.path.abspath(deck))) if stem == "scene" else stem
 
 
-def quantity_of(run, name):
-    """A number of the summary or of the history of a run, and its unit; None if it did not end."""
+def quantity_of(run: Run, name: str) -> tuple[float, str]:
+    """A number of the summary or of the history of a run, and its unit."""
     base, _, over = name.partition(".")
     if over and over not in OVER:
         raise unknown("word behind the point", over, OVER, name)
     if name in EXTENTS:
-        return Written(run.folder, run.case).value(name), "m"
-    ends = run.summary.get("ledger", {}).get("end", {})
+        return value_of(run, name), "m"
+    ends: dict[str, Any] = run.summary.get("ledger", {}).get("end", {})
     if not over:
         for place in (run.summary, run.summary.get("extremes", {}), run.summary.get("exact", {})):
             if isinstance(place, dict) and isinstance(place.get(base), (int, float)):
                 return float(place[base]), summary_unit(base)
-    path = os.path.join(run.folder, f"{run.case}_history.csv")
-    if os.path.exists(path):
-        table = history(path)
+    table = run.tables.get("history")
+    if table is not None:
         if base in table:
-            return float(OVER.get(over, lambda values: values[-1])(table[base])), table.units[base]
-        ends = {**ends, **dict.fromkeys(table.order)}
+            return float(table[base].agg(over) if over else table[base].iloc[-1]), table.attrs["units"][base]
+        ends = {**ends, **dict.fromkeys(table.columns)}
     if not over and isinstance(ends.get(base), (int, float)):
         return float(ends[base]), summary_unit(base)
     known = [key for key, value in run.summary.items() if isinstance(value, (int, float))]
     known += list(run.summary.get("extremes", {}))
     known += [key for key in (*ends, *EXTENTS) if key not in known]
-    raise unknown("quantity", base, known, run.folder)
+    raise unknown("quantity", base, known, str(run.folder))
 
 
-def results(runs, names):
+def results(runs: Sequence[Combination], names: Sequence[str]) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """Rows of the table and units by name; empty where a run failed, or has no such key of its own."""
-    rows, units = [], {}
-    keys = dict.fromkeys(key for run in runs for key in run.values)
+    rows: list[dict[str, Any]] = []
+    units: dict[str, str] = {}
+    keys = dict.fromkeys(key for run in runs for key in run.settings)
     for run in runs:
-        row = {**dict.fromkeys(keys, ""), **run.values, "exit_code": "" if run.code is None else run.code}
+        row = {**dict.fromkeys(keys, ""), **run.settings, "exit_code": run.code}
         for name in names:
-            row[name] = ""
-            if run.code == 0:
-                row[name], unit = quantity_of(run, name)
+            row[name] = np.nan
+            if run.result is not None:
+                row[name], unit = quantity_of(run.result, name)
                 units[name] = unit or units.get(name, "")
         row["folder"], row["reason"] = run.folder, run.reason
         rows.append(row)
     return rows, units
 
 
-def earlier(base, deck, program, runs):
-    """Finished runs of earlier sweeps in this folder with the same deck and program, and how many
-    there are of others."""
-    found, others, version = [], 0, version_of(program)
+def earlier(base: str, study: Study, runs: Sequence[Combination], case: str) -> tuple[list[Combination], int]:
+    """Finished runs of earlier sweeps in this folder with the same deck and program, and how many there are of
+    others."""
+    found, others = [], 0
     known = {run.folder for run in runs}
     for name in sorted(os.listdir(base)):
         folder = os.path.join(base, name)
         stamp = read_stamp(folder)
         if folder in known or not stamp:
             continue
-        run = Run(stamp["values"], folder, f"{deck_name(deck)}_{name}", code=0, kept=True)
-        if is_done(run, stamp_of(run, deck, version)):
+        run = Combination(stamp["values"], folder, f"{case}_{name}", code=0, kept=True)
+        if study.is_done(run):
             found.append(run)
         else:
             others += 1
     return found, others
 
 
-def write_table(path, rows, units):
+def write_table(path: str, rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> None:
     """The table, units in the heading."""
-    with open(path + ".part", "w", newline="", encoding="utf-8") as handle:
-        writer = csv.writer(handle)
-        writer.writerow([f"{key} [{units[key]}]" if units.get(key, "1") not in ("", "1") else key
-                         for key in rows[0]])
-        writer.writerows([f"{value:.9g}" if isinstance(value, float) else value
-                          for value in row.values()] for row in rows)
+    import pandas
+    heads = {key: f"{key} [{units[key]}]" if units.get(key, "1") not in ("", "1") else key for key in rows[0]}
+    pandas.DataFrame(rows).rename(columns=heads).to_csv(path + ".part", index=False, float_format="%.9g")
     os.replace(path + ".part", path)
 
 
-def number(text):
+def number(text: str) -> float | None:
     """A number from the text of a deck, or None."""
     try:
         return float(text.lower().replace("d", "e"))
@@ -132,17 +159,19 @@ def number(text):
         return None
 
 
-def picture(rows, keys, names, units, title):
+def picture(rows: Sequence[Mapping[str, Any]], keys: Mapping[str, Sequence[str]], names: Sequence[str],
+            units: Mapping[str, str], title: str) -> Figure:
     """A panel for each quantity: against the first key with several values, a line for each value of the others."""
     plot = look.pyplot()
     first, *rest = [key for key in keys if len(keys[key]) > 1] or list(keys)[:1]
     columns = min(2, len(names))
     lines = (len(names) + columns - 1) // columns
+    figure: Figure
     figure, grid = plot.subplots(lines, columns, figsize=(5.2 * columns + 0.4, 3.4 * lines + 0.5),
                                  squeeze=False, layout="constrained")
-    places = [number(value) for value in keys[first]]
-    numeric = None not in places
-    groups = {}
+    places = [place for place in map(number, keys[first]) if place is not None]
+    numeric = len(places) == len(keys[first])
+    groups: dict[str, list[Mapping[str, Any]]] = {}
     for row in rows:
         if row["exit_code"] == 0:
             label = ", ".join(f"{short(key)} = {row[key]}" for key in rest)
@@ -150,16 +179,15 @@ def picture(rows, keys, names, units, title):
     cells = list(grid.ravel())
     for axes, name in zip(cells, names):
         size = max((abs(row[name]) for row in rows if row["exit_code"] == 0), default=0.0)
-        factor, unit = look.label_unit(size, units.get(name) or "1")
+        factor, unit = look.readable_unit(size, units.get(name) or "1")
         for tint, (label, part) in enumerate(groups.items()):
-            across = [number(row[first]) if numeric else keys[first].index(row[first])
-                      for row in part]
+            across = [(places if numeric else range(len(keys[first])))[keys[first].index(row[first])] for row in part]
             order = np.argsort(across)
             up = factor * np.array([row[name] for row in part])
             axes.plot(np.array(across)[order], up[order], "o-", label=label, linewidth=1.6,
                       color=look.COLOURS[tint % len(look.COLOURS)], markersize=5)
         if not numeric:
-            axes.set_xticks(range(len(places)), keys[first])
+            axes.set_xticks(range(len(keys[first])), keys[first])
         elif min(places) > 0.0 and max(places) / min(places) > 20.0:
             axes.set_xscale("log")
         axes.set_xlabel(first)
@@ -175,22 +203,22 @@ def picture(rows, keys, names, units, title):
     return figure
 
 
-def tell(run):
+def tell(run: Combination) -> None:
     """A line for a run that ended."""
-    values = ", ".join(f"{key} = {value}" for key, value in run.values.items())
+    values = ", ".join(f"{key} = {value}" for key, value in run.settings.items())
     if run.code == 0:
         print(f"{'there' if run.kept else 'done '}  {values}", flush=True)
     elif run.code is not None:
         print(f"FAILED {values}: exit code {run.code}, {run.reason}", flush=True)
 
 
-def check_arguments(arguments):
+def check_arguments(arguments: argparse.Namespace) -> tuple[list[str], dict[str, list[str]]]:
     """Quantities and keys, with what the parser cannot check."""
     if any(given is not None and given < 1 for given in (arguments.jobs, arguments.threads)):
-        raise PostError("--jobs and --threads must be above 0", EXIT_USAGE)
+        raise ScreeError("--jobs and --threads must be above 0", EXIT_USAGE)
     names = [name.strip() for name in arguments.take.split(",") if name.strip()]
     if not names:
-        raise PostError("--take names no quantity", EXIT_USAGE)
+        raise ScreeError("--take names no quantity", EXIT_USAGE)
     for name in names:
         over = name.partition(".")[2]
         if over and over not in OVER:
@@ -198,7 +226,7 @@ def check_arguments(arguments):
     return names, settings(arguments.values)
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Run what is not there yet, then table and plot."""
     names, keys = check_arguments(arguments)
     deck = readable(arguments.deck)
@@ -206,26 +234,25 @@ def run(arguments):
     runs = combinations(keys, base, deck_name(deck))
     if arguments.list:
         for one in runs:
-            print(f"{one.folder}: " + ", ".join(f"{key} = {v}" for key, v in one.values.items()))
+            print(f"{one.folder}: " + ", ".join(f"{key} = {v}" for key, v in one.settings.items()))
         return 0
-    program = find_program(arguments.scree)
     threads = arguments.threads or threads_of_a_run()
-    jobs = arguments.jobs or jobs_for(threads)
+    study = Study(deck, program=arguments.scree, overwrite=arguments.overwrite, threads=threads)
     try:
         os.makedirs(base, exist_ok=True)
     except OSError as error:
-        raise PostError(f"cannot make {base}: {error.strerror or error}") from error
+        raise FileProblem(f"cannot make {base}: {error.strerror or error}") from error
     out = arguments.out or os.path.join(base, "sweep.png")
     look.check_picture(out)
 
-    def ended(one):
+    def ended(one: Combination) -> None:
         tell(one)
         if one.code == 0:                                # a wrong name is told before the last run
             results([one], names)
 
-    Study(program, deck, threads, arguments.overwrite).all(runs, jobs, ended)
+    study.all(runs, arguments.jobs or jobs_for(threads), ended)
     failed = [one for one in runs if one.code != 0]
-    before, others = earlier(base, deck, program, runs)
+    before, others = earlier(base, study, runs, deck_name(deck))
     rows, units = results(runs + before, names)
     table = os.path.join(base, "sweep.csv")
     write_table(table, rows, units)
@@ -235,7 +262,7 @@ def run(arguments):
         print(f"left out of the table: {others} earlier runs in {base} that failed, or that another deck or "
               "program made")
     if len(failed) < len(runs):
-        same = [row for row, one in zip(rows, runs + before) if set(one.values) == set(keys)]
+        same = [row for row, one in zip(rows, runs + before) if set(one.settings) == set(keys)]
         seen = {key: list(dict.fromkeys(row[key] for row in same)) for key in keys}
         look.save(picture(same, seen, names, units, deck_name(deck)), out, 150)
         print(f"wrote {out}")

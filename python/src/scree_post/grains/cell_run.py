@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Files of a finished run of scree --grains: deck, history, moduli, contacts."""
+from __future__ import annotations
+
 import json
 import math
 import os
-import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from scree import units as units_of
-from ..box import group_text
-from ..errors import PostError
-from scree.files import history, open_file, readable, series
+from scree.echo import groups
+from scree.errors import ScreeError, readable
+from scree.files import history, open_file, series
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
+    from scree.files import History, Moment
 
 COLUMNS = ("stage", "time", "strain", "rate_xx", "rate_yy", "rate_xy", "volume_fraction", "stress_xx", "stress_yy",
            "stress_xy")
@@ -25,32 +32,32 @@ class Stage:
     number: int
     name: str
     kind: str                                            # shear, hold or other
-    rows: dict                                           # name: column of the stage, SI
+    rows: dict[str, Array]                                          # name: column of the stage, SI
     start_time: float                                    # [s]
     start_strain: float                                  # accumulated shear strain [1]
     scale: float = 1.0                                   # rate to inertial number at 1 Pa
 
     @property
-    def rate(self):
+    def rate(self) -> float:
         """Shear rate du_x/dy [1/s]."""
         return float(self.rows["rate_xy"][-1])
 
     @property
-    def strain(self):
+    def strain(self) -> Array:
         """Shear strain since the start of the stage at the rows [1]."""
-        return self.rows["strain"] - self.start_strain
+        return np.asarray(self.rows["strain"] - self.start_strain)
 
-    def middle(self):
+    def middle(self) -> Array:
         """Time since the start of the stage at the middle of the interval of each row [s]."""
         time = self.rows["time"] - self.start_time
-        return 0.5 * (time + np.concatenate([[0.0], time[:-1]]))
+        return np.asarray(0.5 * (time + np.concatenate([[0.0], time[:-1]])))
 
-    def steady(self, skip):
+    def steady(self, skip: float) -> dict[str, Array]:
         """Rows behind the start: those beyond a strain `skip`, or beyond 40 % of a stage that is too short."""
         limit = self.skipped(skip)
         return {name: values[self.strain > limit] for name, values in self.rows.items()}
 
-    def skipped(self, skip):
+    def skipped(self, skip: float) -> float:
         """Strain of the stage that is left out as its start [1]."""
         return min(skip, 0.4 * float(self.strain[-1]))
 
@@ -61,37 +68,38 @@ class CellRun:
 
     folder: str
     case: str
-    keys: dict                                           # of &grains and &cell, SI
-    stages: list = field(default_factory=list)
-    moduli: object = None                                # table CASE_moduli.csv, or None
-    contacts: list = field(default_factory=list)         # (time [s], file)
-    grains: list = field(default_factory=list)           # (time [s], file)
-    provenance: dict = field(default_factory=dict)       # of the last snapshot
+    keys: dict[str, Any]                                          # of &grains and &cell, SI
+    stages: list[Stage] = field(default_factory=list)
+    moduli: History | None = None                                # table CASE_moduli.csv, or None
+    contacts: list[Moment] = field(default_factory=list)         # (time [s], file)
+    grains: list[Moment] = field(default_factory=list)           # (time [s], file)
+    provenance: dict[str, str] = field(default_factory=dict)       # of the last snapshot
     unfinished: str = ""                                 # why, empty if the run reached its end
 
-    def path(self, ending):
+    def path(self, ending: str) -> str:
         """A file of the case."""
         return os.path.join(self.folder, self.case + ending)
 
-    def stages_of(self, kind):
+    def stages_of(self, kind: str) -> list[Stage]:
         """All stages of a kind."""
         return [stage for stage in self.stages if stage.kind == kind]
 
-    def before(self, stage):
+    def before(self, stage: Stage) -> Stage | None:
         """The stage before one, or None."""
         place = self.stages.index(stage)
         return self.stages[place - 1] if place else None
 
 
-def read_run(folder):
+def read_run(folder: str) -> CellRun:
     """Read the results of a finished run from its folder."""
     if not os.path.isdir(folder):
-        raise PostError(f"no such folder: {folder}; name the folder of a run of scree --grains, such as out/CASE")
+        raise ScreeError(f"no such folder: {folder}; name the folder of a run of scree --grains, such as out/CASE")
     found = sorted(name for name in os.listdir(folder) if name.endswith("_history.csv"))
     if not found:
-        raise PostError(f"{folder}: no *_history.csv in this folder; run `scree --grains DECK` first")
+        raise ScreeError(f"{folder}: no *_history.csv in this folder; run `scree --grains DECK` first")
     if len(found) > 1:
-        raise PostError(f"{folder}: {len(found)} histories ({', '.join(found)}); keep the runs in folders of their own")
+        raise ScreeError(f"{folder}: {len(found)} histories ({', '.join(found)}); keep the runs in folders of their "
+                         "own")
     run = CellRun(folder, found[0].removesuffix("_history.csv"), {})
     echo = run.path(".echo.nml")
     with open(readable(echo), encoding="utf-8") as handle:
@@ -99,9 +107,9 @@ def read_run(folder):
     run.keys = {**keys_of(text, "cell"), **keys_of(text, "grains")}
     missing = [name for name in ("diameter", "density", "shape") if name not in run.keys]
     if missing:
-        raise PostError(f"{echo}: &grains has no {', '.join(missing)}; this is not a run of scree --grains")
+        raise ScreeError(f"{echo}: &grains has no {', '.join(missing)}; this is not a run of scree --grains")
     run.unfinished = why_unfinished(run.path(".summary.json"))
-    names = [str(values.get("name", "")) for values in groups_of(text, "stage")]
+    names = [str(values.get("name", "")) for values in groups(text, "stage")]
     run.stages = read_stages(run, names)
     if os.path.exists(run.path("_moduli.csv")):
         run.moduli = history_or_none(run.path("_moduli.csv"))
@@ -115,7 +123,7 @@ def read_run(folder):
     return run
 
 
-def why_unfinished(path):
+def why_unfinished(path: str) -> str:
     """What the summary says of a run that did not reach its end, or empty."""
     try:
         with open(path, encoding="utf-8") as handle:
@@ -123,49 +131,33 @@ def why_unfinished(path):
     except FileNotFoundError:
         return "it has no summary yet"
     except (OSError, ValueError) as error:
-        raise PostError(f"cannot read {path}: {error}") from error
+        raise ScreeError(f"cannot read {path}: {error}") from error
     return "" if summary.get("exit_code") == 0 else str(summary.get("reason", "unknown reason"))
 
 
-def history_or_none(path):
+def history_or_none(path: str) -> History | None:
     """A table, or None if it has a header only."""
     try:
         return history(path)
-    except PostError as error:
+    except ScreeError as error:
         if "no complete line" in str(error):
             return None
         raise
 
 
-def groups_of(text, name):
-    """The keys of all groups of a name."""
-    return [pairs(group) for group in group_text(text, name)]
-
-
-def keys_of(text, name):
+def keys_of(text: str, name: str) -> dict[str, Any]:
     """The keys of the only group of a name."""
-    return next(iter(groups_of(text, name)), {})
+    return next(iter(groups(text, name)), {})
 
 
-def pairs(group):
-    """Keys and values of a group of an echo: numbers where they are some, else text."""
-    found = {}
-    for key, value in re.findall(r"^\s*(\w+)\s*=\s*(.*?)\s*$", group, re.M):
-        try:
-            found[key] = float(value)
-        except ValueError:
-            found[key] = value.strip("'\"")
-    return found
-
-
-def read_stages(run, names):
+def read_stages(run: CellRun, names: Sequence[str]) -> list[Stage]:
     """The stages of the history."""
     path = run.path("_history.csv")
     table = history(path)
     missing = [name for name in COLUMNS if name not in table]
     if missing:
-        raise PostError(f"{path} is not a history of scree --grains: it has no column {', '.join(missing)}")
-    stages = []
+        raise ScreeError(f"{path} is not a history of scree --grains: it has no column {', '.join(missing)}")
+    stages: list[Stage] = []
     start_time, start_strain = float(table["time"][0]), float(table["strain"][0])
     for number in np.unique(table["stage"]).astype(int):
         chosen = (table["stage"] == number) & (table["time"] > start_time)
@@ -174,7 +166,7 @@ def read_stages(run, names):
         rows = {name: table[name][chosen] for name in table.order}
         wrong = next((name for name in COLUMNS if not np.isfinite(rows[name]).all()), None)
         if wrong:
-            raise PostError(f"{path}: column {wrong} of stage {number} is not finite")
+            raise ScreeError(f"{path}: column {wrong} of stage {number} is not finite")
         name = names[number - 1] if number <= len(names) and names[number - 1] else "stage"
         if names.count(name) != 1:                       # stages need no name of their own
             name = f"{name} {number}"
@@ -184,7 +176,7 @@ def read_stages(run, names):
     return stages
 
 
-def kind_of(rows, earlier):
+def kind_of(rows: Mapping[str, Array], earlier: Sequence[Stage]) -> str:
     """shear: a constant rate; hold: none, behind a shear stage; other: compression and all else."""
     rate = rows["rate_xy"]
     if np.all(np.abs(rate) > 0.0):
@@ -194,7 +186,7 @@ def kind_of(rows, earlier):
     return "other"
 
 
-def ages_of(run, stage, skip):
+def ages_of(run: CellRun, stage: Stage, skip: float) -> list[dict[str, Array]]:
     """Ages of the living contacts of the snapshots of a stage behind its start: a list of dicts of arrays."""
     found = []
     begin, end = stage.start_time, float(stage.rows["time"][-1])
@@ -206,6 +198,6 @@ def ages_of(run, stage, skip):
             data = handle.get("VTKHDF/CellData", {})
             missing = [name for name in AGES if name not in data]
             if missing:
-                raise PostError(f"{file} is not a file of contacts: it has no {', '.join(missing)}")
+                raise ScreeError(f"{file} is not a file of contacts: it has no {', '.join(missing)}")
             found.append({name: units_of.data_si(data[name]) for name in AGES})
     return found

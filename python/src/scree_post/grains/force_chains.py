@@ -1,21 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Grains as circles and contact forces as lines, with the edges of the periodic cell."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from .. import look
 from scree import units as units_of
-from ..errors import PostError
+from scree.drawing import look
+from scree.errors import ScreeError
 from scree.files import open_file
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from scree.arrays import Array
 
 WIDEST = 5.0             # line of the greatest forces [points]
 
 
-def read_pair(grains, contacts):
+def read_pair(grains: str, contacts: str) -> tuple[Array, Array, Array, Array, Array, Array, float]:
     """Places, radii and numbers of contacts of grains; ends and normal forces of contacts; edges."""
     with open_file(grains) as handle:
         data = handle.get("VTKHDF/PointData", {})
         if "radius" not in data or "VTKHDF/FieldData/edges" not in handle:
-            raise PostError(f"{grains} is not a file of grains: it has no radius or no edges")
+            raise ScreeError(f"{grains} is not a file of grains: it has no radius or no edges")
         places = units_of.data_si(handle["VTKHDF/Points"])
         radii, touched = units_of.data_si(data["radius"]), units_of.data_si(data["contacts"])
         edges = units_of.data_si(handle["VTKHDF/FieldData/edges"])
@@ -26,14 +36,14 @@ def read_pair(grains, contacts):
     return places, radii, touched, edges, ends, force, time
 
 
-def wrapped(places, edges):
+def wrapped(places: Array, edges: Array) -> Array:
     """Places in the cell."""
     inverse = np.linalg.inv(edges)
     share = places @ inverse
     return (share - np.floor(share)) @ edges
 
 
-def draw_chains(axes, grains, contacts):
+def draw_chains(axes: Axes, grains: str, contacts: str) -> float:
     """Draw a cell of discs; of spheres those near the middle plane, seen along z. The result is the time [s]."""
     from matplotlib.collections import EllipseCollection, LineCollection
     places, radii, touched, edges, ends, force, time = read_pair(grains, contacts)
@@ -56,7 +66,7 @@ def draw_chains(axes, grains, contacts):
     if len(force):
         order = np.argsort(force)
         share = np.clip(force[order] / max(np.quantile(force, 0.99), 1.0e-300), 0.0, 1.0)
-        axes.add_collection(LineCollection(scale * ends[order][:, :, :2], linewidths=WIDEST * share,
+        axes.add_collection(LineCollection(list(scale * ends[order][:, :, :2]), linewidths=WIDEST * share,
                                            colors=look.COLOURS[1], capstyle="round"))
     corner = np.array([[0.0, 0.0], edges[0, :2], edges[0, :2] + edges[1, :2], edges[1, :2], [0.0, 0.0]])
     axes.plot(*(scale * corner).T, color=look.COLOURS[6], linewidth=1.2)
@@ -67,8 +77,9 @@ def draw_chains(axes, grains, contacts):
     return time
 
 
-def picture(grains, contacts, title):
+def picture(grains: str, contacts: str, title: str) -> Figure:
     """A page with a cell."""
+    figure: Figure
     figure, axes = look.pyplot().subplots(figsize=(7.2, 6.4), layout="constrained")
     time = draw_chains(axes, grains, contacts)
     factor, unit = look.scaled(time, "s")

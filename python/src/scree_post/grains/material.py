@@ -1,15 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """CASE_material.nml: a &material block with the fitted constants, and where they come from as comments."""
+from __future__ import annotations
+
+import argparse
 import os
 import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
-from ..errors import EXIT_USAGE, PostError, unknown
+from scree.errors import EXIT_USAGE, ScreeError, unknown
+
 from . import memory, relaxation
 
+if TYPE_CHECKING:
+    from .cell_run import CellRun
+    from .memory import Memory
+    from .moduli import Moduli
+    from .rheology import Fits, SteadyShear
+
+Block = tuple[list[str], dict[str, Any]]               # comments and keys
 LAWS = ("granular", "mu_i")
 
 
-def reference(shears, memories, wanted):
+def reference(shears: Sequence[SteadyShear], memories: Sequence[Memory], wanted: str | None) -> SteadyShear:
     """The steady shear whose constants the block takes: the named one, or the slowest with a survival law."""
     if wanted:
         found = next((shear for shear in shears if shear.stage.name == wanted), None)
@@ -21,32 +34,32 @@ def reference(shears, memories, wanted):
     return min(chosen, key=lambda shear: shear.inertial)
 
 
-def contact_strain(shear, memories, measure):
+def contact_strain(shear: SteadyShear, memories: Sequence[Memory], measure: str) -> Memory:
     """The measurement of a stage that gives gamma_c."""
     found = [one for one in memories if one.measure == measure and one.stage == shear.stage.name
              and one.pressure == shear.pressure]
     if not found:
-        raise PostError(f"no {measure} was measured in stage '{shear.stage.name}'; choose another --tau or --stage"
+        raise ScreeError(f"no {measure} was measured in stage '{shear.stage.name}'; choose another --tau or --stage"
                         + (", or write contacts with snapshots in &stage" if measure == "survival" else ""), EXIT_USAGE)
     if not found[0].strain > 2.0 * found[0].error:
-        raise PostError(f"the {measure} of stage '{shear.stage.name}', {found[0].strain:.3g}, is not above twice its "
+        raise ScreeError(f"the {measure} of stage '{shear.stage.name}', {found[0].strain:.3g}, is not above twice its "
                         f"error {found[0].error:.2g}; choose another --tau or --stage", EXIT_USAGE)
     return found[0]
 
 
-def nearest_probe(moduli, shear, relaxed):
+def nearest_probe(moduli: Sequence[Moduli], shear: SteadyShear, relaxed: bool) -> Moduli | None:
     """The elastic probe nearest in pressure to a steady shear, or None."""
     found = [one for one in moduli if one.relaxed == relaxed and one.elastic]
     same = [one for one in found if one.stage == shear.stage.number]
-    return (same or sorted(found, key=lambda one: abs(one.pressure - shear.pressure)) or [None])[0]
+    return next(iter(same or sorted(found, key=lambda one: abs(one.pressure - shear.pressure))), None)
 
 
-def name_of(case):
+def name_of(case: str) -> str:
     """A name that a deck takes."""
     return re.sub(r"\W+", "_", case).strip("_").lower() or "grains"
 
 
-def provenance(run, shear, fits):
+def provenance(run: CellRun, shear: SteadyShear, fits: Fits) -> list[str]:
     """Comments: what the block rests on."""
     said = run.provenance
     keys = run.keys
@@ -64,7 +77,8 @@ def provenance(run, shear, fits):
     return lines
 
 
-def granular(run, shear, memories, moduli, measure):
+def granular(run: CellRun, shear: SteadyShear, memories: Sequence[Memory], moduli: Sequence[Moduli],
+             measure: str) -> Block:
     """Comments and keys of strength_model = 'granular'."""
     kept = contact_strain(shear, memories, measure)
     modulus = relaxation.shear_modulus(shear.stress, kept.strain)
@@ -86,13 +100,13 @@ def granular(run, shear, memories, moduli, measure):
     return comments, keys
 
 
-def friction(run, shear, fits, moduli):
+def friction(run: CellRun, shear: SteadyShear, fits: Fits, moduli: Sequence[Moduli]) -> Block:
     """Comments and keys of strength_model = 'mu_i'."""
     if "mu_s" not in fits:
-        raise PostError("--law mu_i needs shear stages at two inertial numbers or more", EXIT_USAGE)
+        raise ScreeError("--law mu_i needs shear stages at two inertial numbers or more", EXIT_USAGE)
     probe = nearest_probe(moduli, shear, True)
     if probe is None:
-        raise PostError("--law mu_i needs moduli of a relaxed state: set probe = .true. in a &stage that ends "
+        raise ScreeError("--law mu_i needs moduli of a relaxed state: set probe = .true. in a &stage that ends "
                         "at rest or in slow shear", EXIT_USAGE)
     if "curve_mu_s" in fits:
         values = [fits[name] for name in ("curve_mu_s", "curve_mu_2", "curve_I_0")]
@@ -111,7 +125,8 @@ def friction(run, shear, fits, moduli):
     return comments, keys
 
 
-def block(run, shears, memories, moduli, fits, options):
+def block(run: CellRun, shears: Sequence[SteadyShear], memories: Sequence[Memory], moduli: Sequence[Moduli],
+          fits: Fits, options: argparse.Namespace) -> tuple[str, dict[str, Any], SteadyShear]:
     """The text of the file, and its keys."""
     shear = reference(shears, memories, options.stage)
     if options.law == "granular":
@@ -125,14 +140,14 @@ def block(run, shears, memories, moduli, fits, options):
     return "\n".join([*lines, "/", ""]), keys, shear
 
 
-def write_block(path, text):
+def write_block(path: str, text: str) -> None:
     """Write the file under a temporary name, then rename it."""
     try:
         with open(path + ".part", "w", encoding="utf-8") as handle:
             handle.write(text)
         os.replace(path + ".part", path)
     except OSError as error:
-        raise PostError(f"cannot write {path}: {error.strerror or error}") from error
+        raise ScreeError(f"cannot write {path}: {error.strerror or error}") from error
 
 
 MEASURES = (*memory.FOUR, "reversal")

@@ -11,12 +11,23 @@ normal         W = N1/(2 sigma_xy) of steady shear; the relaxation law has W = t
 correlation    time of correlation of sigma_xy in steady shear, as if fluctuations decay like the mean
 reversal       r + (q - r) exp(-a/gamma) in the strain a since the reversal, with q the stress before it, as in the law
 """
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from . import cell_run, statistics
 from .statistics import least_on_grid, least_on_plane, linear_fit
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
+
+    from .cell_run import CellRun, Stage
+    from .rheology import SteadyShear
 
 FOUR = ("survival", "hold", "normal", "correlation")
 LEAST_AGES = 100         # contacts of which a survival law is found
@@ -38,37 +49,34 @@ class Memory:
     beta: float = float("nan")                           # stretching exponent, where one is fitted
     residual: float = float("nan")                       # stress that stays, over that of steady shear
     note: str = ""
-    curve: tuple = ()                                    # data and fit, for the figures
+    curve: tuple[Array, ...] = ()                                    # data and fit, for the figures
 
     @property
-    def tau(self):
+    def tau(self) -> float:
         """Relaxation time [s]."""
         return self.strain / self.rate
 
     @property
-    def tau_error(self):
+    def tau_error(self) -> float:
         """Standard error of tau [s]."""
         return self.error / self.rate
 
 
-def truncated_mean(gamma, window):
+def truncated_mean(gamma: float, window: float) -> float:
     """Mean age of contacts younger than `window` of a survival law exp(-a/gamma)."""
     x = window / gamma
     return gamma - window / np.expm1(x) if x < 500.0 else gamma
 
 
-def exponential_age(mean, window):
+def exponential_age(mean: float, window: float) -> float:
     """gamma of a survival law exp(-a/gamma) from the mean age below `window`."""
     if not 0.0 < mean < 0.49 * window:
         return float("nan")                              # no decay within the window
-    low, high = 1.0e-3 * mean, 100.0 * window
-    for _ in range(200):
-        middle = np.sqrt(low * high)
-        low, high = (middle, high) if truncated_mean(middle, window) < mean else (low, middle)
-    return float(np.sqrt(low * high))
+    return float(brentq(lambda gamma: truncated_mean(gamma, window) - mean, 1.0e-3 * mean, 100.0 * window,
+                        xtol=1.0e-14 * mean, rtol=1.0e-13))
 
 
-def stretched_age(ages, window):
+def stretched_age(ages: Array, window: float) -> tuple[float, float]:
     """s and beta of greatest likelihood of ages with the survival law exp(-(a/s)^beta), younger than `window`."""
     ages = np.sort(ages)
     count = min(400, len(ages))
@@ -77,21 +85,20 @@ def stretched_age(ages, window):
     nodes = window * ((np.arange(800) + 0.5) / 800) ** 2
     width = np.diff(window * (np.arange(801) / 800) ** 2)
 
-    def loss(log, beta):
+    def loss(log: float, beta: float) -> float:
         scale = np.exp(log)
         total = np.sum(np.exp(-(nodes / scale) ** beta) * width)
-        return np.sum(share * (binned / scale) ** beta) + np.log(total)
+        return float(np.sum(share * (binned / scale) ** beta) + np.log(total))
 
     mean = float(ages.mean())
     log, beta = least_on_plane(loss, (np.log(0.05 * mean), 0.3), (np.log(20.0 * mean), 3.0), rounds=6)
     return float(np.exp(log)), float(beta)
 
 
-def survival(run, shear, skip, generator):
+def survival(run: CellRun, shear: SteadyShear, skip: float, generator: np.random.Generator) -> Memory | None:
     """tau by the ages of the contacts of the snapshots of a stage, or None."""
-    every = cell_run.ages_of(run, shear.stage, skip)
     window = shear.stage.skipped(skip)
-    every = [one["age_strain"][one["age_strain"] < window] for one in every]
+    every = [one["age_strain"][one["age_strain"] < window] for one in cell_run.ages_of(run, shear.stage, skip)]
     every = [ages for ages in every if len(ages)]
     if sum(map(len, every)) < LEAST_AGES or not window > 0.0:
         return None
@@ -110,20 +117,20 @@ def survival(run, shear, skip, generator):
                   note=f"{len(ages)} ages of {len(every)} snapshots", curve=curve)
 
 
-def memory(measure, shear, strain, error, **more):
+def memory(measure: str, shear: SteadyShear, strain: float, error: float, **more: Any) -> Memory:
     """A measurement of a steady shear."""
     return Memory(measure, shear.stage.name, shear.inertial, shear.rate, shear.pressure, float(strain), float(error),
                   **more)
 
 
-def decay_fit(x, y, near=None):
+def decay_fit(x: Array, y: Array, near: Array | None = None) -> Array:
     """r, q, scale and beta of r + (q - r) exp(-(x/scale)^beta) by least squares with q > r, sought everywhere or near
     the values of an earlier fit."""
-    def basis(log, beta):
+    def basis(log: float, beta: float) -> Array:
         kept = np.exp(-(x / np.exp(log)) ** beta)
         return np.column_stack([1.0 - kept, kept])
 
-    def loss(log, beta):
+    def loss(log: float, beta: float) -> float:
         (rest, first), squares = linear_fit(basis(log, beta), y, ones)
         return squares if first > rest else constant
 
@@ -133,13 +140,13 @@ def decay_fit(x, y, near=None):
         log, beta = least_on_plane(loss, low, high)
     else:
         middle = np.array([np.log(near[2]), near[3]])
-        log, beta = least_on_plane(loss, np.maximum(low, middle - (0.7, 0.7)), np.minimum(high, middle + (0.7, 0.7)),
+        log, beta = least_on_plane(loss, np.maximum(low, middle - 0.7), np.minimum(high, middle + 0.7),
                                    points=(9, 9), rounds=4)
     rest, first = linear_fit(basis(log, beta), y, ones)[0]
     return np.array([rest, first, np.exp(log), beta])
 
 
-def decay_with_errors(x, y, generator):
+def decay_with_errors(x: Array, y: Array, generator: np.random.Generator) -> tuple[Array, Array, Array]:
     """A fit of a decay and its errors, by residuals that are drawn in blocks."""
     values = decay_fit(x, y)
     rest, first, scale, beta = values
@@ -151,7 +158,7 @@ def decay_with_errors(x, y, generator):
     return values, errors, smooth
 
 
-def drawn_noise(left, generator):
+def drawn_noise(left: Array, generator: np.random.Generator) -> Iterator[Array]:
     """Series of residuals put together from blocks."""
     length = max(1, len(left) // 20)
     for _ in range(DRAWS):
@@ -159,12 +166,12 @@ def drawn_noise(left, generator):
         yield np.concatenate([left[begin:begin + length] for begin in begins])[:len(left)]
 
 
-def return_fit(x, y, first):
+def return_fit(x: Array, y: Array, first: float) -> tuple[float, float]:
     """r and scale of r + (first - r) exp(-x/scale) by least squares."""
-    def basis(log):
-        return (1.0 - np.exp(-x / np.exp(log)))[:, None]
+    def basis(log: float) -> Array:
+        return np.asarray(1.0 - np.exp(-x / np.exp(log)))[:, None]
 
-    def fit(log):
+    def fit(log: float) -> tuple[Array, float]:
         return linear_fit(basis(log), y - first * (1.0 - basis(log)[:, 0]), ones)
 
     ones = np.ones(len(x))
@@ -172,7 +179,7 @@ def return_fit(x, y, first):
     return float(fit(log)[0][0]), float(np.exp(log))
 
 
-def hold(run, stage, shears, generator):
+def hold(run: CellRun, stage: Stage, shears: Sequence[SteadyShear], generator: np.random.Generator) -> Memory | None:
     """tau by the decay of the shear stress after a stop."""
     shear = next((one for one in shears if one.stage is run.before(stage)), None)
     if shear is None or len(stage.rows["time"]) < LEAST_ROWS:
@@ -194,7 +201,8 @@ def hold(run, stage, shears, generator):
                   note=note, curve=(time, stress, smooth))
 
 
-def reversal(run, stage, shears, skip, generator):
+def reversal(run: CellRun, stage: Stage, shears: Sequence[SteadyShear], skip: float,
+             generator: np.random.Generator) -> Memory | None:
     """gamma by the return of the shear stress after the shear was reversed."""
     shear = next((one for one in shears if one.stage is stage), None)
     before = run.before(stage)
@@ -216,7 +224,7 @@ def reversal(run, stage, shears, skip, generator):
                   curve=(strain, stress, smooth))
 
 
-def correlation_time(values, width):
+def correlation_time(values: Array, width: float) -> tuple[float, float, Array]:
     """Correlation time of a series of means over intervals of a width, and its error.
 
     The integral of the correlation is cut at five times itself (A. Sokal). Means over intervals have a smaller variance
@@ -234,7 +242,7 @@ def correlation_time(values, width):
             break
     total = max(total, 1.0e-3)
 
-    def seen(y):
+    def seen(y: float) -> float:
         return y / (2.0 * y * y * (1.0 / y + np.expm1(-1.0 / y))) if y > 1.0e-2 else 0.5
 
     log = least_on_grid(lambda log: abs(seen(np.exp(log)) - total), np.log(0.02), np.log(10.0 * count))
@@ -242,7 +250,7 @@ def correlation_time(values, width):
     return float(tau), float(tau * np.sqrt(2.0 * (2.0 * last + 1.0) / count)), share
 
 
-def correlation(shear, skip):
+def correlation(shear: SteadyShear, skip: float) -> Memory | None:
     """tau by the autocorrelation of the shear stress."""
     rows = shear.stage.steady(skip)
     if len(rows["time"]) < 2 * LEAST_ROWS:
@@ -254,13 +262,14 @@ def correlation(shear, skip):
     return memory("correlation", shear, tau, error, note=note, curve=(width * np.arange(shown), share[:shown]))
 
 
-def normal(shear):
+def normal(shear: SteadyShear) -> Memory:
     """tau by the first normal stress difference. A value not above twice its error measures nothing."""
     note = "" if shear.normal > 2.0 * shear.normal_error else "not above twice its error"
     return memory("normal", shear, shear.normal, shear.normal_error, note=note)
 
 
-def measure_memory(run, shears, skip, generator):
+def measure_memory(run: CellRun, shears: Sequence[SteadyShear], skip: float,
+                   generator: np.random.Generator) -> list[Memory]:
     """All measurements of a run."""
     found = []
     for shear in shears:
@@ -271,14 +280,14 @@ def measure_memory(run, shears, skip, generator):
     return [one for one in found if one is not None]
 
 
-def spread_of(memories, stage):
+def spread_of(memories: Sequence[Memory], stage: str) -> tuple[float, float, int]:
     """Least and greatest strain of the four measures of a stage that found one, and how many did."""
     found = [one.strain for one in memories if one.stage == stage and one.measure in FOUR
              and one.strain > 2.0 * one.error]
     return (min(found), max(found), len(found)) if found else (float("nan"), float("nan"), 0)
 
 
-def rate_law(memories, measure):
+def rate_law(memories: Sequence[Memory], measure: str) -> tuple[tuple[float, float], tuple[float, float]] | None:
     """1/tau = 1/tau_0 + rate/gamma_c of a measure over the rates: (gamma_c, error), (1/tau_0, error), or None."""
     chosen = [one for one in memories if one.measure == measure and one.strain > 2.0 * one.error > 0.0]
     if len({round(one.rate, 9) for one in chosen}) < 3:

@@ -7,11 +7,20 @@ G = (C11 + C22 + C33 - C12 - C23 - C13 + 3 (C44 + C55 + C66))/15, lambda = K - 2
 C44 and its kin are stresses per shear du_x/dy. An elastic stiffness is symmetric, C12 = C21, and resists shear;
 a relaxed probe in which grains changed places is not one, and no block is made of it.
 """
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import PostError
+from scree.errors import ScreeError
+
+if TYPE_CHECKING:
+    from scree.arrays import Bools
+    from scree.files import History
+
+    from .cell_run import CellRun
 
 #: Difference of C12 and C21 over C11 up to which a probe counts as elastic.
 ASYMMETRY = 0.1
@@ -32,19 +41,19 @@ class Moduli:
     asymmetry: float                                     # |C12 - C21| over the mean of C11 and C22 [1]
 
     @property
-    def elastic(self):
+    def elastic(self) -> bool:
         """True if the probe is that of an elastic state."""
         return self.shear > 0.0 and self.asymmetry < ASYMMETRY
 
 
-def moduli_of(run):
+def moduli_of(run: CellRun) -> list[Moduli]:
     """All probes of a run, in the order of the file."""
     table = run.moduli
     if table is None:
         return []
     missing = [name for name in ("stage", "relaxed", "component", "pressure", *COMPONENTS) if name not in table]
     if missing:
-        raise PostError(f"{run.path('_moduli.csv')} has no column {', '.join(missing)}")
+        raise ScreeError(f"{run.path('_moduli.csv')} has no column {', '.join(missing)}")
     found = []
     for stage in np.unique(table["stage"]):
         for relaxed in (0, 1):
@@ -54,11 +63,11 @@ def moduli_of(run):
     return found
 
 
-def isotropic(table, chosen, stage, relaxed):
+def isotropic(table: History, chosen: Bools, stage: int, relaxed: bool) -> Moduli:
     """The isotropic part of one stiffness."""
     rows = {int(component): index for component, index in zip(table["component"][chosen], np.flatnonzero(chosen))}
 
-    def c(strain, stress):
+    def c(strain: int, stress: int) -> float:
         """Stress component per strain component, both 1 to 6; absent ones are 0."""
         return float(table[COMPONENTS[stress - 1]][rows[strain]]) if strain in rows else 0.0
 

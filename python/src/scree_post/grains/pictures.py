@@ -1,14 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures: friction and volume fraction, memory of the stress, and the fitted law on the path of the cell."""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from .. import look
+from scree.drawing import look
+
 from . import relaxation
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from scree.arrays import Array
+
+    from .cell_run import CellRun, Stage
+    from .memory import Memory
+    from .rheology import Fits, SteadyShear
 
 MARKS = {"survival": "o", "hold": "s", "normal": "^", "correlation": "D", "reversal": "v"}
 
 
-def dress(axes, x, y):
+def dress(axes: Axes, x: str, y: str) -> None:
     """Labels and the common look."""
     axes.set(xlabel=x, ylabel=y)
     axes.grid(color="#dddddd", linewidth=0.6)
@@ -16,8 +32,9 @@ def dress(axes, x, y):
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def rheology(shears, fits, title):
+def rheology(shears: Sequence[SteadyShear], fits: Fits, title: str) -> Figure:
     """mu and phi against the inertial number, with the fits."""
+    figure: Figure
     figure, panels = look.pyplot().subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
     x = np.array([one.inertial for one in shears])
     line = np.linspace(0.0, 1.05 * x.max(), 200)
@@ -43,7 +60,7 @@ def rheology(shears, fits, title):
     return figure
 
 
-def curves(axes, chosen, scale=1.0):
+def curves(axes: Axes, chosen: Sequence[Memory], scale: float = 1.0) -> None:
     """Data and fit of some measurements."""
     for number, one in enumerate(chosen):
         tint = look.COLOURS[number % len(look.COLOURS)]
@@ -54,7 +71,7 @@ def curves(axes, chosen, scale=1.0):
     axes.axhline(0.0, color="#888888", linewidth=0.8)
 
 
-def draw_survival(axes, chosen):
+def draw_survival(axes: Axes, chosen: Sequence[Memory]) -> None:
     """Share of living contacts older than a strain."""
     for number, one in enumerate(chosen):
         tint = look.COLOURS[number % len(look.COLOURS)]
@@ -67,8 +84,9 @@ def draw_survival(axes, chosen):
     dress(axes, "strain since the contact began", "share of older contacts")
 
 
-def memory(memories, title):
+def memory(memories: Sequence[Memory], title: str) -> Figure:
     """Survival of contacts, stops, correlation, and all measurements against the inertial number."""
+    figure: Figure
     figure, grid = look.pyplot().subplots(2, 2, figsize=(11.5, 8.0), layout="constrained")
     of = {name: [one for one in memories if one.measure == name] for name in MARKS}
     draw_survival(grid[0, 0], of["survival"])
@@ -95,9 +113,9 @@ def memory(memories, title):
     return figure
 
 
-def episodes(run, shears):
+def episodes(run: CellRun, shears: Sequence[SteadyShear]) -> dict[str, tuple[Stage, SteadyShear]]:
     """Parts of the path that the law is held against: a start, a reversal, a stop, each with its steady shear."""
-    found = {}
+    found: dict[str, tuple[Stage, SteadyShear]] = {}
     for shear in shears:
         before = run.before(shear.stage) if shear.run is run else None
         if before is None:
@@ -106,15 +124,16 @@ def episodes(run, shears):
         if kind and (kind not in found or shear.inertial < found[kind][1].inertial):
             found[kind] = (shear.stage, shear)
     for stage in run.stages_of("hold"):
-        shear = next((one for one in shears if one.stage is run.before(stage)), None)
-        if shear and ("stop" not in found or shear.inertial < found["stop"][1].inertial):
-            found["stop"] = (stage, shear)
+        stopped = next((one for one in shears if one.stage is run.before(stage)), None)
+        if stopped and ("stop" not in found or stopped.inertial < found["stop"][1].inertial):
+            found["stop"] = (stage, stopped)
     return found
 
 
-def law_on_path(run, stage, times, keys, sign):
+def law_on_path(run: CellRun, stage: Stage, times: Array, keys: Mapping[str, Any], sign: float) -> Array:
     """Shear stress of the law along the sign of the rate, from the stress of the cell before the stage [Pa]."""
     before = run.before(stage)
+    assert before is not None, "episodes have a stage before them"
     rows = before.rows
     few = max(1, len(rows["time"]) // 100)
     start = 0.5 * np.mean(rows["stress_xx"][-few:] - rows["stress_yy"][-few:]) + 1j * np.mean(rows["stress_xy"][-few:])
@@ -122,11 +141,12 @@ def law_on_path(run, stage, times, keys, sign):
                                     keys["gr_gamma_c"]).imag
 
 
-def loop(run, shears, keys, title):
+def loop(run: CellRun, shears: Sequence[SteadyShear], keys: Mapping[str, Any], title: str) -> Figure | None:
     """Stress of the cell and of the fitted law in a start, a reversal and a stop; None without any of them."""
     parts = episodes(run, shears)
     if not parts:
         return None
+    figure: Figure
     figure, panels = look.pyplot().subplots(1, len(parts), figsize=(4.6 * len(parts), 4.2), layout="constrained",
                                             squeeze=False, sharey=True)
     for axes, (kind, (stage, shear)) in zip(panels[0], parts.items()):

@@ -5,15 +5,23 @@ With a = (s_xx - s_yy)/2, b = s_xy and z = a + i b the law is z' = -(1/tau + i r
 exponentially to i G rate/(1/tau + i rate): b = G W/(1 + W^2) and N1/(2 b) = W with W = tau rate. At rest with gamma_c
 alone z stays.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+if TYPE_CHECKING:
+    from scree.arrays import Array
 
-def shear_modulus(stress, contact_strain):
+
+def shear_modulus(stress: float, contact_strain: float) -> float:
     """G [Pa] with which the steady shear stress is the given one."""
     return stress * (1.0 + contact_strain ** 2) / contact_strain
 
 
-def follow(start, rate, times, shear, contact_strain, slow_time=np.inf):
+def follow(start: complex, rate: float, times: Array, shear: float, contact_strain: float,
+           slow_time: float = np.inf) -> Array:
     """z at times since the start of a stage of constant shear rate [Pa]."""
     times = np.asarray(times, dtype=float)
     decay = 1.0 / slow_time + abs(rate) / contact_strain

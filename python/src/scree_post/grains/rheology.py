@@ -1,23 +1,36 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Friction mu and volume fraction phi of steady shear against the inertial number I = rate d sqrt(rho/p)."""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import PostError
+from scree.errors import ScreeError
+
 from . import statistics
 from .statistics import linear_fit
 
+if TYPE_CHECKING:
+    from scree.arrays import Array
+
+    from .cell_run import CellRun, Stage
+
 LEAST_LINEAR, LEAST_CURVED = 2, 4      # inertial numbers that a fit needs
 FASTEST = 0.25                         # greatest inertial number of the straight lines
+
+
+Fits = dict[str, tuple[float, float]]  # name: value and error
 
 
 @dataclass
 class SteadyShear:
     """Means of one shear stage; errors are standard errors of blocks."""
 
-    stage: object
-    run: object
+    stage: Stage
+    run: CellRun
     inertial: float
     rate: float                                          # absolute value [1/s]
     pressure: float                                      # -sigma_yy [Pa]
@@ -30,10 +43,10 @@ class SteadyShear:
     normal_error: float
     coordination: float
     drifting: str                                        # names of means that drift, or empty
-    samples: dict = field(default_factory=dict)          # of the bootstrap
+    samples: dict[str, Array] = field(default_factory=dict)          # of the bootstrap
 
 
-def steady_shear(run, stage, skip, generator):
+def steady_shear(run: CellRun, stage: Stage, skip: float, generator: np.random.Generator) -> SteadyShear:
     """Means of a shear stage behind its start."""
     rows = stage.steady(skip)
     sign = np.sign(stage.rate)
@@ -42,7 +55,7 @@ def steady_shear(run, stage, skip, generator):
     fraction = rows["volume_fraction"]
     stress, pressure = float(shear.mean()), float(normal.mean())
     if not (pressure > 0.0 and stress > 0.0):
-        raise PostError(f"{run.path('_history.csv')}: stage '{stage.name}' carries no stress: pressure {pressure:.3g} "
+        raise ScreeError(f"{run.path('_history.csv')}: stage '{stage.name}' carries no stress: pressure {pressure:.3g} "
                         f"Pa, shear stress {stress:.3g} Pa; compress the cell first")
     means = statistics.resampled_means([shear, normal, sign * difference, fraction], generator)
     samples = {"mu": means[:, 0] / means[:, 1], "phi": means[:, 3], "normal": means[:, 2] / (2.0 * means[:, 0]),
@@ -58,14 +71,14 @@ def steady_shear(run, stage, skip, generator):
         " and ".join(drifting), samples)
 
 
-def straight(x, y, errors):
+def straight(x: Array, y: Array, errors: Array) -> Array:
     """Intercept and slope."""
     return linear_fit(np.column_stack([np.ones_like(x), x]), y, errors)[0]
 
 
-def curved(x, y, errors):
+def curved(x: Array, y: Array, errors: Array) -> Array:
     """mu_s, mu_2 and I_0 of mu_s + (mu_2 - mu_s)/(1 + I_0/I): linear in two of them for each I_0."""
-    def basis(log):
+    def basis(log: float) -> Array:
         return np.column_stack([np.ones_like(x), x / (x + np.exp(log))])
 
     log = statistics.least_on_grid(lambda log: linear_fit(basis(log), y, errors)[1],
@@ -74,14 +87,15 @@ def curved(x, y, errors):
     return np.array([base, base + rise, np.exp(log)])
 
 
-def with_errors(fit, x, y, errors, draws):
+def with_errors(fit: Callable[[Array, Array, Array], Array], x: Array, y: Array, errors: Array,
+                draws: Array) -> tuple[Array, Array]:
     """Values of a fit and their bootstrap errors; `draws` are samples (sample, 2, stage) of x and y."""
     values = fit(x, y, errors)
     found = np.array([fit(draw[0], draw[1], errors) for draw in draws])
     return values, found.std(axis=0)
 
 
-def fit_rheology(shears):
+def fit_rheology(shears: Sequence[SteadyShear]) -> Fits:
     """Fits of mu(I) and phi(I): a dict of name: (value, error). Empty with fewer than two inertial numbers."""
     slow = [shear for shear in shears if shear.inertial <= FASTEST]
     x = np.array([shear.inertial for shear in slow])
@@ -106,7 +120,7 @@ def fit_rheology(shears):
     return result
 
 
-def distinct(numbers):
+def distinct(numbers: Iterable[float]) -> int:
     """How many numbers differ by more than a tenth."""
     count, last = 0, 0.0
     for number in sorted(numbers):

@@ -1,19 +1,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Means with error bars from correlated rows, drift, bootstrap, and fits by separated variables."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from scree.arrays import Array
 
 SAMPLES = 400            # of a bootstrap
 FEWEST_BLOCKS = 8        # of which an error bar is made
 
 
-def blocks(values, count):
+def blocks(values: Array, count: int) -> Array:
     """Means of `count` blocks of equal length; a rest at the start is left out."""
     values = np.asarray(values, dtype=float)
     length = len(values) // count
-    return values[len(values) - length * count:].reshape(count, length, *values.shape[1:]).mean(axis=1)
+    return np.asarray(values[len(values) - length * count:].reshape(count, length, *values.shape[1:]).mean(axis=1))
 
 
-def block_counts(rows):
+def block_counts(rows: int) -> list[int]:
     """Numbers of blocks, halved down to the fewest."""
     counts, count = [], rows
     while count >= FEWEST_BLOCKS:
@@ -22,7 +30,7 @@ def block_counts(rows):
     return counts or [max(rows, 1)]
 
 
-def mean_error(values):
+def mean_error(values: Array) -> float:
     """Standard error of the mean of a correlated series: the greatest over lengths of blocks (H. Flyvbjerg,
     H. G. Petersen, J. Chem. Phys. 91 (1989) 461)."""
     if len(values) < 2:
@@ -32,7 +40,7 @@ def mean_error(values):
     return float(max(errors))
 
 
-def fitting_blocks(values):
+def fitting_blocks(values: Array) -> int:
     """The number of blocks at which the error bar is greatest: their means count as independent."""
     counts = [count for count in block_counts(len(values)) if count > 1]
     if not counts:
@@ -40,7 +48,7 @@ def fitting_blocks(values):
     return max(counts, key=lambda count: np.std(blocks(values, count), ddof=1) / np.sqrt(count))
 
 
-def drift(values):
+def drift(values: Array) -> tuple[float, float]:
     """Difference of the means of the second and the first half, and its standard error."""
     half = len(values) // 2
     if half < 4:
@@ -49,13 +57,13 @@ def drift(values):
     return float(second.mean() - first.mean()), float(np.hypot(mean_error(first), mean_error(second)))
 
 
-def drifts(values, share=0.05):
+def drifts(values: Array, share: float = 0.05) -> bool:
     """Whether a mean changes over the rows: by more than three error bars and more than a share of itself."""
     change, error = drift(values)
     return bool(np.isfinite(error) and abs(change) > 3.0 * error and abs(change) > share * abs(np.mean(values)))
 
 
-def resampled_means(columns, generator, samples=SAMPLES):
+def resampled_means(columns: Any, generator: np.random.Generator, samples: int = SAMPLES) -> Array:
     """Means (sample, column) of rows drawn block by block, the same blocks for all columns."""
     columns = np.asarray(columns, dtype=float)
     count = max(fitting_blocks(column) for column in columns[:1])
@@ -65,10 +73,10 @@ def resampled_means(columns, generator, samples=SAMPLES):
     # the spread of resampled means of n blocks is too small by sqrt((n - 1)/n)
     result = means[drawn].mean(axis=1)
     stretch = np.sqrt(len(means) / max(len(means) - 1.0, 1.0))
-    return means.mean(axis=0) + stretch * (result - means.mean(axis=0))
+    return np.asarray(means.mean(axis=0) + stretch * (result - means.mean(axis=0)))
 
 
-def weights_of(errors):
+def weights_of(errors: Array) -> Array:
     """Weights of a least-squares fit; without error bars all are equal."""
     errors = np.asarray(errors, dtype=float)
     good = np.isfinite(errors) & (errors > 0.0)
@@ -77,7 +85,7 @@ def weights_of(errors):
     return 1.0 / errors
 
 
-def linear_fit(basis, values, errors):
+def linear_fit(basis: Array, values: Array, errors: Array) -> tuple[Array, float]:
     """Coefficients of the columns of `basis`, and the sum of weighted squares."""
     weights = weights_of(errors)
     scaled, target = basis * weights[:, None], values * weights
@@ -90,7 +98,7 @@ def linear_fit(basis, values, errors):
     return found, float(np.sum((scaled @ found - target) ** 2))
 
 
-def least_on_grid(function, low, high, points=41, rounds=6):
+def least_on_grid(function: Callable[[float], float], low: Any, high: Any, points: int = 41, rounds: int = 6) -> float:
     """Place of the least value of a function of one number, by grids that close in."""
     ends = low, high
     best = low
@@ -102,7 +110,8 @@ def least_on_grid(function, low, high, points=41, rounds=6):
     return float(best)
 
 
-def least_on_plane(function, low, high, points=(25, 13), rounds=7):
+def least_on_plane(function: Callable[[float, float], float], low: Any, high: Any, points: tuple[int, int] = (25, 13),
+                   rounds: int = 7) -> tuple[float, float]:
     """The same for two numbers."""
     low, high = np.array(low, dtype=float), np.array(high, dtype=float)
     ends = low.copy(), high.copy()

@@ -1,29 +1,47 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sizes of particles, mirror images at planes of symmetry, and slices of a model."""
+from __future__ import annotations
+
 import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .box import box_of, thickness
-from .errors import PostError
+from ..errors import ScreeError
+from .box import mirror_plane, thickness
+
+if TYPE_CHECKING:
+    from ..arrays import Array
+    from ..files import Snapshot
 
 MOST_STRETCH = 16.0      # square of the longest edge over the area; more is drawn as a square
 
 
-def particle_size(snap, radius=None):
+def widths(dimension: str, volume: Array, radius: Array, thickness: Callable[[int], float]) -> Array:
+    """Width of particles in the plane of the model [m] from their volumes [m3].
+
+    `thickness` gives the size of the model along an axis that its plane lacks, 1 for y and 2 for z [m].
+    """
+    volume = np.maximum(np.where(np.isfinite(volume), volume, 0.0).astype("f8"), 0.0)
+    size: Array
+    if dimension == "axisymmetric":
+        size = np.sqrt(volume / (2.0 * math.pi * np.maximum(radius, 1.0e-300)))
+    elif dimension == "plane_strain":
+        size = np.sqrt(volume / thickness(1))
+    elif dimension == "1d":
+        size = volume / (thickness(1) * thickness(2))
+    else:
+        size = np.cbrt(volume)
+    return size
+
+
+def particle_size(snap: Snapshot) -> Array:
     """Present width of each particle in the plane of the model [m]."""
-    volume = np.where(np.isfinite(snap.fields["volume"]), snap.fields["volume"], 0.0).astype("f8")
-    volume = np.maximum(volume, 0.0)
-    if snap.dimension == "axisymmetric":
-        return np.sqrt(volume / (2.0 * math.pi * np.maximum(radius, 1.0e-300)))
-    if snap.dimension == "plane_strain":
-        return np.sqrt(volume / thickness(snap))
-    if snap.dimension == "1d":
-        return volume / (thickness(snap, 1) * thickness(snap, 2))
-    return np.cbrt(volume)
+    return widths(snap.dimension, snap.fields["volume"], snap.points[:, 0], lambda axis: thickness(snap, axis))
 
 
-def plane_edges(snap, size):
+def plane_edges(snap: Snapshot, size: Array) -> Array:
     """Edges (n, 2, 2) of each particle in the plane of a run in two dimensions [m].
 
     Squares of the particle's volume; where the file holds the deformation gradient (xx, yx, zx, xy,
@@ -43,48 +61,44 @@ def plane_edges(snap, size):
     return np.where(usable[:, None, None], scaled, edges)
 
 
-def images(snap):
+def images(snap: Snapshot) -> tuple[Array, Array, Array]:
     """All particles with their mirror images at the planes of symmetry.
 
     Returns positions (m, 3) [m], the rows of the particles they are images of (m), and the signs
     (m, 3) that turn a vector of the particle into that of its image.
     """
-    box, axes = box_of(snap), mirror_faces(snap)
     positions, rows = snap.points, np.arange(len(snap.points))
     signs = np.ones((len(rows), 3))
-    for axis, face in axes:
-        plane = box.low if face == "lo" else box.high
+    for axis, face in mirror_faces(snap):
+        plane = mirror_plane(snap, axis, face)
         if plane is None and face == "hi":
-            raise PostError(f"{snap.file}: symmetry at {'xyz'[axis]}hi, "
+            raise ScreeError(f"{snap.file}: symmetry at {'xyz'[axis]}hi, "
                             "and the file does not say where that is")
-        plane = 0.0 if plane is None else float(plane[axis])
         image, turned = positions.copy(), signs.copy()
-        image[:, axis] = 2.0 * plane - image[:, axis]
+        image[:, axis] = 2.0 * (plane or 0.0) - image[:, axis]
         turned[:, axis] *= -1.0
         positions, signs = np.concatenate([positions, image]), np.concatenate([signs, turned])
         rows = np.concatenate([rows, rows])
     return positions, rows, signs
 
 
-def mirror_faces(snap):
+def mirror_faces(snap: Snapshot) -> list[tuple[int, str]]:
     """Pairs (axis, "lo" or "hi") of the planes at which a model is completed."""
     found = []
     for face in snap.symmetry:
         if face[:1] not in "xyz" or face[1:] not in ("lo", "hi"):
-            raise PostError(f"{snap.file}: unknown symmetry face '{face}' in /provenance")
+            raise ScreeError(f"{snap.file}: unknown symmetry face '{face}' in /provenance")
         axis = "xyz".index(face[0])
-        if snap.dimension != "3d" and axis == 1 or snap.dimension == "axisymmetric" and axis == 0:
+        if (snap.dimension != "3d" and axis == 1) or (snap.dimension == "axisymmetric" and axis == 0):
             continue  # not a direction of this model, or its axis
         found.append((axis, face[1:]))
     return found
 
 
-def slice_depth(snap, axis, depth):
+def slice_depth(snap: Snapshot, axis: int, depth: Array) -> float:
     """Where the slice cuts the line of sight: a plane of symmetry, or the middle of the matter."""
     for mirror, face in mirror_faces(snap):
         if mirror == axis:
-            box = box_of(snap)
-            plane = box.low if face == "lo" else box.high
-            return 0.0 if plane is None else float(plane[axis])
+            return mirror_plane(snap, axis, face) or 0.0
     mass = snap.fields["mass"]
     return float(np.average(depth[:len(mass)], weights=mass))

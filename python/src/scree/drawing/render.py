@@ -5,9 +5,17 @@ A depth buffer finds the ball in front in each pixel. Light comes from the upper
 buffer, seen from the light, gives shadows. Pixels that lie behind their surroundings are darkened, which shows the
 depth of a cloud (T. Luft, C. Colditz and O. Deussen, ACM Trans. Graph. 25 (2006) 1206).
 """
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from ..arrays import Array, Bools
+    from .view import Window
 
 LEAST = 0.8              # smallest radius of a ball [pixels]
 LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])   # right, up, towards the viewer
@@ -22,21 +30,21 @@ MOST_LIGHT = 3000        # pixels along a side of that buffer
 class Balls:
     """Balls in the directions right, up and towards the viewer, with one unit of length."""
 
-    right: object                                        # (n)
-    up: object                                           # (n)
-    near: object                                         # (n), larger is nearer to the viewer
-    radius: object                                       # (n)
-    tint: object                                         # (n, 3) red, green, blue from 0 to 1
+    right: Array                                       # (n)
+    up: Array                                          # (n)
+    near: Array                                        # (n), larger is nearer to the viewer
+    radius: Array                                      # (n)
+    tint: Array                                        # (n, 3) red, green, blue from 0 to 1
 
 
-def disc_offsets(reach):
+def disc_offsets(reach: int) -> list[tuple[int, int]]:
     """Pairs of integers within a square around a pixel, the corners that no ball reaches left out."""
     steps = range(-reach, reach + 1)
     return [(i, j) for i in steps for j in steps
             if max(abs(i) - 1, 0) ** 2 + max(abs(j) - 1, 0) ** 2 < (reach + 1) ** 2]
 
 
-def splat(column, row, near, radius, shape):
+def splat(column: Array, row: Array, near: Array, radius: Array, shape: tuple[int, int]) -> tuple[Array, Array]:
     """Depth and number of the ball in front in each pixel of an image (height, width); -inf and -1 where there is none.
 
     Places and radii are in pixels, rows count downwards.
@@ -65,7 +73,7 @@ def splat(column, row, near, radius, shape):
     return depth.reshape(shape), owner.reshape(shape)
 
 
-def box_mean(image, reach):
+def box_mean(image: Array, reach: int) -> Array:
     """Mean over a square of 2 reach + 1 pixels, edges repeated."""
     for axis in (0, 1):
         padded = np.pad(image, [(reach + 1, reach) if k == axis else (0, 0) for k in (0, 1)], mode="edge")
@@ -77,7 +85,7 @@ def box_mean(image, reach):
     return image
 
 
-def depth_shade(depth, drawn, reach, scale):
+def depth_shade(depth: Array, drawn: Bools, reach: int, scale: float) -> Array:
     """Factor of the colour, below 1 where a pixel lies behind the mean of its surroundings."""
     if not drawn.any():
         return np.ones(depth.shape)
@@ -89,14 +97,14 @@ def depth_shade(depth, drawn, reach, scale):
     return 1.0 - DARKEST * behind
 
 
-def light_axes():
+def light_axes() -> tuple[Array, Array, Array]:
     """Two directions across the light, and the light, in right, up and near."""
     across = np.cross([0.0, 1.0, 0.0], LIGHT)
     across /= np.linalg.norm(across)
     return across, np.cross(LIGHT, across), LIGHT
 
 
-def lit_share(balls, points):
+def lit_share(balls: Balls, points: Array) -> Array:
     """Share of the light that reaches points (m, 3), 0 in a full shadow."""
     axes = light_axes()
     centres = np.stack([balls.right, balls.up, balls.near], axis=1)
@@ -105,15 +113,15 @@ def lit_share(balls, points):
     low = [float((side - balls.radius).min()) for side in seen[:2]]
     span = max(float((side + balls.radius).max()) - edge for side, edge in zip(seen[:2], low))
     pixel = max(typical / GRAIN, span / MOST_LIGHT)
-    shape = tuple(int((float((side + balls.radius).max()) - edge) / pixel) + 2
+    high, wide = (int((float((side + balls.radius).max()) - edge) / pixel) + 2
                   for side, edge in zip(seen[1::-1], low[::-1]))
     buffer, _ = splat((seen[0] - low[0]) / pixel, (seen[1] - low[1]) / pixel, seen[2] / pixel,
-                      np.maximum(balls.radius / pixel, LEAST), shape)
+                      np.maximum(balls.radius / pixel, LEAST), (high, wide))
     place = [(points @ axes[k] - low[k]) / pixel for k in (0, 1)]
     height, share = (points @ axes[2]) / pixel, np.zeros(len(points))
     for i, j in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)):
-        column = np.clip(np.floor(place[0]).astype(int) + i, 0, shape[1] - 1)
-        row = np.clip(np.floor(place[1]).astype(int) + j, 0, shape[0] - 1)
+        column = np.clip(np.floor(place[0]).astype(int) + i, 0, wide - 1)
+        row = np.clip(np.floor(place[1]).astype(int) + j, 0, high - 1)
         share += buffer[row, column] <= height + 2.0 + typical / pixel
     return share / 5.0
 
@@ -121,7 +129,7 @@ def lit_share(balls, points):
 class Image:
     """An image of balls: the window is left, right, bottom, top in the unit of the balls."""
 
-    def __init__(self, wide, high, window, balls):
+    def __init__(self, wide: int, high: int, window: Window, balls: Balls) -> None:
         self.shape, self.window = (high, wide), window
         self.pixel = (window[1] - window[0]) / wide
         left, top = window[0], window[3]
@@ -133,7 +141,7 @@ class Image:
         if self.drawn.any():
             self.colour[self.drawn] = self.shaded(balls, owner, column, row, radius)
 
-    def shaded(self, balls, owner, column, row, radius):
+    def shaded(self, balls: Balls, owner: Array, column: Array, row: Array, radius: Array) -> Array:
         """Colours (m, 3) of the pixels that balls cover."""
         pixel_row, pixel_column = np.nonzero(self.drawn)
         ball = owner[self.drawn]
@@ -148,23 +156,24 @@ class Image:
         across = max(self.shape) / 400.0
         scale = 0.08 * min(self.shape)
         shade = depth_shade(self.depth, self.drawn, max(2, int(2.0 * across)), scale)[self.drawn]
-        half = LIGHT + (0.0, 0.0, 1.0)
+        half = LIGHT + np.array([0.0, 0.0, 1.0])
         half /= np.linalg.norm(half)
         shine = SHINE * np.maximum(right * half[0] + up * half[1] + near * half[2], 0.0) ** 24
-        return np.clip(balls.tint[ball] * ((AMBIENT + DIFFUSE * light) * shade)[:, None] + shine[:, None], 0.0, 1.0)
+        lit = balls.tint[ball] * ((AMBIENT + DIFFUSE * light) * shade)[:, None]
+        return np.asarray(np.clip(lit + shine[:, None], 0.0, 1.0))
 
-    def place(self, points):
+    def place(self, points: Array) -> Array:
         """Column, row and depth in pixels of points (m, 3) in right, up and near."""
         return np.stack([(points[..., 0] - self.window[0]) / self.pixel,
                          (self.window[3] - points[..., 1]) / self.pixel, points[..., 2] / self.pixel], axis=-1)
 
-    def facet(self, corners, tint, opacity):
+    def facet(self, corners: Array, tint: Any, opacity: float) -> None:
         """Blend a plane convex piece with corners (n, 3) over what lies behind it."""
         spots = self.place(corners)
         for second in range(1, len(spots) - 1):
             self.triangle(spots[[0, second, second + 1]], np.asarray(tint), opacity)
 
-    def triangle(self, spots, tint, opacity):
+    def triangle(self, spots: Array, tint: Any, opacity: float) -> None:
         """Blend a triangle with corners (3, 3) in pixels."""
         high, wide = self.shape
         first = np.maximum(np.floor(spots[:, :2].min(axis=0)).astype(int), 0)
@@ -184,7 +193,7 @@ class Image:
         self.colour[part] = np.where(seen[..., None], (1.0 - opacity) * self.colour[part] + opacity * tint,
                                      self.colour[part])
 
-    def line(self, start, end, tint, width=2.0):
+    def line(self, start: Array, end: Array, tint: Sequence[float], width: float = 2.0) -> None:
         """A line between two points, hidden where balls lie before it."""
         spots = self.place(np.array([start, end]))
         count = int(2.0 * np.abs(spots[1, :2] - spots[0, :2]).max()) + 2
@@ -200,8 +209,8 @@ class Image:
                 seen = near > self.depth[row, column]
                 self.colour[row[seen], column[seen]] = tint
 
-    def halved(self, factor):
+    def halved(self, factor: int) -> Array:
         """Bytes (height, width, 3) of the image, means of squares of `factor` pixels."""
         high, wide = (factor * (side // factor) for side in self.shape)
         blocks = self.colour[:high, :wide].reshape(high // factor, factor, wide // factor, factor, 3)
-        return (255.0 * blocks.mean(axis=(1, 3)) + 0.5).astype("u1")
+        return np.asarray(255.0 * blocks.mean(axis=(1, 3)) + 0.5).astype("u1")

@@ -1,17 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The page of a radiograph: film, areal density and particles, a column for each time."""
+from __future__ import annotations
+
 import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from . import look
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.transforms import Bbox
+
+    from ..arrays import Array
+    from .areal_density import Frame
 
 # Of each body: intact and failed; colours of Okabe and Ito (2008) and paler ones.
 TINTS = (("#d55e00", "#f2b48a"), ("#0072b2", "#8fc1e3"), ("#009e73", "#99d8c7"), ("#cc79a7", "#ebc9dc"),
          ("#e69f00", "#f5d999"), ("#444444", "#b5b5b5"))
 
 
-def exposure(frame):
+def exposure(frame: Frame) -> float:
     """Absorption [m2/kg], rounded to 1, 2, 5, at which a quarter of the cloud halves the light."""
     seen = frame.sigma[frame.sigma > 1.0e-3 * frame.sigma.max()] if frame.sigma.max() > 0.0 else []
     if len(seen) == 0:
@@ -23,14 +35,15 @@ def exposure(frame):
     )
 
 
-def density_range(sigma, factor):
+def density_range(sigma: Array, factor: float) -> tuple[float, float]:
     """Three decades of areal density; what is seen edge-on, such as the sheet, may lie above."""
     seen = sigma[sigma > 1.0e-4 * sigma.max()] if sigma.max() > 0.0 else np.ones(1)
     top = scale_bar(5.0 * factor * float(np.quantile(seen, 0.95)))
     return 1.0e-3 * top, top
 
 
-def shown_box(frames, floor, view):
+def shown_box(frames: Sequence[Frame], floor: float, view: Sequence[float] | None) -> tuple[list[tuple[float, float]],
+              tuple[float, float]]:
     """Horizontal range of each frame and common vertical range, where anything is seen [m]."""
     ranges, low, high = [], math.inf, -math.inf
     for frame in frames:
@@ -53,7 +66,8 @@ def shown_box(frames, floor, view):
 class Picture:
     """Places panels on a page: a column per frame, or three kinds side by side for one frame."""
 
-    def __init__(self, frames, title, options, common=None):
+    def __init__(self, frames: Sequence[Frame], title: str, options: Mapping[str, Any],
+                 common: dict[str, Any] | None = None) -> None:
         self.plot = look.pyplot()
         self.frames, self.title, self.options = frames, title, options
         self.mu = options["mu"] or exposure(frames[-1])
@@ -62,21 +76,21 @@ class Picture:
         )
         self.range = common["range"] if common else density_range(frames[-1].sigma, self.factor)
         floor = self.range[0] / self.factor
-        self.spans, self.height = (
-            common["box"] if common else shown_box(frames, floor, options["view"])
-        )
+        self.spans: list[tuple[float, float]]
+        self.height: tuple[float, float]
+        self.spans, self.height = common["box"] if common else shown_box(frames, floor, options["view"])
         self.spans = self.spans[:1] * len(frames) if common else self.spans
         self.mu = common["mu"] if common else self.mu
         self.metres, self.length = look.scaled(max(np.abs(self.height).max(), 1.0e-9), "m")
         self.lone = len(frames) == 1
         self.flip = options["towards"] < 0.0
 
-    def common(self):
+    def common(self) -> dict[str, Any]:
         """What all frames of a film share."""
         box = [(min(a for a, _ in self.spans), max(b for _, b in self.spans))]
         return {"range": self.range, "box": (box, self.height), "mu": self.mu}
 
-    def draw(self):
+    def draw(self) -> Figure:
         """The figure."""
         tall = self.height[1] - self.height[0]
         spans = self.spans * 3 if self.lone else list(self.spans)
@@ -93,7 +107,7 @@ class Picture:
         used = left + right + gap * (len(spans) - 1) + scale * sum(b - a for a, b in spans)
         page = max(used, 7.5)
         high = top + bottom + rows * scale * tall + (rows - 1) * between
-        figure = self.plot.figure(figsize=(page, high))
+        figure: Figure = self.plot.figure(figsize=(page, high))
         x, panels = left + 0.5 * (page - used), []
         for number, span in enumerate(spans):
             wide = scale * (span[1] - span[0])
@@ -110,12 +124,13 @@ class Picture:
         self.headings(figure, panels, page, high)
         return figure
 
-    def panel(self, axes, kind, frame, span, scale):
+    def panel(self, axes: Axes, kind: int, frame: Frame, span: tuple[float, float], scale: float) -> None:
         """One picture of one frame."""
         k = self.metres
-        extent = [k * edge for edge in frame.box]
-        ends = self.plot.get_cmap("gray")(1.03 / 1.06), self.plot.get_cmap("inferno")(0.0), "white"
-        axes.set_facecolor(ends[kind])
+        left, right, bottom, top = (k * edge for edge in frame.box)
+        extent = left, right, bottom, top
+        ground = self.plot.get_cmap("gray")(1.03 / 1.06), self.plot.get_cmap("inferno")(0.0), "white"
+        axes.set_facecolor(ground[kind])
         if kind == 0:
             axes.imshow(np.exp(-self.mu * frame.sigma), extent=extent, origin="lower", cmap="gray",
                         vmin=-0.03, vmax=1.03, interpolation="antialiased", aspect="auto")
@@ -131,7 +146,7 @@ class Picture:
         axes.set_xlim(k * ends[0], k * ends[1])
         axes.set_ylim(k * self.height[0], k * self.height[1])
 
-    def scatter(self, axes, frame, scale):
+    def scatter(self, axes: Axes, frame: Frame, scale: float) -> None:
         """Particles as dots of their own size, failed ones below the intact ones."""
         from matplotlib.collections import EllipseCollection
         spot = frame.dots
@@ -156,11 +171,11 @@ class Picture:
                     )
                 )
 
-    def dress(self, axes, kind, number, lowest):
+    def dress(self, axes: Axes, kind: int, number: int, lowest: bool) -> None:
         """Ticks, labels and scale bar of a panel."""
         from matplotlib.ticker import MaxNLocator
         axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 2.5, 5, 10]))
-        wide = axes.get_position().width * axes.figure.get_figwidth()
+        wide = axes.get_position().width * cast("Figure", axes.figure).get_figwidth()
         axes.xaxis.set_major_locator(
             MaxNLocator(max(2, int(wide / 0.6)), steps=[1, 2, 5, 10], prune="upper"))
         vertical = self.frames[0].vertical
@@ -175,13 +190,13 @@ class Picture:
         if kind < 2:
             self.scale_bar(axes, ("black", "white")[kind], self.frames[0 if self.lone else number])
 
-    def scale_bar(self, axes, ink, frame):
+    def scale_bar(self, axes: Axes, ink: str, frame: Frame) -> None:
         """Scale bar, of one length on the page, where the picture is emptiest."""
         span = abs(axes.get_xlim()[1] - axes.get_xlim()[0])
         wide, tall = (side * page for side, page in zip(axes.get_position().size,
-                                                        axes.figure.get_size_inches()))
+                                                        cast("Figure", axes.figure).get_size_inches()))
         length = scale_bar((0.2 if self.lone else 0.35) * self.metres * self.shortest)
-        bar, best = length / span, None
+        bar, best = length / span, (math.inf, 0.0, 0.0)
         need = max(bar, 0.6 / wide)                      # the words may be longer than the bar
         for level in (0.06, 1.0 - 0.3 / tall - 0.02):
             for start in np.linspace(0.96 - need, 0.04, 12):
@@ -190,7 +205,7 @@ class Picture:
                 under = mass_under(frame, sorted(end / self.metres for end in ends),
                                    [(edge * (self.height[1] - self.height[0]) + self.height[0])
                                     for edge in (level - 0.02, level + 0.3 / tall)])
-                if best is None or under < 0.9 * best[0]:
+                if under < 0.9 * best[0]:
                     best = under, start, level
         level, start = best[2], best[1] + 0.5 * (need - bar)
         axes.plot([start, start + bar], [level, level], transform=axes.transAxes, color=ink,
@@ -198,7 +213,7 @@ class Picture:
         axes.text(start + 0.5 * bar, level + 0.05 / tall, f"{length:g} {self.length}", ha="center",
                   va="bottom", color=ink, transform=axes.transAxes, fontsize=10)
 
-    def titles(self, figure, axes, page, high):
+    def titles(self, figure: Figure, axes: Sequence[Axes], page: float, high: float) -> None:
         """Title of the page, time and speed of the leading edge above each frame."""
         figure.text(0.5, 1.0 - 0.16 / high, self.title, ha="center", va="top", fontsize=14,
                     fontweight="bold")
@@ -221,9 +236,9 @@ class Picture:
                 linespacing=1.25,
             )
 
-    def headings(self, figure, panels, page, high):
+    def headings(self, figure: Figure, panels: Sequence[tuple[int, Axes]], page: float, high: float) -> None:
         """Name of each row (or of each panel of a lone frame), colour bar and legend."""
-        mu = f"transmission exp(−µΣ), µ = {self.mu:g} m$^2$/kg"
+        mu = f"transmission exp($-$µΣ), µ = {self.mu:g} m$^2$/kg"
         words = (("Film: " if self.lone else "Radiograph: ") + mu,
                  f"Areal density Σ [{self.unit}]", "Particles by body")
         firsts = [next(axes for kind, axes in panels if kind == wanted) for wanted in range(3)]
@@ -246,9 +261,9 @@ class Picture:
             slot = figure.add_axes((place.x1 + 0.16 / page, place.y0, 0.16 / page, place.height))
             figure.colorbar(self.density, cax=slot, extend="both")
             slot.set_ylabel(f"Σ [{self.unit}]")
-        self.legend(figure, [axes for kind, axes in panels if kind == 2][0].get_position(), high)
+        self.legend(figure, next(axes for kind, axes in panels if kind == 2).get_position(), high)
 
-    def legend(self, figure, place, high):
+    def legend(self, figure: Figure, place: Bbox, high: float) -> None:
         """Colours of the bodies, below the lowest row."""
         from matplotlib.patches import Patch
         seen = sorted(
@@ -271,7 +286,7 @@ class Picture:
                           handlelength=1.0, handleheight=1.0, borderaxespad=0.0)
 
 
-def mass_under(frame, along, across):
+def mass_under(frame: Frame, along: Sequence[float], across: Sequence[float]) -> float:
     """Mass in a rectangle of the image [kg], with some room around it."""
     room = 0.02 * (frame.box[1] - frame.box[0])
     first = [max(0, int((low - room - edge) / frame.pixel))
@@ -281,7 +296,7 @@ def mass_under(frame, along, across):
     return float(frame.sigma[first[1]:last[1], first[0]:last[0]].sum()) * frame.pixel ** 2
 
 
-def scale_bar(longest):
+def scale_bar(longest: float) -> float:
     """Longest of 1, 2, 5 times a power of ten that is not longer."""
     decade = 10.0 ** math.floor(math.log10(longest))
     return max(

@@ -1,38 +1,53 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pages of particles: what picture and movie share."""
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ..errors import EXIT_USAGE, ScreeError, unknown
 from . import colour as colours
 from . import look
-from .errors import EXIT_USAGE, PostError, unknown
 from .shape import images, particle_size, plane_edges
 from .walls import draw_plane, walls_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..arrays import Array, Bools
+    from ..files import Snapshot
+    from .colour import Colour
 
 LEAST_DOT = 0.4          # smallest width of a particle on the page [points]
 SPREAD = 1.02            # of drawn particles over their width, so that no seam is left between them
 BELOW = 1.15             # of a layer below, for neighbours that moved apart by less than they are wide
 
 
+Window = tuple[float, float, float, float]              # left, right, bottom, top [m]
+
+
 @dataclass
 class Options:
     """How particles are drawn; lengths in m."""
 
-    colour: object = None                                # colours.Colour
+    colour: Colour
     mirror: bool = True
-    bodies: tuple = ()                                   # names; all if empty
+    bodies: tuple[str, ...] = ()                                 # names; all if empty
     hide_failed: bool = False
-    view: tuple = ()                                     # left, right, bottom, top
+    view: Window | tuple[()] = ()                                  # left, right, bottom, top
     title: str = ""
     dpi: int = 150
     wide: float = 9.0                                    # of the page [inch]
-    camera: tuple = (-60.0, 20.0)                        # azimuth, elevation [deg]; 3-D only
+    camera: tuple[float, float] = (-60.0, 20.0)                        # azimuth, elevation [deg]; 3-D only
     up: int = 2                                          # axis that points up; 3-D only
     turn: float = 0.0                                    # of the camera over a film [deg]
     zoom: float = 1.0
-    keep: tuple = ()                                     # axis, sign, place; 3-D only
-    clock: tuple = (1.0, "s")                            # factor and unit of the time
+    keep: tuple[int, float, float] | tuple[()] = ()                                   # axis, sign, place; 3-D only
+    clock: tuple[float, str] = (1.0, "s")                            # factor and unit of the time
     walls: bool = True                                   # rigid regions and closed faces
 
 
@@ -41,31 +56,32 @@ class Matter:
     """Particles to be drawn, mirror images among them."""
 
     time: float                                          # [s]
-    points: object                                       # (n, 3) [m]
-    size: object                                         # (n) [m]
-    values: object                                       # (n) what they are coloured by [SI]
-    edges: object = None                                 # (n, 2, 2) in two dimensions, see shape
-    speed: object = None                                 # (n) [m/s], None where the file holds no velocity
+    points: Array                                      # (n, 3) [m]
+    size: Array                                        # (n) [m]
+    values: Array                                      # (n) what they are coloured by [SI]
+    edges: Array | None = None                                 # (n, 2, 2) in two dimensions, see shape
+    speed: Array | None = None                                 # (n) [m/s], None where the file holds no velocity
 
-    def rows(self, chosen):
+    def rows(self, chosen: Bools) -> Matter:
         """Some of the particles."""
-        return Matter(self.time, self.points[chosen], self.size[chosen], self.values[chosen], None, self.speed[chosen])
+        return Matter(self.time, self.points[chosen], self.size[chosen], self.values[chosen], None,
+                      None if self.speed is None else self.speed[chosen])
 
 
-def fields_for(name, hide_failed=False):
+def fields_for(name: str, hide_failed: bool = False) -> set[str]:
     """Fields that a picture needs."""
     return {colours.field_of(name)[0], "body", "volume", "mass", "deformation_gradient"} | (
         {"fragment"} if name == "fragment_size" else set()) | (
         {"failed", "damage"} if hide_failed else set())
 
 
-def failed_of(snap):
+def failed_of(snap: Snapshot) -> Bools:
     """Whether each particle has failed."""
     mark = snap.fields.get("failed", snap.fields.get("damage"))
     return np.zeros(len(snap.points), bool) if mark is None else np.asarray(mark) >= 0.999
 
 
-def chosen_rows(snap, options):
+def chosen_rows(snap: Snapshot, options: Options) -> Bools:
     """Particles of the wanted bodies."""
     keep = np.ones(len(snap.points), bool)
     if options.bodies:
@@ -81,12 +97,12 @@ def chosen_rows(snap, options):
     return keep
 
 
-def matter(snap, options):
+def matter(snap: Snapshot, options: Options) -> Matter:
     """The particles of a snapshot that are to be drawn."""
     snap.need("volume")
     keep = chosen_rows(snap, options)
     values = colours.values_of(snap, options.colour.name)
-    size = particle_size(snap, snap.points[:, 0])
+    size = particle_size(snap)
     points, rows = snap.points, np.arange(len(snap.points))
     signs = np.ones((len(rows), 3))
     if options.mirror:
@@ -102,13 +118,13 @@ def matter(snap, options):
     if snap.dimension == "axisymmetric" and options.mirror:
         points = np.concatenate([points, points * (-1.0, 1.0, 1.0)])
         rows = np.concatenate([rows, rows])
-        edges = np.concatenate([edges, edges * (-1.0, 1.0)])
+        edges = None if edges is None else np.concatenate([edges, edges * (-1.0, 1.0)])
     velocity = snap.fields.get("velocity")
     speed = None if velocity is None else np.linalg.norm(velocity[rows], axis=1)
     return Matter(snap.time, points, size[rows], values[rows], edges, speed)
 
 
-def bounds(parts, plane=(0, 2)):
+def bounds(parts: Sequence[Matter], plane: tuple[int, int] = (0, 2)) -> Window:
     """Left, right, bottom, top around all particles, with a margin [m]."""
     ends = []
     for axis in plane:
@@ -119,25 +135,26 @@ def bounds(parts, plane=(0, 2)):
     return ends[0] - pad, ends[1] + pad, ends[2] - pad, ends[3] + pad
 
 
-def check_view(view):
+def check_view(view: Sequence[float] | None) -> None:
     """Refuse a window that is turned round."""
     if view and not (view[0] < view[1] and view[2] < view[3]):
-        raise PostError("--view wants LEFT < RIGHT and BOTTOM < TOP", EXIT_USAGE)
+        raise ScreeError("--view wants LEFT < RIGHT and BOTTOM < TOP", EXIT_USAGE)
 
 
 class PlanePage:
     """Pages of a run in one or two dimensions, all with the same axes and colours."""
 
-    names = {"axisymmetric": ("r", "z"), "plane_strain": ("x", "z"), "1d": ("x", "z")}
+    names: ClassVar[dict[str, tuple[str, str]]] = {"axisymmetric": ("r", "z"), "plane_strain": ("x", "z"),
+                                                   "1d": ("x", "z")}
 
-    def __init__(self, snap, options, box):
+    def __init__(self, snap: Snapshot, options: Options, box: Window) -> None:
         self.options, self.dimension = options, snap.dimension
         self.walls = walls_of(snap) if options.walls else []
         self.box = options.view or box
         self.metres, self.unit = look.scaled(max(abs(edge) for edge in self.box), "m")
         self.plot = look.pyplot()
 
-    def shape(self):
+    def shape(self) -> tuple[float, float]:
         """Width and height of the page [inch]."""
         across, tall = self.box[1] - self.box[0], self.box[3] - self.box[2]
         if self.dimension == "1d":
@@ -148,9 +165,10 @@ class PlanePage:
             return max(9.0 * across / tall + 2.4, 4.5), 10.2
         return self.options.wide, max(high, 1.6) + 1.2
 
-    def draw(self, snap, _share=0.0):
+    def draw(self, snap: Snapshot, _share: float = 0.0) -> Figure:
         """The figure of one time."""
         part = matter(snap, self.options)
+        figure: Figure
         figure, axes = self.plot.subplots(figsize=self.shape(), layout="constrained")
         if self.dimension == "1d":
             self.line(axes, part)
@@ -163,20 +181,21 @@ class PlanePage:
         axes.set_title(f"{head}t = {factor * part.time:.4g} {unit}", fontsize=11)
         return figure
 
-    def dots(self, figure, axes, part):
+    def dots(self, figure: Figure, axes: Axes, part: Matter) -> None:
         """Particles as large as their volume: squares, or what their deformation made of them."""
         from matplotlib.collections import PolyCollection
         k, box = self.metres, self.box
         wide, _ = figure.get_size_inches()
         least = LEAST_DOT / 72.0 / wide * (box[1] - box[0])
         middle = part.points[:, [0, 2]]
+        edges = np.zeros((0, 2, 2)) if part.edges is None else part.edges
         tints = colours.paint(self.options.colour, part.values)
         for layer, spread in ((0.95, BELOW), (1.0, SPREAD)):
             grown = np.maximum(spread, least / np.maximum(part.size, 1.0e-300))
-            one, two = (0.5 * grown[:, None] * part.edges[:, row] for row in (0, 1))
+            one, two = (0.5 * grown[:, None] * edges[:, row] for row in (0, 1))
             corners = np.stack([middle - one - two, middle + one - two, middle + one + two,
                                 middle - one + two], axis=1)
-            axes.add_collection(PolyCollection(k * corners, facecolors=tints, linewidths=0.0,
+            axes.add_collection(PolyCollection(list(k * corners), facecolors=tints, linewidths=0.0,
                                                antialiaseds=False, rasterized=True, zorder=layer))
         axes.set_xlim(k * box[0], k * box[1])
         axes.set_ylim(k * box[2], k * box[3])
@@ -186,7 +205,7 @@ class PlanePage:
         axes.set_xlabel(f"{names[0]} [{self.unit}]")
         axes.set_ylabel(f"{names[1]} [{self.unit}]")
 
-    def line(self, axes, part):
+    def line(self, axes: Axes, part: Matter) -> None:
         """A run in one dimension: the field along x."""
         colour = self.options.colour
         axes.plot(self.metres * part.points[:, 0], colour.factor * part.values, ".",
@@ -199,10 +218,12 @@ class PlanePage:
         axes.grid(color="#dddddd", linewidth=0.6)
 
 
-def to_pixels(figure, dpi):
+def to_pixels(figure: Figure, dpi: float) -> Array:
     """The picture of a figure as bytes (height, width, 4)."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     figure.set_dpi(dpi)
-    figure.canvas.draw()
-    pixels = np.asarray(figure.canvas.buffer_rgba()).copy()
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()  # type: ignore[no-untyped-call]
+    pixels = np.asarray(canvas.buffer_rgba()).copy()  # type: ignore[no-untyped-call]
     look.pyplot().close(figure)
     return pixels

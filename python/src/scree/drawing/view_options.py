@@ -1,22 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Options that picture and movie share, and the pages that they lead to."""
+from __future__ import annotations
+
+import argparse
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import EXIT_USAGE, ScreeError, unknown
+from ..files import snapshot
 from . import colour as colours
 from . import look
-from .errors import EXIT_USAGE, PostError, unknown
-from scree.files import snapshot
 from .quantity import quantity
 from .space import SpacePage
 from .view import Options, PlanePage, bounds, check_view, fields_for, matter
+
+if TYPE_CHECKING:
+    from ..files import Moment, Snapshot
 
 CAMERAS = {"x": (0.0, 0.0), "y": (-90.0, 0.0), "z": (-90.0, 90.0), "corner": (-60.0, 20.0)}
 SAMPLE = 6               # snapshots of a film that give the range of colours and the window
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of what is drawn and how."""
     add = parser.add_argument
     add("--colour", "--color", metavar="FIELD",
@@ -40,7 +48,7 @@ def add_arguments(parser):
     add("--dpi", type=int, default=200, help="pixels per inch (200); a page is 9 inches wide")
 
 
-def camera(text):
+def camera(text: str) -> tuple[float, float]:
     """Azimuth and elevation [deg]."""
     if text in CAMERAS:
         return CAMERAS[text]
@@ -49,28 +57,28 @@ def camera(text):
     except ValueError:
         raise unknown("camera", text, [*CAMERAS, "AZIMUTH,ELEVATION"]) from None
     if not (math.isfinite(azimuth) and -90.0 <= elevation <= 90.0):
-        raise PostError("--camera wants an elevation from -90 to 90 degrees", EXIT_USAGE)
+        raise ScreeError("--camera wants an elevation from -90 to 90 degrees", EXIT_USAGE)
     return azimuth, elevation
 
 
-def side(text):
+def side(text: str) -> tuple[int, float, float]:
     """Axis, sign and place of a plane such as y>0."""
     axis, sign, place = text[:1], text[1:2], text[2:]
     try:
         if axis in ("x", "y", "z") and sign in ("<", ">"):
             return "xyz".index(axis), 1.0 if sign == ">" else -1.0, quantity(place)
     except Exception as error:
-        raise PostError(f"--keep {text}: {error}", EXIT_USAGE) from error
-    raise PostError(f"--keep {text}: write a side of a plane, such as 'y>0' or 'z<5mm'", EXIT_USAGE)
+        raise ScreeError(f"--keep {text}: {error}", EXIT_USAGE) from error
+    raise ScreeError(f"--keep {text}: write a side of a plane, such as 'y>0' or 'z<5mm'", EXIT_USAGE)
 
 
-def options_of(arguments, snaps):
+def options_of(arguments: argparse.Namespace, snaps: Sequence[Snapshot]) -> Options:
     """Options for a film with these sample snapshots."""
     for name in ("zoom", "dpi"):
         if not (math.isfinite(getattr(arguments, name)) and getattr(arguments, name) > 0):
-            raise PostError(f"--{name} must be above 0", EXIT_USAGE)
+            raise ScreeError(f"--{name} must be above 0", EXIT_USAGE)
     if arguments.range and not arguments.range[0] < arguments.range[1]:
-        raise PostError("--range wants LOW < HIGH", EXIT_USAGE)
+        raise ScreeError("--range wants LOW < HIGH", EXIT_USAGE)
     check_view(arguments.view)
     title = arguments.title
     if title is None:
@@ -90,30 +98,30 @@ def options_of(arguments, snaps):
         keep=side(arguments.keep) if arguments.keep else ())
 
 
-def read(file, arguments):
+def read(file: str, arguments: argparse.Namespace) -> Snapshot:
     """A snapshot with the fields that are drawn."""
     return snapshot(file, fields_for(arguments.colour, arguments.hide_failed) | {"velocity"})
 
 
-def sample(frames):
+def sample(frames: Sequence[Moment]) -> list[str]:
     """Some snapshots of a series, the first and the last among them."""
     rows = np.unique(np.linspace(0, len(frames) - 1, SAMPLE).round().astype(int))
     return [frames[row][1] for row in rows]
 
 
-def check_field(name, file):
+def check_field(name: str, file: str) -> None:
     """Refuse a field that the series does not hold, naming all that there are."""
     snap = snapshot(file)
     colours.values_of(snap, name)
 
 
-def settle_colour(arguments, file):
+def settle_colour(arguments: argparse.Namespace, file: str) -> None:
     """Put what particles are coloured by into the options, where the user does not say."""
     if arguments.colour is None:
         arguments.colour = colours.default_name(snapshot(file, ("fragment",)))
 
 
-def pages(arguments, files):
+def pages(arguments: argparse.Namespace, files: Sequence[str]) -> PlanePage | SpacePage:
     """What draws a time of this run; `files` give ranges and window."""
     settle_colour(arguments, files[-1])
     check_field(arguments.colour, files[-1])
@@ -123,5 +131,5 @@ def pages(arguments, files):
         return SpacePage(snaps, options)
     for name in ("keep", "turn"):
         if getattr(arguments, name, None):
-            raise PostError(f"--{name} is for runs in three dimensions", EXIT_USAGE)
+            raise ScreeError(f"--{name} is for runs in three dimensions", EXIT_USAGE)
     return PlanePage(snaps[-1], options, bounds([matter(snap, options) for snap in snaps]))

@@ -1,18 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Walls of a run: faces of the box with their types, and rigid regions, from CASE_walls.hdf."""
+from __future__ import annotations
+
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scree import units as units_of
-from .box import box_of
-from .errors import PostError, modules
-from scree.files import text
+from .. import units as units_of
+from ..errors import ScreeError, modules
+from ..files import text
+from .box import mirror_plane
 from .shape import mirror_faces
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ..arrays import Array
+    from ..files import Snapshot
+    from .view import Options
+
 # Colour and dash of a face by its type; rigid regions have the colour of their type too.
-STYLES = {"outflow": ("#9a9a9a", (0, (1, 2))), "symmetry": ("#0072b2", (0, (6, 2, 1, 2))),
+STYLES: dict[str, tuple[str, Any]] = {"outflow": ("#9a9a9a", (0, (1, 2))), "symmetry": ("#0072b2", (0, (6, 2, 1, 2))),
           "slip": ("#111111", "-"), "stick": ("#8c510a", "-"), "friction": ("#b3311b", "-"),
           "periodic": ("#009e73", (0, (5, 2))), "velocity": ("#cc79a7", "-"),
           "absorbing": ("#e69f00", (0, (4, 2)))}
@@ -28,34 +39,35 @@ class Wall:
     face: int                                            # 1 to 6, 0 = rigid region
     begin: float                                         # it is there from then on [s]
     end: float                                           # and gone from then on [s]
-    cells: list = field(default_factory=list)            # corners (n, 3) of each piece [m]
-    times: object = None                                 # of the shifts [s]
-    shifts: object = None                                # (time, 3) [m]
+    cells: list[Array] = field(default_factory=list)            # corners (n, 3) of each piece [m]
+    times: Array | None = None                                 # of the shifts [s]
+    shifts: Array | None = None                                # (time, 3) [m]
 
-    def acts(self, time):
+    def acts(self, time: float) -> bool:
         """Whether it is there."""
         return self.begin <= time < self.end
 
-    def shift(self, time):
+    def shift(self, time: float) -> Array:
         """Way since the start [m]."""
-        if self.times is None:
+        if self.times is None or self.shifts is None:
             return np.zeros(3)
-        return np.array([np.interp(time, self.times, self.shifts[:, k]) for k in range(3)])
+        times, shifts = self.times, self.shifts
+        return np.array([np.interp(time, times, shifts[:, k]) for k in range(3)])
 
     @property
-    def label(self):
+    def label(self) -> str:
         """What it is, in words."""
         return f"{self.name}: {self.kind}"
 
 
-def walls_file(snap):
+def walls_file(snap: Snapshot) -> str:
     """The file of walls beside a snapshot, or an empty text."""
     case = snap.provenance.get("case", "")
     path = os.path.join(os.path.dirname(snap.file) or ".", f"{case}_walls.hdf")
     return path if case and os.path.exists(path) else ""
 
 
-def read_walls(path):
+def read_walls(path: str) -> list[Wall]:
     """All walls of a file."""
     (h5py,) = modules("h5py")
     try:
@@ -77,22 +89,20 @@ def read_walls(path):
                     if wall.face == 0:
                         wall.times, wall.shifts = times, shifts[:, number]
     except (OSError, KeyError, IndexError, ValueError) as error:
-        raise PostError(f"cannot read {path}: damaged, or no file of walls") from error
+        raise ScreeError(f"cannot read {path}: damaged, or no file of walls") from error
     return walls
 
 
-def walls_of(snap):
+def walls_of(snap: Snapshot) -> list[Wall]:
     """The walls of the run of a snapshot; none for runs that wrote no file of them."""
     path = walls_file(snap)
     return read_walls(path) if path else []
 
 
-def images(pieces, snap):
+def images(pieces: Array, snap: Snapshot) -> Array:
     """Pieces (m, n, 3) with their mirror images at the planes at which a model is completed."""
-    box = box_of(snap)
     for axis, face in mirror_faces(snap):
-        plane = box.low if face == "lo" else box.high
-        plane = 0.0 if plane is None else float(plane[axis])
+        plane = mirror_plane(snap, axis, face) or 0.0
         turned = pieces.copy()
         turned[..., axis] = 2.0 * plane - turned[..., axis]
         pieces = np.concatenate([pieces, turned])
@@ -101,7 +111,7 @@ def images(pieces, snap):
     return pieces
 
 
-def at_time(wall, snap, mirror, time):
+def at_time(wall: Wall, snap: Snapshot, mirror: bool, time: float) -> Array:
     """Pieces (m, n, 3) of a wall at a time [m]; none while it is not there."""
     if not wall.cells or not wall.acts(time):
         return np.zeros((0, 2, 3))
@@ -109,15 +119,15 @@ def at_time(wall, snap, mirror, time):
     return images(pieces, snap) if mirror else pieces
 
 
-def is_seen(wall, mirror):
+def is_seen(wall: Wall, mirror: bool) -> bool:
     """Whether a picture of a run shows a wall: open faces are none, and where the model is completed
     its planes of symmetry lie inside of it."""
     return wall.kind != "outflow" and not (mirror and wall.kind == "symmetry" and wall.face)
 
 
-def outlines(segments):
+def outlines(segments: Array) -> list[Array]:
     """Closed lines (n, 2) from segments (m, 2, 2) whose ends have the same bits."""
-    ends = {}
+    ends: dict[tuple[float, ...], list[int]] = {}
     for row, pair in enumerate(segments):
         for point in pair:
             ends.setdefault(tuple(point), []).append(row)
@@ -138,7 +148,8 @@ def outlines(segments):
     return loops
 
 
-def draw_plane(axes, walls, snap, options, metres, everything=False):
+def draw_plane(axes: Axes, walls: Sequence[Wall], snap: Snapshot, options: Options, metres: float,
+               everything: bool = False) -> list[Wall]:
     """Walls in the plane of a run: rigid regions filled, faces as lines by their type.
 
     Faces that are no obstacle are drawn with `everything` only.
@@ -150,7 +161,7 @@ def draw_plane(axes, walls, snap, options, metres, everything=False):
     for wall in walls:
         colour, dash = STYLES.get(wall.kind, STYLES["slip"])
         pieces = at_time(wall, snap, options.mirror, snap.time)[:, :, [0, 2]] * metres
-        if not len(pieces) or not everything and not is_seen(wall, options.mirror):
+        if not len(pieces) or (not everything and not is_seen(wall, options.mirror)):
             continue
         drawn.append(wall)
         if wall.face == 0:
@@ -163,6 +174,6 @@ def draw_plane(axes, walls, snap, options, metres, everything=False):
                                      edgecolor=colour, linewidth=1.2, hatch="////", zorder=0.9))
         else:
             thin = wall.kind in ("symmetry", "outflow", "periodic", "absorbing")
-            axes.add_collection(LineCollection(pieces, colors=colour, linestyles=[dash],
+            axes.add_collection(LineCollection(list(pieces), colors=colour, linestyles=[dash],
                                                linewidths=1.2 if thin else 2.4, zorder=2.5))
     return drawn

@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The look shared by all pictures: letters, colours, units that can be read, saving."""
+from __future__ import annotations
+
 import math
 import os
+from typing import TYPE_CHECKING, Any
 
-from .errors import EXIT_USAGE, PostError, modules
+from ..errors import EXIT_USAGE, ScreeError, modules
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Colours that people with any colour vision tell apart (Okabe and Ito 2008).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444")
@@ -13,7 +19,7 @@ LARGEST = 250000         # bytes of a picture that keeps all its colours
 ENDINGS = (".png", ".pdf", ".svg", ".jpg", ".tif")
 
 
-def pyplot():
+def pyplot() -> Any:
     """Matplotlib in the look shared by all pictures."""
     (plot,) = modules("matplotlib.pyplot")
     plot.rcParams.update({
@@ -26,65 +32,57 @@ def pyplot():
     return plot
 
 
-def words(name):
+def words(name: str) -> str:
     """A column or field name as a label."""
     return name.replace("_", " ")
 
 
-def check_picture(path, option="--out"):
+def check_picture(path: str, option: str = "--out") -> None:
     """Refuse a picture of an unknown kind or in no folder before any work is done."""
     if os.path.splitext(path)[1].lower() not in ENDINGS:
-        raise PostError(f"{option} {path}: write a .png, .pdf, .svg, .jpg or .tif", EXIT_USAGE)
+        raise ScreeError(f"{option} {path}: write a .png, .pdf, .svg, .jpg or .tif", EXIT_USAGE)
     folder = os.path.dirname(path) or "."
     if not os.path.isdir(folder):
-        raise PostError(f"cannot write {path}: no folder {folder}")
+        raise ScreeError(f"cannot write {path}: no folder {folder}")
 
 
-def power(size):
-    """Factor and prefix that bring an odd unit to readable numbers, such as (1e3, "10^-3 ")."""
-    exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
-    return (1.0, "") if exponent in (0, 3) else (10.0 ** -exponent, f"$10^{{{exponent}}}$ ")
-
-
-def label_unit(size, unit):
-    """Factor and unit for an axis whose largest number has this size."""
-    factor, label = scaled(size, unit)
-    if label == unit and factor == 1.0 and unit not in ("J", "m", "kg", "s", "Pa", "K", "m/s"):
-        factor, prefix = power(size)
-        label = prefix.strip() if unit == "1" else prefix + unit
-    return factor, "" if label == "1" else label
-
-
-def with_unit(label, unit):
+def with_unit(label: str, unit: str) -> str:
     """An axis label: words and unit in brackets, if there is one."""
     return f"{label} [{unit}]" if unit and unit != "1" else label
 
 
-def scaled(largest, unit):
-    """Factor and label that make numbers of this size readable, such as (1e6, "µs")."""
-    steps = {
-        "s": ((1.0, 1.0, "s"), (1.0e-3, 1.0e3, "ms"), (1.0e-6, 1.0e6, "µs"), (0.0, 1.0e9, "ns")),
-        "m": ((0.5, 1.0, "m"), (5.0e-4, 1.0e3, "mm"), (0.0, 1.0e6, "µm")),
-        "J": ((1.0e6, 1.0e-6, "MJ"), (1.0e3, 1.0e-3, "kJ"), (1.0, 1.0, "J"), (0.0, 1.0e3, "mJ")),
-        "Pa": ((1.0e9, 1.0e-9, "GPa"), (1.0e6, 1.0e-6, "MPa"), (1.0e3, 1.0e-3, "kPa"),
-               (0.0, 1.0, "Pa")),
-        "kg": ((1.0, 1.0, "kg"), (1.0e-3, 1.0e3, "g"), (0.0, 1.0e6, "mg")),
-        "m/s": ((1.0e3, 1.0e-3, "km/s"), (0.0, 1.0, "m/s")),
-    }
-    if unit == "s" and largest >= 1.0e-6:                # impacts are told in microseconds
-        return (1.0e6, "µs") if largest < 1.0e-3 else scaled_step(steps[unit], largest)
-    return scaled_step(steps.get(unit, ((0.0, 1.0, unit),)), largest)
+STEPS: dict[str, tuple[tuple[float, float, str], ...]] = {   # least size, factor, label
+    "s": ((1.0, 1.0, "s"), (1.0e-3, 1.0e3, "ms"), (1.0e-6, 1.0e6, "µs"), (0.0, 1.0e9, "ns")),
+    "m": ((0.5, 1.0, "m"), (5.0e-4, 1.0e3, "mm"), (0.0, 1.0e6, "µm")),
+    "J": ((1.0e6, 1.0e-6, "MJ"), (1.0e3, 1.0e-3, "kJ"), (1.0, 1.0, "J"), (0.0, 1.0e3, "mJ")),
+    "N": ((1.0e6, 1.0e-6, "MN"), (1.0e3, 1.0e-3, "kN"), (1.0, 1.0, "N"), (0.0, 1.0e3, "mN")),
+    "W": ((1.0e6, 1.0e-6, "MW"), (1.0e3, 1.0e-3, "kW"), (1.0, 1.0, "W"), (0.0, 1.0e3, "mW")),
+    "Pa": ((1.0e9, 1.0e-9, "GPa"), (1.0e6, 1.0e-6, "MPa"), (1.0e3, 1.0e-3, "kPa"), (0.0, 1.0, "Pa")),
+    "kg": ((1.0, 1.0, "kg"), (1.0e-3, 1.0e3, "g"), (0.0, 1.0e6, "mg")),
+    "m/s": ((1.0e3, 1.0e-3, "km/s"), (0.0, 1.0, "m/s")),
+    "K": ((0.0, 1.0, "K"),),
+}
 
 
-def scaled_step(steps, largest):
-    """First step whose lower bound the number reaches."""
-    for bound, factor, label in steps:
-        if largest >= bound:
-            return factor, label
-    return steps[-1][1:]
+def scaled(largest: float, unit: str) -> tuple[float, str]:
+    """Factor and label that make numbers of this size readable, such as (1e6, "µs"); other units stay."""
+    steps = STEPS.get(unit, ((0.0, 1.0, unit),))
+    return next(((factor, label) for bound, factor, label in steps if largest >= bound), steps[-1][1:])
 
 
-def save(figure, path, dpi):
+def readable_unit(size: float, unit: str) -> tuple[float, str]:
+    """Factor and unit for an axis whose largest number has this size: (1e-6, "MPa"), or (1e-6, "$10^{6}$ 1/s")."""
+    if not (size > 0.0 and math.isfinite(size)) or unit == "":
+        return 1.0, unit
+    if unit in STEPS:
+        return scaled(size, unit)
+    exponent = 3 * math.floor(math.log10(size) / 3.0 + 1.0e-9)
+    if exponent in (0, 3):
+        return 1.0, unit
+    return 10.0 ** -exponent, f"$10^{{{exponent}}}$" + ("" if unit == "1" else f" {unit}")
+
+
+def save(figure: Figure, path: str, dpi: float) -> None:
     """Write a picture under a temporary name, then rename it, so that no half picture is left."""
     stem, ending = os.path.splitext(path)
     check_picture(path)
@@ -95,12 +93,12 @@ def save(figure, path, dpi):
     except OSError as error:
         if os.path.exists(part):
             os.remove(part)
-        raise PostError(f"cannot write {path}: {error.strerror or error}") from error
+        raise ScreeError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         pyplot().close(figure)
 
 
-def make_small(path, largest=LARGEST, dither=False):
+def make_small(path: str | os.PathLike[str], largest: int = LARGEST, dither: bool = False) -> None:
     """Leave 256 colours to a picture in a file of more bytes than that; dots of several colours stand for others."""
     (image,) = modules("PIL.Image")
     if os.path.getsize(path) > largest:

@@ -4,7 +4,11 @@
 The projection is parallel, so that the scale bar is right everywhere and a particle has the size on
 the page that it has in the run.
 """
+from __future__ import annotations
+
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +17,14 @@ from . import look, render
 from .radiograph_page import scale_bar
 from .view import matter
 from .walls import STYLES, at_time, is_seen, walls_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..arrays import Array
+    from ..files import Snapshot
+    from .view import Matter, Options, Window
 
 ABOVE, BELOW = 0.65, 0.65                                # room above and below the picture [inch]
 SHARP = 2                # pixels of the image a pixel of the page, along each side
@@ -23,20 +35,20 @@ WALL = 0.25              # opacity of rigid regions
 LINE = 0.012             # width of edges [inch]
 
 
-def basis(azimuth, elevation, up=2):
+def basis(azimuth: float, elevation: float, up: int = 2) -> tuple[Array, Array, Array]:
     """Unit vectors to the right, up and towards the camera; `up` is the axis that points up at elevation 0."""
     turn, lift = math.radians(azimuth), math.radians(elevation)
     towards = np.array([math.cos(lift) * math.cos(turn), math.cos(lift) * math.sin(turn),
                         math.sin(lift)])
     right = np.array([-math.sin(turn), math.cos(turn), 0.0])
     place = [(axis - up + 2) % 3 for axis in range(3)]    # with x up: x, y, z are the third, first and second
-    return tuple(way[place] for way in (right, np.cross(towards, right), towards))
+    return right[place], np.cross(towards, right)[place], towards[place]
 
 
 class SpacePage:
     """Pages of a run in three dimensions, all with the same window and colours."""
 
-    def __init__(self, snaps, options):
+    def __init__(self, snaps: Sequence[Snapshot], options: Options) -> None:
         self.options = options
         self.plot = look.pyplot()
         self.walls = walls_of(snaps[-1]) if options.walls else []
@@ -44,12 +56,12 @@ class SpacePage:
         self.metres, self.unit = look.scaled(max(self.box[1] - self.box[0],
                                                  self.box[3] - self.box[2]), "m")
 
-    def camera(self, share):
+    def camera(self, share: float) -> tuple[Array, Array, Array]:
         """Directions of the camera after this share of a film."""
         azimuth, elevation = self.options.camera
         return basis(azimuth + share * self.options.turn, elevation, self.options.up)
 
-    def window(self, parts):
+    def window(self, parts: Sequence[Matter]) -> Window:
         """Left, right, bottom, top that hold all particles of these times at any turn [m]."""
         if self.options.view:
             return self.options.view
@@ -64,21 +76,19 @@ class SpacePage:
                     pair[1] = max(pair[1], float((along + half).max()))
         if ends[0][0] > ends[0][1]:
             return -1.0, 1.0, -1.0, 1.0
-        sides = []
         pad = 0.03 * max(high - low for low, high in ends)
-        for low, high in ends:
-            middle, half = 0.5 * (low + high), (0.5 * (high - low) + pad) / self.options.zoom
-            sides += [middle - half, middle + half]
-        return tuple(sides)
+        (left, right), (bottom, top) = [(0.5 * (low + high) - reach, 0.5 * (low + high) + reach) for low, high in ends
+                                        for reach in [(0.5 * (high - low) + pad) / self.options.zoom]]
+        return left, right, bottom, top
 
-    def shape(self):
+    def shape(self) -> tuple[float, float]:
         """Width and height of the picture inside the page [inch]."""
         across, tall = self.box[1] - self.box[0], self.box[3] - self.box[2]
         room = self.options.wide - 1.9
         scale = min(room / across, 7.5 / tall)
         return max(scale * across, 1.0), max(scale * tall, 1.0)
 
-    def add_walls(self, image, snap, axes):
+    def add_walls(self, image: render.Image, snap: Snapshot, axes: Array) -> None:
         """Rigid regions as surfaces that are seen through, closed faces as their edges."""
         rgb = self.plot.matplotlib.colors.to_rgb
         for wall in self.walls:
@@ -94,27 +104,28 @@ class SpacePage:
                 for start, end in outer_edges(turned):
                     image.line(start, end, tint, SHARP * LINE * self.options.dpi)
 
-    def balls(self, part, share, snap):
+    def balls(self, part: Matter, share: float, snap: Snapshot) -> Array:
         """The picture of the balls as bytes (height, width, 3)."""
         wide, high = (int(SHARP * self.options.dpi * side) for side in self.shape())
         axes = np.stack(self.camera(share))
         seen = part.points @ axes.T
         tints = colours.paint(self.options.colour, part.values)[:, :3]
         image = render.Image(wide, high, self.box,
-                             render.Balls(*seen.T, 0.5 * SPREAD * part.size, tints))
+                             render.Balls(seen[:, 0], seen[:, 1], seen[:, 2], 0.5 * SPREAD * part.size, tints))
         self.add_walls(image, snap, axes)
         return image.halved(SHARP)
 
-    def draw(self, snap, share=0.0):
+    def draw(self, snap: Snapshot, share: float = 0.0) -> Figure:
         """The figure of one time."""
         part = matter(snap, self.options)
         image = self.balls(part, share, snap)
         wide, high = self.shape()
         page = (wide + 1.9, high + ABOVE + BELOW)
-        figure = self.plot.figure(figsize=page)
+        figure: Figure = self.plot.figure(figsize=page)
         axes = figure.add_axes((0.15 / page[0], BELOW / page[1], wide / page[0], high / page[1]))
         k, box = self.metres, self.box
-        axes.imshow(image, extent=[k * edge for edge in box], interpolation="antialiased",
+        left, right, bottom, top = (k * edge for edge in box)
+        axes.imshow(image, extent=(left, right, bottom, top), interpolation="antialiased",
                     aspect="equal")
         axes.set_axis_off()
         self.scale(axes, high)
@@ -127,24 +138,26 @@ class SpacePage:
                     ha="left", fontsize=11, linespacing=1.4)
         return figure
 
-    def heading(self, time):
+    def heading(self, time: float) -> str:
         """Title and time."""
         factor, unit = self.options.clock
         head = f"{self.options.title}\n" if self.options.title else ""
         return f"{head}t = {factor * time:.4g} {unit}"
 
-    def colour_bar(self, figure, slot, page, wide, high):
+    def colour_bar(self, figure: Figure, slot: Axes, page: tuple[float, float], wide: float, high: float) -> None:
         """Colour bar, or the names of bodies."""
         if self.options.colour.names:
             colours.legend(figure, slot, self.options.colour)
-            slot.get_legend().set_bbox_to_anchor((0.0, 1.0))
+            named = slot.get_legend()
+            if named is not None:
+                named.set_bbox_to_anchor((0.0, 1.0))
             return
         tall = min(high, 4.0)
         bar = figure.add_axes(((wide + 0.3) / page[0], (BELOW + 0.5 * (high - tall)) / page[1],
                                0.16 / page[0], tall / page[1]))
         colours.legend(figure, None, self.options.colour, bar)
 
-    def scale(self, axes, high):
+    def scale(self, axes: Axes, high: float) -> None:
         """Scale bar below the picture."""
         k, box = self.metres, self.box
         length = scale_bar(0.25 * k * (box[1] - box[0]))
@@ -156,7 +169,7 @@ class SpacePage:
         axes.set_xlim(k * box[0], k * box[1])
         axes.set_ylim(k * box[2], k * box[3])
 
-    def triad(self, figure, page, share):
+    def triad(self, figure: Figure, page: tuple[float, float], share: float) -> None:
         """The directions x, y, z, below to the right."""
         side = 0.9
         axes = figure.add_axes((1.0 - side / page[0], 0.05 / page[1], side / page[0],
@@ -174,7 +187,7 @@ class SpacePage:
         axes.set_axis_off()
 
 
-def framed(parts):
+def framed(parts: Sequence[Matter]) -> Sequence[Matter]:
     """Particles that set the window: those that move, where all others reach much farther than they do."""
     moving = [part.rows(part.speed > MOVING * part.speed.max()) if len(part.size) and part.speed is not None
               and part.speed.max() > 0.0 else part for part in parts]
@@ -183,9 +196,9 @@ def framed(parts):
     return moving if spans[1].max() > FARTHER * spans[0].max() > 0.0 else parts
 
 
-def outer_edges(pieces):
+def outer_edges(pieces: Array) -> list[tuple[Array, Array]]:
     """Edges of plane pieces (m, n, 3) that belong to one piece only."""
-    found = {}
+    found: dict[Any, list[tuple[Array, Array]]] = {}
     for piece in pieces:
         for start, end in zip(piece, np.roll(piece, -1, axis=0)):
             key = tuple(sorted((tuple(np.round(start, 9)), tuple(np.round(end, 9)))))

@@ -7,7 +7,14 @@ cells that hold some, tell in which directions they are spaced and how far. A pa
 keeps its width; any other is spread over a third of the block, along a row of particles in the direction of the row
 only.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from ..arrays import Array
 
 ENOUGH = {2: 80, 3: 40}  # particles in a block that tell the spacing
 LEVELS = 10              # sizes of blocks, each twice the one before
@@ -17,7 +24,7 @@ SHARE = 1.0 / 3.0        # of the extent of a block over which a particle is spr
 MOST_PARTS = 16          # of a particle along a row, or over a sheet
 
 
-def block_moments(places, width):
+def block_moments(places: Array, width: float) -> tuple[Array, Array]:
     """Count, mean and covariance of the particles in the block of 3 cells a side around the cell of each particle."""
     axes = places.shape[1]
     cell = np.floor(places / width).astype(np.int64)
@@ -43,7 +50,7 @@ def block_moments(places, width):
     return count[own.ravel()], width ** 2 * spread[own.ravel()]
 
 
-def spacing(places, size):
+def spacing(places: Array, size: Array) -> tuple[Array, Array]:
     """Lengths (n, d) to spread each particle over, the largest first, and their directions (n, d, d) in columns.
 
     places  positions (n, d) with d = 2 or 3 [m]
@@ -68,7 +75,7 @@ def spacing(places, size):
     return found, ways
 
 
-def shares(extent, number, size):
+def shares(extent: Array, number: Array, size: Array) -> Array:
     """Lengths (n, d) to spread particles over, of which a number fill a box of these extents (n, d), the largest first
     [m]."""
     found = np.empty_like(extent)
@@ -85,7 +92,7 @@ def shares(extent, number, size):
     return np.clip(found, size[:, None], FARTHEST * size[:, None])
 
 
-def smeared(places, size, loose=True):
+def smeared(places: Array, size: Array, loose: Array | bool = True) -> tuple[Array, Array, Array, Array]:
     """Rows, offsets (m, d) [m], shares of mass and half widths [m] of the parts that particles are spread over.
 
     `loose` says which particles (n) may be spread. The shares of a particle add up to 1 and its parts lie evenly about
@@ -99,7 +106,9 @@ def smeared(places, size, loose=True):
         least = np.maximum(least, np.sqrt(found[:, 0] * found[:, 1] / MOST_PARTS))
     half = np.where(apart, least, size)
     parts = np.where(apart[:, None], np.clip(np.ceil(found / half[:, None] - 1.0e-9), 1, MOST_PARTS), 1).astype(int)
-    rows, offsets, share = [], [], []
+    listed: list[Array] = []
+    offsets: list[Array] = []
+    share: list[Array] = []
     for kind in np.unique(parts, axis=0):
         chosen = np.flatnonzero((parts == kind).all(axis=1))
         steps = [(np.arange(n) + 0.5) / n - 0.5 for n in kind]
@@ -107,8 +116,8 @@ def smeared(places, size, loose=True):
         # tents overlap, so parts lie over twice the spacing less the width of a part
         reach = 2.0 * np.maximum(found[chosen] - half[chosen, None], 0.0) * (kind / np.maximum(kind - 1, 1))
         local = grid[None] * reach[:, None, :]
-        rows.append(np.repeat(chosen, len(grid)))
+        listed.append(np.repeat(chosen, len(grid)))
         offsets.append(np.einsum("nij,nmj->nmi", ways[chosen], local).reshape(-1, axes))
         share.append(np.full(len(chosen) * len(grid), 1.0 / len(grid)))
-    rows = np.concatenate(rows)
+    rows = np.concatenate(listed)
     return rows, np.concatenate(offsets), np.concatenate(share), half[rows]

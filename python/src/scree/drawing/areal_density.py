@@ -7,16 +7,24 @@ round-off. In axisymmetry the mass is first spread in (r, z) and every thin annu
 transform of a uniform annulus, integrated over the pixels), so no caustic noise appears. 3-D models are mirrored at
 their planes of symmetry.
 """
+from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .errors import EXIT_USAGE, PostError, unknown
+from ..errors import EXIT_USAGE, ScreeError, unknown
 from .shape import images, particle_size, slice_depth
 from .smear import smeared
+
+if TYPE_CHECKING:
+    from ..arrays import Array
+    from ..files import Snapshot
+    from .view import Window
 
 MOVING = 0.05            # matter faster than this share of the top speed is flying
 LEADING = 1.0e-3         # the leading edge is this share of the flying mass
@@ -29,24 +37,24 @@ class Frame:
     """The radiograph of one snapshot and what is drawn beside it."""
 
     time: float            # [s]
-    sigma: object          # areal density (vertical, horizontal) [kg/m2]
-    box: tuple             # left, right, bottom, top of the image [m]
+    sigma: Array         # areal density (vertical, horizontal) [kg/m2]
+    box: Window            # left, right, bottom, top of the image [m]
     pixel: float           # [m]
     mass: float            # of the particles and their mirror images [kg]
     front: float           # position of the leading edge [m]
     speed: float           # of the leading edge [m/s]
-    dots: dict             # particles of the lowest row
-    names: list            # of the bodies
+    dots: dict[str, Array]            # particles of the lowest row
+    names: list[str]           # of the bodies
     vertical: str          # name of the vertical axis
 
     @property
-    def mass_error(self):
+    def mass_error(self) -> float:
         """Relative difference of the mass in the image and in the particles."""
         image = float(self.sigma.sum()) * self.pixel ** 2
         return abs(image - self.mass) / self.mass if self.mass > 0.0 else 0.0
 
 
-def tent_moments(u):
+def tent_moments(u: Array) -> tuple[Array, Array]:
     """Integrals from -1 to u of the tent K(t) = 1 - |t| and of t K(t)."""
     u = np.clip(u, -1.0, 1.0)
     total = np.where(u < 0.0, 0.5 * (1.0 + u) ** 2, 1.0 - 0.5 * (1.0 - u) ** 2)
@@ -54,7 +62,8 @@ def tent_moments(u):
     return total, first
 
 
-def tent_weights(position, half, low, pixel, count, radial):
+def tent_weights(position: Array, half: Array, low: float, pixel: float, count: int, radial: bool) -> tuple[Array,
+                 Array]:
     """First pixel and shares of the pixels under each tent; `radial` weights the tent by radius."""
     first = np.floor((position - half - low) / pixel).astype(np.int64)
     index = first[:, None] + np.arange(count + 1)
@@ -69,7 +78,8 @@ def tent_weights(position, half, low, pixel, count, radial):
     return index, weight
 
 
-def deposit(points, mass, half, low, pixel, shape, radial=False):
+def deposit(points: Sequence[Array], mass: Array, half: Array, low: Sequence[float], pixel: Sequence[float],
+            shape: tuple[int, int], radial: bool = False) -> Array:
     """Spread particles over an image: mass in every pixel of an array of this shape [kg].
 
     points  (horizontal, vertical) positions; with `radial` the vertical one is the radius
@@ -98,7 +108,7 @@ def deposit(points, mass, half, low, pixel, shape, radial=False):
     return image.reshape(shape)
 
 
-def annulus_projection(radius_edges, edges):
+def annulus_projection(radius_edges: Array, edges: Array) -> Array:
     """Share of the mass of each uniform annulus that projects onto each pixel (annulus, pixel).
 
     Integral of the Abel transform of a ring, m / (pi sqrt(r2 - x2)), over annulus and pixel: a disc
@@ -111,19 +121,19 @@ def annulus_projection(radius_edges, edges):
     return np.diff(ring, axis=1)
 
 
-def checked(snap):
+def checked(snap: Snapshot) -> tuple[Array, Array]:
     """Mass and velocity of a snapshot that can be drawn."""
     if snap.dimension == "1d":
-        raise PostError(
+        raise ScreeError(
             f"{snap.file}: a one-dimensional run has no radiograph", EXIT_USAGE
         )
     snap.need("mass", "volume", "velocity")
     if not (np.isfinite(snap.fields["mass"]).all() and np.isfinite(snap.points).all()):
-        raise PostError(f"{snap.file}: mass or position is not a number in some particles")
+        raise ScreeError(f"{snap.file}: mass or position is not a number in some particles")
     return snap.fields["mass"].astype("f8"), snap.fields["velocity"].astype("f8")
 
 
-def leading_edge(position, mass, speed, towards):
+def leading_edge(position: Array, mass: Array, speed: Array, towards: float) -> tuple[float, float]:
     """Position and mean speed of the foremost flying matter along the direction of flight."""
     if len(mass) == 0 or mass.sum() <= 0.0:
         return math.nan, math.nan
@@ -140,7 +150,7 @@ def leading_edge(position, mass, speed, towards):
 SMEARS = ("spacing", "volume")
 
 
-def parts_of(snap, positions, size, smear):
+def parts_of(snap: Snapshot, positions: Array, size: Array, smear: str) -> tuple[Array, Array, Array, Array]:
     """Rows, positions, shares of mass and half widths of what is drawn, see `smear`."""
     rows = np.arange(len(size))
     if smear == "volume" or len(size) == 0:
@@ -156,7 +166,7 @@ def parts_of(snap, positions, size, smear):
     return rows, moved, share, half
 
 
-def radiograph(snap, pixel, sight="y", towards=1.0, smear="spacing"):
+def radiograph(snap: Snapshot, pixel: float, sight: str = "y", towards: float = 1.0, smear: str = "spacing") -> Frame:
     """The radiograph of a snapshot, line of sight along x or y, z to the right.
 
     With `smear` "volume" every particle is as wide as its volume; with "spacing" particles that moved apart are spread
@@ -167,11 +177,11 @@ def radiograph(snap, pixel, sight="y", towards=1.0, smear="spacing"):
     mass, velocity = checked(snap)
     round_model = snap.dimension == "axisymmetric"
     if snap.dimension == "plane_strain" and sight == "x":
-        raise PostError("plane strain is seen along y only: --axis y", EXIT_USAGE)
+        raise ScreeError("plane strain is seen along y only: --axis y", EXIT_USAGE)
     side = 1 if sight == "x" and not round_model else 0
-    size = particle_size(snap, snap.points[:, 0])
+    size = particle_size(snap)
     if round_model and (snap.points[:, 0] < 0.0).any():
-        raise PostError(f"{snap.file}: axisymmetric particles at a negative radius")
+        raise ScreeError(f"{snap.file}: axisymmetric particles at a negative radius")
     part, places, share, half = parts_of(snap, snap.points, size, smear)
     positions, rows, _ = images(snap)
     drawn, whose, _ = images(dataclasses.replace(snap, points=places))
@@ -189,7 +199,7 @@ def radiograph(snap, pixel, sight="y", towards=1.0, smear="spacing"):
         low = -high
     shape = (high - low, right - left)
     if shape[0] * shape[1] > LARGEST_IMAGE:
-        raise PostError(f"--pixel {pixel * 1.0e3:g}: {shape[1]} x {shape[0]} pixels are too many",
+        raise ScreeError(f"--pixel {pixel * 1.0e3:g}: {shape[1]} x {shape[0]} pixels are too many",
                         EXIT_USAGE)
     if round_model:
         rings = deposit((along, across), spread, half, (left * pixel, 0.0), (pixel, 0.5 * pixel),
@@ -218,14 +228,14 @@ def radiograph(snap, pixel, sight="y", towards=1.0, smear="spacing"):
     )
 
 
-def grid_range(lows, highs, pixel):
+def grid_range(lows: Array, highs: Array, pixel: float) -> tuple[int, int]:
     """First and last pixel edge, counted from 0, around all tents."""
     if len(lows) == 0:
         return 0, 1
-    return int(math.floor(lows.min() / pixel)) - 1, int(math.ceil(highs.max() / pixel)) + 1
+    return math.floor(lows.min() / pixel) - 1, math.ceil(highs.max() / pixel) + 1
 
 
-def dots(snap, positions, size, rows, side):
+def dots(snap: Snapshot, positions: Array, size: Array, rows: Array, side: int) -> dict[str, Array]:
     """Particles of the lowest row: those of a meridional slice, mirrored in r where it is round."""
     across, along = positions[:, side], positions[:, 2]
     if snap.dimension == "3d" and len(size):

@@ -5,16 +5,26 @@ All maps can be read with any colour vision: viridis for sizes, coolwarm for num
 and the colours of Okabe and Ito for bodies and other whole numbers. Fragments have these from the
 heaviest on, small ones pale tints that repeat, what belongs to none grey.
 """
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import EXIT_USAGE, ScreeError, unknown
+from ..snapshot import COMPONENTS
 from . import look
-from .errors import EXIT_USAGE, PostError, unknown
 from .shape import particle_size
 
-COMPONENTS = {3: ("x", "y", "z"), 6: ("xx", "yy", "zz", "xy", "yz", "xz"),
-              9: ("xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", "zz")}
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..arrays import Array
+    from ..files import Snapshot
+
 WHOLE = ("body", "material", "failed", "fragment")
 FAILED = ("intact", "failed")
 NO_FRAGMENT = "#c8c8c8"                                  # dust and what does not count
@@ -22,6 +32,9 @@ NAMED = 6                                                # fragments with a colo
 FEW = 2                                                  # fragments that are worth telling apart by default
 PALE = 0.55                                              # share of white in the tints of the others
 MAPS = ("viridis", "cividis", "inferno", "magma", "plasma", "coolwarm", "PuOr", "gray")
+
+
+Tint = Any                # a colour that matplotlib knows
 
 
 @dataclass
@@ -35,19 +48,19 @@ class Colour:
     low: float = 0.0                                     # in the unit of the label
     high: float = 1.0
     map: str = "viridis"
-    names: tuple = ()                                    # of whole numbers, such as bodies
-    tints: tuple = ()                                    # of fragments, see fragment_tints
-    beyond: tuple = (False, False)                       # whether numbers lie below, above
+    names: tuple[str, ...] = ()                                    # of whole numbers, such as bodies
+    tints: tuple[Tint, ...] = ()                                    # of fragments, see fragment_tints
+    beyond: tuple[bool, bool] = (False, False)                       # whether numbers lie below, above
     log: bool = False                                    # logarithmic scale
 
 
-def field_of(name):
+def field_of(name: str) -> tuple[str, str]:
     """Field and component of a name such as stress.xx."""
     field, _, part = name.partition(".")
     return field, part
 
 
-def choices(snap):
+def choices(snap: Snapshot) -> list[str]:
     """All names that particles of a snapshot can be coloured by."""
     found = []
     for name, values in sorted(snap.fields.items()):
@@ -57,10 +70,10 @@ def choices(snap):
     return found + ["x", "y", "z"] + ["fragment_size"] * ("fragment" in snap.fields)
 
 
-def values_of(snap, name):
+def values_of(snap: Snapshot, name: str) -> Array:
     """One number a particle [SI]: a field, a component, the length of a vector, a position."""
     if name in ("x", "y", "z"):
-        return snap.points[:, "xyz".index(name)]
+        return np.asarray(snap.points[:, "xyz".index(name)])
     if name == "fragment_size":
         return fragment_size(snap)
     field, part = field_of(name)
@@ -73,7 +86,7 @@ def values_of(snap, name):
         return values.astype(int) - 1
     if values.ndim == 1:
         if part:
-            raise PostError(f"{field} has no components; write {field}", EXIT_USAGE)
+            raise ScreeError(f"{field} has no components; write {field}", EXIT_USAGE)
         return values.astype("f8")
     parts = COMPONENTS.get(values.shape[1], ())
     if part:
@@ -81,17 +94,17 @@ def values_of(snap, name):
             raise unknown("component", part, parts, field)
         return values[:, parts.index(part)].astype("f8")
     if values.shape[1] != 3:
-        raise PostError(f"{field} has components: write one of "
+        raise ScreeError(f"{field} has components: write one of "
                         + ", ".join(f"{field}.{part}" for part in parts), EXIT_USAGE)
-    return np.sqrt((values.astype("f8") ** 2).sum(axis=1))
+    return np.asarray(np.linalg.norm(values.astype("f8"), axis=1))
 
 
-def fragment_size(snap):
+def fragment_size(snap: Snapshot) -> Array:
     """Diameter [m] of the sphere with the volume of the fragment of each particle, in a plane of the circle with its
     area; not a number where a particle belongs to none."""
     number, _ = snap.need("fragment", "volume")
     number = number.astype(int)
-    size = particle_size(snap, snap.points[:, 0])
+    size = particle_size(snap)
     if snap.dimension == "3d":
         width = np.cbrt(np.bincount(number, size ** 3) * 6.0 / np.pi)
     else:
@@ -99,14 +112,14 @@ def fragment_size(snap):
     return np.where(number > 0, width[number], np.nan)
 
 
-def default_name(snap):
+def default_name(snap: Snapshot) -> str:
     """What particles are coloured by unless the user says: size where there are fragments, else speed."""
     number = snap.fields.get("fragment")
     several = number is not None and len(np.unique(number[number > 0])) >= FEW
     return "fragment_size" if several else "velocity"
 
 
-def label_of(snap, name):
+def label_of(snap: Snapshot, name: str) -> str:
     """Words for a name, such as 'speed' or 'stress xx'."""
     field, part = field_of(name)
     if field == "velocity" and not part:
@@ -114,7 +127,8 @@ def label_of(snap, name):
     return f"{look.words(field)} {part}".strip()
 
 
-def colour_for(name, snaps, wanted=None, chosen_map=None):
+def colour_for(name: str, snaps: Sequence[Snapshot], wanted: Sequence[float] | None = None,
+               chosen_map: str | None = None) -> Colour:
     """The colour of a film: ranges over the given snapshots, or those asked for [SI]."""
     snap = next((one for one in snaps if len(one.points)), snaps[0])
     field, _ = field_of(name)
@@ -145,14 +159,14 @@ def colour_for(name, snaps, wanted=None, chosen_map=None):
             high = max(-low, high)
             low = -high
     signed = low < 0.0 < high and abs(low + high) < 1.0e-9 * high
-    factor, unit = look.label_unit(max(abs(low), abs(high)), unit)
+    factor, unit = look.readable_unit(max(abs(low), abs(high)), unit)
     slack = 1.0e-6 * (high - low)
     beyond = (bool((found < low - slack).any()), bool((found > high + slack).any()))
     return Colour(name, label_of(snap, name), unit, factor, factor * low, factor * high,
                   chosen_map or (look.SIGNED if signed else look.SEQUENTIAL), beyond=beyond, log=log)
 
 
-def fragment_tints():
+def fragment_tints() -> tuple[Tint, ...]:
     """Colours of fragments: none, the heaviest ones, and those that all others share in turn."""
     rgb = look.pyplot().matplotlib.colors.to_rgb
     full = [rgb(tint) for tint in look.COLOURS[:NAMED]]
@@ -160,7 +174,7 @@ def fragment_tints():
     return (rgb(NO_FRAGMENT), *full, *pale)
 
 
-def fragment_names(numbers):
+def fragment_names(numbers: Array) -> tuple[str, ...]:
     """Lines of a legend for these numbers of fragments: the heaviest, all others in one line, none."""
     most = int(max(numbers, default=0))
     names = [str(number) for number in range(1, min(most, NAMED) + 1)]
@@ -169,7 +183,7 @@ def fragment_names(numbers):
     return tuple(names) + ("others",) * (most > NAMED) + ("none",) * (0 in numbers)
 
 
-def fragment_patches(colour):
+def fragment_patches(colour: Colour) -> list[Any]:
     """A coloured patch for each line of the legend of fragments, several for the others."""
     from matplotlib.patches import Patch
     patch = [Patch(color=tint) for tint in colour.tints]
@@ -177,7 +191,7 @@ def fragment_patches(colour):
             else patch[row + 1] for row, name in enumerate(colour.names)]
 
 
-def sensible(values):
+def sensible(values: Array) -> tuple[float, float]:
     """A range that a few stray particles do not stretch."""
     if len(values) == 0:
         return 0.0, 1.0
@@ -193,35 +207,35 @@ def sensible(values):
     return low, high
 
 
-def paint(colour, values):
+def paint(colour: Colour, values: Array) -> Array:
     """Colours (n, 4) of numbers [SI]; not-a-number is grey."""
     plot = look.pyplot()
     if colour.tints:
         tints = np.array([plot.matplotlib.colors.to_rgba(tint) for tint in colour.tints])
         number = values.astype(int)
-        return tints[np.where(number > NAMED, NAMED + 1 + (number - 1) % NAMED, number)]
+        return np.asarray(tints[np.where(number > NAMED, NAMED + 1 + (number - 1) % NAMED, number)])
     if colour.names:
         tints = np.array([plot.matplotlib.colors.to_rgba(tint) for tint in tints_of(colour)])
-        return tints[np.clip(values.astype(int), 0, len(colour.names) - 1) % len(tints)]
+        return np.asarray(tints[np.clip(values.astype(int), 0, len(colour.names) - 1) % len(tints)])
     values, low, high = colour.factor * values, colour.low, colour.high
     if colour.log:
         with np.errstate(divide="ignore", invalid="ignore"):
             values, low, high = np.log(values), np.log(low), np.log(high)
     share = (values - low) / (high - low)
-    rgba = plot.get_cmap(colour.map)(np.clip(np.nan_to_num(share), 0.0, 1.0))
+    rgba: Array = plot.get_cmap(colour.map)(np.clip(np.nan_to_num(share), 0.0, 1.0))
     rgba[~np.isfinite(values)] = (0.6, 0.6, 0.6, 1.0)
     return rgba
 
 
-def tints_of(colour):
+def tints_of(colour: Colour) -> tuple[str, ...]:
     """Colours of whole numbers."""
     return ("#0072b2", "#e69f00") if colour.names == FAILED else look.COLOURS
 
 
-def legend(figure, axes, colour, slot=None):
+def legend(figure: Figure, axes: Axes | None, colour: Colour, slot: Axes | None = None) -> None:
     """Colour bar (into the axes `slot`), or names with their colours, right of the axes."""
     plot = look.pyplot()
-    if colour.names:
+    if colour.names and axes is not None:
         from matplotlib.legend_handler import HandlerTuple
         from matplotlib.patches import Patch
         patches = fragment_patches(colour) if colour.tints else [

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The groups of the deck as used, which every file of a run carries in SI."""
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from .errors import FileProblem
+
+
+@functools.lru_cache(maxsize=8)
+def _read(echo: str) -> Any:
+    import f90nml
+    try:
+        return f90nml.reads(echo)
+    except (ValueError, StopIteration, AssertionError) as error:
+        raise FileProblem(f"the deck that a file carries cannot be read: {error}") from error
+
+
+def groups(echo: str, name: str) -> list[dict[str, Any]]:
+    """The keys of all groups of a name."""
+    found = _read(echo).get(name, [])
+    return [dict(group) for group in (found if isinstance(found, list) else [found])]
