@@ -15,6 +15,7 @@ import dataclasses
 import numpy as np
 
 import case
+import measured
 
 FOLDER = case.ROOT / "input" / "taylor_copper"
 MILLIMETRE = 1.0e-3
@@ -61,6 +62,7 @@ def measure(bar, first, last):
             "waist": 2.0 * waist, "shape": shape}
 
 
+@measured.recorded
 def strike(options, name, bar, spacing=None, words="", method="ddmp", settings=(), timeout=250):
     """Run a deck with cells of another size [mm] and other words of &method; sizes, strain and books."""
     deck = (FOLDER / bar.deck).read_text(encoding="utf-8")

@@ -22,6 +22,7 @@ than that tenth, or nothing crosses.
 import numpy as np
 
 import bodies
+import measured
 import tier
 
 NOISY = ("gimp", "quadratic")
@@ -33,8 +34,7 @@ OTHERS = {"mpm": ("mpm", ""), "gimp": ("mpm", "basis='gimp'"), "quadratic": ("mp
 def fall(options, name, *words, cells=40):
     """One column, shown."""
     result = bodies.column(options, name, *words, cells=cells)
-    print(f"         {name}: " + ", ".join(f"{key} {result[key]:.2e}" for key in
-                                           ("displacement", "stress", "velocity", "crossed")), flush=True)
+    measured.show(name, {key: result[key] for key in ("displacement", "stress", "velocity", "crossed")})
     return result
 
 

@@ -33,6 +33,7 @@ import math
 
 import case
 import manufactured
+import measured
 
 STIFF = 0.7 / (1.3 * 0.4)              # modulus of a pressure wave over that of Young, nu = 0.3
 
@@ -100,10 +101,7 @@ def follow(options, name, dimension, deck, end, cells, **words):
                                 ("energy", "momentum", "angular_momentum")])
         result["start"] = history["displacement_error"][0]
         result["snapshot"] = run.snapshots()[-1][1]
-        print(f"{name:<16} {number:4d} {run.summary['steps']:5d} "
-              f"{result['displacement'][-1]:11.4e} {result['velocity'][-1]:11.4e} "
-              f"{result['stress'][-1]:11.4e} " +
-              " ".join(f"{error:9.1e}" for error in result["books"][-1]), flush=True)
+        measured.show(f"{name} {number}", {key: result[key][-1] for key in ("displacement", "velocity", "stress")})
     return result
 
 

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import bodies
+import measured
 
 
 @pytest.mark.parametrize("ppc", [2, 3])
@@ -30,8 +31,9 @@ def test_spin(options, sheet, ppc):
 def test_two_discs(options, sheet):
     for name, limit, words in (("64 cells", 0.005, {"spacing": 0.00625}),
                                ("3 x 3 particles", 0.01, {"spacing": 0.0125, "ppc": 3}),
+                               ("4 x 4 particles", 0.01, {"spacing": 0.0125, "ppc": 4}),
                                ("short steps", 0.01, {"spacing": 0.0125, "cfl": 0.1})):
-        result = bodies.two_discs(options, "discs", **words)
+        result = bodies.two_discs(options, "discs_" + name.replace(" ", "_"), **words)
         sheet.below(f"two discs, {name}: energy", result["energy"], limit)
         sheet.below(f"two discs, {name}: greatest energy", result["greatest"], 0.01)
         sheet.below(f"two discs, {name}: momentum", result["momentum"], 1.0e-13)
@@ -42,8 +44,9 @@ def test_held_bar(options, sheet, speed):
     right = bodies.held_bar_reference(speed)["period"]
     errors = []
     for cells in (26, 52, 104):
-        result = bodies.held_bar(options, "held", cells=cells, speed=speed)
+        result = bodies.held_bar(options, f"held_{cells}_{speed}", cells=cells, speed=speed)
         errors.append(abs(result["period"] / right - 1.0))
+        measured.record(f"held_{cells}_{speed}.lag", result["period"] / right - 1.0)
         sheet.below(f"held bar, {speed} m/s, {cells} cells: energy", result["energy"], 0.01)
         sheet.below(f"held bar, {speed} m/s, {cells} cells: period", errors[-1],
                     7 / 24 * (0.5 * np.pi / cells) ** 2)
@@ -52,13 +55,13 @@ def test_held_bar(options, sheet, speed):
 
 
 def test_free_bar(options, sheet):
-    errors = [bodies.free_bar(options, "bar", spacing=spacing)["velocity"] for spacing in (1.0, 0.5, 0.25)]
+    errors = [bodies.free_bar(options, f"bar_{spacing}", spacing=spacing)["velocity"] for spacing in (1.0, 0.5, 0.25)]
     for rate in bodies.rates(errors):
         sheet.above("free bar: rate of the velocity", rate, 1.8)
 
 
 def test_column(options, sheet):
-    runs = [bodies.column(options, "column", cells=cells) for cells in (40, 80, 160)]
+    runs = [bodies.column(options, f"column_{cells}", cells=cells) for cells in (40, 80, 160)]
     for cells, result in zip((40, 80, 160), runs):
         sheet.below(f"column, {cells} cells: stress over the weight on the foot", result["stress"], 1.0 / cells)
     for rate in bodies.rates([result["stress"] for result in runs]):

@@ -25,6 +25,7 @@ import numpy as np
 import pytest
 
 import case
+import measured
 import test_piston
 import tier
 
@@ -70,8 +71,7 @@ def test_rate(options, sheet, name, solid, words):
     errors = []
     for spacing in tier.choose((0.2, 0.1, 0.05), smoke=(0.2, 0.1)):
         errors.append(strike(options, f"rate_{round(1000 * spacing)}", spacing, solid, words))
-        print(f"         {name}, cells of {spacing} mm: error of density {errors[-1][0]:.4f}, "
-              f"of single particles {errors[-1][1]:.4f}", flush=True)
+        measured.show(f"{name}, {spacing} mm", dict(zip(("cells", "particles"), errors[-1])))
     ratios = [fine[0] / coarse[0] for coarse, fine in zip(errors, errors[1:])]
     sheet.below(f"{name}: first ratio of the errors of the density", ratios[0], ORDER_HALF)
     worst = max(one / two for one, two in errors)

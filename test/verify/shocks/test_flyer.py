@@ -22,6 +22,7 @@ import numpy as np
 import pytest
 
 import case
+import measured
 
 DENSITY, SOUND, THICK = 2703.0, 6400.0, 2.0e-3     # kg/m3, m/s, m
 DECK = """
@@ -97,7 +98,7 @@ def flyer(options, cells, speed=20.0, strength=None, method="ddmp", words=""):
 
 def show(name, result, keys):
     """One line."""
-    print(f"         {name}: " + ", ".join(f"{key} {result[key]:+.4f}" for key in keys), flush=True)
+    measured.show(name, {key: result[key] for key in keys})
 
 
 def spall(options, cells, share, method="ddmp", words=""):

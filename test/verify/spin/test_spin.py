@@ -32,6 +32,7 @@ import numpy as np
 import pytest
 
 import bodies
+import measured
 import tier
 
 TARGET = 1.0e-3                        # angular momentum and energy a turn, ten cells on the radius
@@ -53,7 +54,7 @@ def turn(options, name, **words):
     """One run, shown."""
     result = bodies.spin(options, name, **words)
     figures = ("drift", "energy", "displacement", "velocity", "stress", "momentum")
-    print(f"         {name}: " + ", ".join(f"{key} {result[key]:+.2e}" for key in figures if key in result), flush=True)
+    measured.show(name, {key: result[key] for key in figures if key in result})
     return result
 
 

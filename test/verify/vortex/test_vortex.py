@@ -22,6 +22,7 @@ the case shows nothing; all errors must fall with the cells. Momentum is kept to
 # timeout: 150
 
 import case
+import measured
 
 DECK = """
 &run  dimension='plane_strain'  method='mpm' /
@@ -47,7 +48,7 @@ def error_of(options, sheet, basis, cells):
     text = DECK.format(basis=basis, spacing=1.0 / cells)
     seen = case.Case(options, f"{basis}_{cells}", text).run("-q").summary
     error = seen["exact"]["displacement_error"] / seen["exact"]["greatest_displacement"]
-    print(f"{basis:<10} {cells:4d} {seen['steps']:5d} {error:11.4e}", flush=True)
+    measured.show(f"{basis} {cells}", {"error": error, "steps": seen["steps"]})
     sheet.below(f"{basis}, {cells}: momentum", abs(seen["ledger"]["momentum_error"]), 1.0e-13)
     return error
 
