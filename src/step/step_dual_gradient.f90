@@ -236,7 +236,7 @@ contains
          if (.not. light_may_gain(simulation%space%grid, dt, nodes%motion%acceleration(:, :, &
             slot))) return
          if (nodes%motion%lean) call find_volumes(simulation, field, tile, slot)
-         call calm_light_nodes(simulation%space%grid, simulation%space%tiles%coordinate(:, tile), &
+         call limit_node_gains(simulation%space%grid, simulation%space%tiles%coordinate(:, tile), &
             nodes%dual%volume(1, :, slot), dt, nodes%motion%velocity(:, :, slot), &
             nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
       end associate
@@ -301,7 +301,7 @@ contains
    !! volumes count with the weights of cells, so they measure the small mass of a node and its
    !! cells. Gains that move a node by less than a small fraction of a cell are not changed.
    !! Equation (M.17) of doc/theory/method.md.
-   pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
+   pure subroutine limit_node_gains(grid, coordinate, volume, dt, velocity, acceleration, strain)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
@@ -322,5 +322,5 @@ contains
          share = max(volume(node)/(light*around(node)), small*grid%spacing/gain)
          if (share < 1.0_wp) strain(:, node) = velocity(:, node) + share*dt*acceleration(:, node)
       end do
-   end subroutine calm_light_nodes
+   end subroutine limit_node_gains
 end module step_dual_gradient
