@@ -16,7 +16,7 @@ module step_dual_gradient
    implicit none
    private
 
-   public :: calm_tile, apply_dual_gradient, find_volumes, node_gradient, store_gradient
+   public :: limit_tile_gains, apply_dual_gradient, find_volumes, node_gradient, store_gradient
 
    real(wp), parameter :: small = 3.0e-3_wp          !! Ignored cell fraction
 
@@ -223,7 +223,7 @@ contains
    end subroutine add_star
 
    !> Bound the gain of nodes of small mass of a tile in the velocity that strains.
-   pure subroutine calm_tile(simulation, field, tile, slot, dt)
+   pure subroutine limit_tile_gains(simulation, field, tile, slot, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
@@ -240,7 +240,7 @@ contains
             nodes%dual%volume(1, :, slot), dt, nodes%motion%velocity(:, :, slot), &
             nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
       end associate
-   end subroutine calm_tile
+   end subroutine limit_tile_gains
 
    !> Contribution of the cells of a tile to the node gradient of a velocity.
    pure subroutine store_gradient(space, scheme, field, tile, velocity, gradient)
