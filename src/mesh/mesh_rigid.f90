@@ -30,7 +30,7 @@ module mesh_rigid
    contains
       procedure :: add => rigid_add                  !! Add a region
       procedure :: advance => rigid_advance          !! Bring the regions to a time
-      procedure :: hold => rigid_hold                !! Find the nodes of a tile in them
+      procedure :: hold => rigid_find_nodes                !! Find the nodes of a tile in them
       procedure :: holds => rigid_holds              !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
       procedure :: keep => rigid_keep                !! Hold nodes that were held in the step
@@ -73,7 +73,7 @@ contains
    end subroutine rigid_advance
 
    !> Find the nodes of a tile in the regions, unless they are known and cannot have changed.
-   pure subroutine rigid_hold(self, grid, boundary, coordinate, held)
+   pure subroutine rigid_find_nodes(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
@@ -103,7 +103,7 @@ contains
       held%moves = moves
       if (allocated(held%node)) deallocate (held%node, held%wall, held%normal)
       if (meets) call find_nodes(self, grid, boundary, coordinate, held)
-   end subroutine rigid_hold
+   end subroutine rigid_find_nodes
 
    !> Nodes of a tile in the regions, and the directions out.
    pure subroutine find_nodes(self, grid, boundary, coordinate, held)
