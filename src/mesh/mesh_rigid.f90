@@ -31,7 +31,7 @@ module mesh_rigid
       procedure :: add => rigid_add                  !! Add a region
       procedure :: advance => rigid_advance          !! Bring the regions to a time
       procedure :: hold => rigid_find_nodes                !! Find the nodes of a tile in them
-      procedure :: holds => rigid_holds              !! Is a node of a tile in one of them?
+      procedure :: holds => rigid_has_nodes              !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
       procedure :: keep => rigid_keep                !! Hold nodes that were held in the step
       procedure :: rub => rigid_rub                  !! Friction of regions
@@ -180,12 +180,12 @@ contains
    end subroutine find_normal
 
    !> True if a node of the tile is inside a region.
-   pure logical function rigid_holds(self, tile) result(holds)
+   pure logical function rigid_has_nodes(self, tile) result(holds)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
 
       holds = allocated(self%held(tile)%node)
-   end function rigid_holds
+   end function rigid_has_nodes
 
    !> Set the velocity of the nodes in sticking regions, and stop motion into others. Equation (R.1)
    !! of doc/theory/rigid.md.
