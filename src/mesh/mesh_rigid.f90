@@ -33,7 +33,7 @@ module mesh_rigid
       procedure :: hold => rigid_find_nodes                !! Find the nodes of a tile in them
       procedure :: holds => rigid_has_nodes              !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
-      procedure :: keep => rigid_keep                !! Hold nodes that were held in the step
+      procedure :: keep => rigid_impose_normal                !! Hold nodes that were held in the step
       procedure :: rub => rigid_rub                  !! Friction of regions
       procedure :: take => rigid_take                !! Remove the prevented part of a change
    end type rigid_t
@@ -263,7 +263,7 @@ contains
 
    !> Set the normal velocity of nodes that regions constrained in the step to that of the region,
    !! unless the node separates.
-   pure subroutine rigid_keep(self, tile, ended, velocity)
+   pure subroutine rigid_impose_normal(self, tile, ended, velocity)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
@@ -284,7 +284,7 @@ contains
             end associate
          end do
       end associate
-   end subroutine rigid_keep
+   end subroutine rigid_impose_normal
 
    !> Remove the part of a change of velocities that regions prevent: all of it, or its component
    !! along the normal where the node does not separate.
