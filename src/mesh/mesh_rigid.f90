@@ -34,7 +34,7 @@ module mesh_rigid
       procedure :: holds => rigid_has_nodes              !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
       procedure :: keep => rigid_impose_normal                !! Hold nodes that were held in the step
-      procedure :: rub => rigid_rub                  !! Friction of regions
+      procedure :: rub => rigid_apply_friction                  !! Friction of regions
       procedure :: take => rigid_take                !! Remove the prevented part of a change
    end type rigid_t
 
@@ -219,7 +219,7 @@ contains
 
    !> Friction of regions after Coulomb, as of boundaries: see boundary_friction. The velocities are
    !! those relative to the region. Equations (R.2) and (R.3).
-   pure subroutine rigid_rub(self, tile, dt, share, free, velocity, acceleration)
+   pure subroutine rigid_apply_friction(self, tile, dt, share, free, velocity, acceleration)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), intent(in) :: dt                     !! Time step, above 0 [s]
@@ -259,7 +259,7 @@ contains
             end associate
          end do
       end associate
-   end subroutine rigid_rub
+   end subroutine rigid_apply_friction
 
    !> Set the normal velocity of nodes that regions constrained in the step to that of the region,
    !! unless the node separates.
