@@ -35,7 +35,7 @@ module mesh_rigid
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
       procedure :: keep => rigid_impose_normal                !! Hold nodes that were held in the step
       procedure :: rub => rigid_apply_friction                  !! Friction of regions
-      procedure :: take => rigid_take                !! Remove the prevented part of a change
+      procedure :: take => rigid_remove_prevented                !! Remove the prevented part of a change
    end type rigid_t
 
 contains
@@ -288,7 +288,7 @@ contains
 
    !> Remove the part of a change of velocities that regions prevent: all of it, or its component
    !! along the normal where the node does not separate.
-   pure subroutine rigid_take(self, tile, velocity, open, change)
+   pure subroutine rigid_remove_prevented(self, tile, velocity, open, change)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
@@ -315,7 +315,7 @@ contains
             end if
          end do
       end associate
-   end subroutine rigid_take
+   end subroutine rigid_remove_prevented
 
    !> Does a node not leave a region?
    pure logical function stays(wall, normal, velocity) result(held)
