@@ -9,7 +9,7 @@ module base_deck
    use base_deck_fill, only: fill_defaults, fill_groups, start_group
    use base_deck_group, only: group_t, unset_integer
    use base_deck_index, only: deck_index_t
-   use base_deck_override, only: override, removal_mark, take_apart
+   use base_deck_override, only: override, removal_mark, split_assignment
    use base_deck_preset, only: apply_presets
    use base_deck_problems, only: problems_t
    use base_deck_repeat, only: repeat_groups
@@ -125,7 +125,7 @@ contains
       end do
       do i = 1, size(overrides)
          if (overrides(i)%text == removal_mark//"units.system") name = "si"
-         call take_apart(overrides(i)%text, group, choice, key, value)
+         call split_assignment(overrides(i)%text, group, choice, key, value)
          if (group == "units" .and. key == "system") name = value
       end do
       if (scan(name//" ", "'""") == 1) name = name(2:len(name) - 1)
