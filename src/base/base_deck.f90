@@ -43,7 +43,7 @@ module base_deck
       procedure :: departs => deck_departs               !! Is a key given, and not its default?
       procedure :: named => deck_named                   !! Number of the group of a name
       !> Record an error or a warning about a group, at the line of a key if it is given.
-      generic :: complain => report_group_error, complain_of_place
+      generic :: complain => report_group_error, report_place_error
       generic :: warn => warn_of_group, warn_of_place    !! The same for a warning
       !> Replace a default that depends on other keys by the value that is used.
       generic :: set_default => set_default_numbers, set_default_number, set_default_integer, &
@@ -56,7 +56,7 @@ module base_deck
       procedure :: verdict => deck_verdict               !! An error if there were any
       procedure :: shown => deck_shown                   !! A number in the units of the deck
       procedure :: echo => deck_echo                     !! The deck with all values used, in SI
-      procedure, private :: report_group_error, complain_of_place, warn_of_group, warn_of_place
+      procedure, private :: report_group_error, report_place_error, warn_of_group, warn_of_place
       procedure, private :: set_default_numbers, set_default_number, set_default_integer, &
          set_default_integers, &
          set_default_switch, set_default_text
@@ -214,7 +214,7 @@ contains
    end subroutine report_group_error
 
    !> Record an error about a group.
-   subroutine complain_of_place(self, name, place, message, key)
+   subroutine report_place_error(self, name, place, message, key)
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Kind, without &
       integer, intent(in) :: place                       !! Index among the groups of its kind
@@ -222,7 +222,7 @@ contains
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%complain(self%group(name, place), message, key)
-   end subroutine complain_of_place
+   end subroutine report_place_error
 
    !> Record a warning about a group.
    subroutine warn_of_group(self, group, message, key)
