@@ -16,7 +16,7 @@ module step_diagnostics
    implicit none
    private
 
-   public :: bounds_look_t, examine_bounds, examine_shapes, find_greatest, find_unbalanced, &
+   public :: bounds_sample_t, examine_bounds, examine_shapes, find_greatest, find_unbalanced, &
       shapes_look_t, watch_unbalanced
 
    integer, parameter, public :: measure_speed = 1   !! Square of the speed [m2/s2]
@@ -26,12 +26,12 @@ module step_diagnostics
    integer, parameter, public :: measure_volume = 5  !! Volume over that at rest [1]
 
    !> Greatest and least of all particles.
-   type :: bounds_look_t
+   type :: bounds_sample_t
       real(wp) :: speed = 0.0_wp                     !! Greatest speed [m/s]
       real(wp) :: heat = -huge(1.0_wp)               !! Greatest carried energy per mass [J/kg]
       real(wp) :: cold = huge(1.0_wp)                !! Least of these [J/kg]
       real(wp) :: energy = 0.0_wp                    !! Greatest energy of one particle [J]
-   end type bounds_look_t
+   end type bounds_sample_t
 
    !> Distances of neighbours, volumes in cells, and noise of pressures.
    type :: shapes_look_t
@@ -98,7 +98,7 @@ contains
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(inout) :: machine
       real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
-      type(bounds_look_t), intent(out) :: look       !! Measured values
+      type(bounds_sample_t), intent(out) :: look       !! Measured values
       real(wp) :: greatest(4, max(1, space%tiles%own)), all(4)
       integer :: index, tile
 
