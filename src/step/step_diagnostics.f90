@@ -17,7 +17,7 @@ module step_diagnostics
    private
 
    public :: bounds_sample_t, examine_bounds, examine_shapes, find_greatest, find_unbalanced, &
-      shapes_look_t, watch_unbalanced
+      shapes_sample_t, watch_unbalanced
 
    integer, parameter, public :: measure_speed = 1   !! Square of the speed [m2/s2]
    integer, parameter, public :: measure_heat = 2    !! Carried energy per mass [J/kg]
@@ -34,7 +34,7 @@ module step_diagnostics
    end type bounds_sample_t
 
    !> Distances of neighbours, volumes in cells, and noise of pressures.
-   type :: shapes_look_t
+   type :: shapes_sample_t
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
       real(wp) :: share = 0.0_wp                     !! Of the mass, with neighbours apart [1]
       real(wp) :: overlap = 0.0_wp                   !! Volume in excess of the cells [1]
@@ -43,7 +43,7 @@ module step_diagnostics
       real(wp) :: difference = 0.0_wp                !! The same, of that from the node means [Pa]
       integer(int64) :: longest_identity = huge(1_int64)    !! Of the farthest neighbour
       integer(int64) :: difference_identity = huge(1_int64) !! Of the greatest pressure noise
-   end type shapes_look_t
+   end type shapes_sample_t
 
    !> Columns of the results of a tile: sums, and greatest values from the ninth on.
    integer, parameter :: far_mass = 1, seen_mass = 2, claimed = 3, occupied = 4, noise = 5, &
@@ -236,7 +236,7 @@ contains
    !> Distances of neighbours, volumes, pressures. Collective.
    subroutine examine_shapes(simulation, look)
       type(simulation_t), intent(in) :: simulation   !! Between two steps
-      type(shapes_look_t), intent(out) :: look       !! Measured values
+      type(shapes_sample_t), intent(out) :: look       !! Measured values
       real(wp), allocatable :: found(:, :)
       integer(int64), allocatable :: who(:, :)
       type(exact_sum_t) :: sum

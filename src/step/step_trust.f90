@@ -15,7 +15,7 @@ module step_trust
    use particle_neighbours, only: lattice_t
    use particle_store, only: store_t
    use step_diagnostics, only: bounds_sample_t, examine_bounds, examine_shapes, find_greatest, &
-      measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
+      measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_sample_t
    use step_ledger, only: balance_t, external_work, internal, mass, retired_mass
    use step_method, only: method_t
    use step_offending_particle, only: name_particle, step_text
@@ -116,7 +116,7 @@ contains
       type(log_t), intent(inout) :: log              !! Gets each warning once
       type(error_t), allocatable, intent(out) :: error !! A number is impossible
       type(bounds_sample_t) :: bounds
-      type(shapes_look_t) :: shapes
+      type(shapes_sample_t) :: shapes
 
       if (mod(simulation%clock%step, work_every) == 0) call note_work(simulation%balance, &
          simulation%machine, simulation%balance%trust)
@@ -144,7 +144,7 @@ contains
       type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(out) :: trust            !! Measures of trust
       type(bounds_sample_t) :: bounds
-      type(shapes_look_t) :: shapes
+      type(shapes_sample_t) :: shapes
 
       trust = simulation%balance%trust
       trust%failed = code == exit_physics
@@ -170,7 +170,7 @@ contains
 
    !> Update the worst values of distances, volumes and pressures.
    pure subroutine note_shapes(look, trust)
-      type(shapes_look_t), intent(in) :: look        !! Measured values
+      type(shapes_sample_t), intent(in) :: look        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The worst so far
 
       trust%longest = max(trust%longest, look%longest)
@@ -328,7 +328,7 @@ contains
    !> Warn of large gaps between neighbours, overlapping volumes, and noise. Collective.
    subroutine warn_of_shapes(simulation, look, log)
       type(simulation_t), intent(inout) :: simulation !! Set after the warning
-      type(shapes_look_t), intent(in) :: look        !! Measured values
+      type(shapes_sample_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=200) :: text
 
