@@ -8,7 +8,7 @@ module scene_contact
    use material_type, only: material_t
    use particle_fill, only: body_t
    use particle_store, only: store_t
-   use step_contact, only: rubs_later
+   use step_contact, only: dissipation_after_remap
    use step_method, only: position_of
    use step_node_fields, only: node_needs_t, node_tally_t, nodes_t
    use step_simulation, only: contact_t, simulation_t, velocity_field_t
@@ -441,7 +441,7 @@ contains
       associate (contact => simulation%effects%contact)
          text = "contact    "//number(size(contact%law, 1))//" velocity fields, each with node "// &
             "fields and an exchange of its own, and "//number(contact_columns(contact, &
-            rubs_later(simulation%scheme)))// &
+            dissipation_after_remap(simulation%scheme)))// &
             " numbers a node"//new_line("a")
          do b = 2, size(contact%law, 1)
             do a = 1, b - 1
