@@ -15,7 +15,7 @@ module transfer_shock_compression
    implicit none
    private
 
-   public :: bound_jump, find_jump
+   public :: limit_compression, find_jump
 
    !> Ratio of the least compression of a neighbour to that of the cell above which the flow counts
    !! as smooth; at a ratio of 1 viscosity resists nothing.
@@ -54,7 +54,7 @@ contains
    !! particles of a tile: at most the compression of the edges of the cell, but at least a fourth
    !! of the strain. Particles that represent more than their own volume are strained more than
    !! their surroundings, and viscosity depends on the square of that. Hoop strains are not limited.
-   pure subroutine bound_jump(grid, start, velocity, dt, strain, jump)
+   pure subroutine limit_compression(grid, start, velocity, dt, strain, jump)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) That strains [m/s]
@@ -74,7 +74,7 @@ contains
             jump(p) = max(whole, min(least + hoop, kept*whole))
          end do
       end do
-   end subroutine bound_jump
+   end subroutine limit_compression
 
    !> Rate at which the edges of a cell are compressed, the greatest along each direction [1/s].
    pure real(wp) function edge_compression(grid, base, velocity) result(rate)
