@@ -30,12 +30,12 @@ module mesh_rigid
    contains
       procedure :: add => rigid_add                  !! Add a region
       procedure :: advance => rigid_advance          !! Bring the regions to a time
-      procedure :: hold => rigid_find_nodes                !! Find the nodes of a tile in them
-      procedure :: holds => rigid_has_nodes              !! Is a node of a tile in one of them?
+      procedure :: hold => rigid_find_nodes          !! Find the nodes of a tile in them
+      procedure :: holds => rigid_has_nodes          !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
-      procedure :: keep => rigid_impose_normal                !! Hold nodes that were held in the step
-      procedure :: rub => rigid_apply_friction                  !! Friction of regions
-      procedure :: take => rigid_remove_prevented                !! Remove the prevented part of a change
+      procedure :: keep => rigid_impose_normal       !! Hold nodes that were held in the step
+      procedure :: rub => rigid_apply_friction       !! Friction of regions
+      procedure :: take => rigid_remove_prevented    !! Remove the prevented part of a change
    end type rigid_t
 
 contains

@@ -194,7 +194,8 @@ contains
          needs%energy = scheme%works
          needs%averages = method%averages()
          needs%repacks = scheme%repacks
-         if (allocated(effects%contact)) needs%contact = merge(4, 1, dissipation_after_remap(scheme))
+         if (allocated(effects%contact)) &
+            needs%contact = merge(4, 1, dissipation_after_remap(scheme))
          needs%filters = method%transfer%sweeps() > 0
          needs%later = records_later(space, scheme, effects)
          if (needs%filters) needs%extra = 3

@@ -52,7 +52,8 @@ contains
       integer :: n
 
       refused = 0
-      share = boundary_area_per_volume(simulation%space%grid, face, simulation%scheme%method%basis%at_wall())
+      share = boundary_area_per_volume(simulation%space%grid, face, &
+         simulation%scheme%method%basis%at_wall())
       call find_beyond(simulation%space%grid, bodies, face, absorbing%beyond)
       allocate (absorbing%decay(2, size(simulation%materials)))
       do n = 1, size(simulation%materials)

@@ -167,7 +167,8 @@ contains
          do n = 1, size(simulation%fields)
             call remap_velocities(simulation, simulation%fields(n), simulation%clock%kick)
          end do
-         if (allocated(simulation%effects%contact) .and. dissipation_after_remap(simulation%scheme)) &
+         if (allocated(simulation%effects%contact) .and. &
+            dissipation_after_remap(simulation%scheme)) &
             call find_later_heat(simulation)
          call check_node_displacement(simulation, dt, again, error)
          if (allocated(error)) return

@@ -143,12 +143,14 @@ contains
             ended = nodes%motion%velocity(:, :, tile) + dt*nodes%motion%acceleration(:, :, tile)
             free = again
             if (allocated(scratch%ledger%walls%total)) then
-               call remove_wall_components(simulation, tile, nodes%motion%velocity(:, :, tile), again, each)
+               call remove_wall_components(simulation, tile, &
+                  nodes%motion%velocity(:, :, tile), again, each)
                ! the push below is recorded with the velocity at the end of the step
                each%dt = 2.0_wp*dt
                call record_walls(simulation%space, field, scratch%ledger, tile, each)
             else
-               call remove_wall_components(simulation, tile, nodes%motion%velocity(:, :, tile), again)
+               call remove_wall_components(simulation, tile, &
+                  nodes%motion%velocity(:, :, tile), again)
             end if
             free = again - free
             call record_push(simulation%space, field, scratch%ledger, tile, free, ended)

@@ -14,8 +14,8 @@ module step_walls
    private
 
    public :: apply_walls, constrain_tile, hold_at_walls, number_of_walls, record_push, &
-      record_stopped, record_unbalanced, record_walls, start_walls, stop_at_walls, remove_wall_components, &
-      walls_touch
+      record_stopped, record_unbalanced, record_walls, remove_wall_components, start_walls, &
+      stop_at_walls, walls_touch
 
    !> Stages of the action of walls on nodes, in this order: forces, prescribed velocities,
    !! friction.
