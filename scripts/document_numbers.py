@@ -6,7 +6,8 @@
 
 A test writes each number that it measures to the file measured.jsonl in its working folder below build/test
 (test/support/measured.py). The script copies those that a page names to doc/theory/measured.csv, and from there into the
-pages. Numbers that no test measures are in doc/theory/records.csv, with the conditions of the measurement.
+pages. Numbers that no test measures are in doc/theory/records.csv, as the page shows them, with the conditions of the
+measurement, the version of the program, and the date on which the page was last changed there.
 
 In a page, numbers are between invisible marks, or follow a mark in the row of a table:
 
@@ -15,7 +16,8 @@ In a page, numbers are between invisible marks, or follow a mark in the row of a
 
 A name begins with that of its test (free_bar for test_free_bar.py), or with `record`. Braces stand for several names; names
 are separated by blanks, and `-` skips a number that is not measured. Percentages are measured as fractions.
-`abs:NAME` is the absolute value, `NAME*1000` a multiple. A number keeps the digits and the form that it has in the page.
+`abs:NAME` is the absolute value, `NAME*1000` a multiple; a single name `record.NAME` of several numbers stands for
+record.NAME.1 and so on. A number keeps the digits and the form that it has in the page.
 
 Only the standard library is needed.
 """
@@ -31,8 +33,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = ROOT / "doc"
 MEASURED, RECORDS = DOCUMENTS / "theory/measured.csv", DOCUMENTS / "theory/records.csv"
 HEADS = ("name", "value", "limit", "test", "tier")
-RECORD_HEADS = ("name", "value", "unit", "conditions", "version", "date")
-INLINE = re.compile(r"<!--=([^>]*?\.[^>]*?)-->(.*?)<!--=-->(\s?%)?", re.S)
+INLINE = re.compile(r"<!--=([^>]*?\.[^>]*?)-->(?! *\|)(.*?)<!--=-->(\s?%)?", re.S)
 ROW = re.compile(r"<!--=([^>]*?\.[^>]*?)--> *\|(.*)$", re.M)
 NUMBER = re.compile(r"(?<![\w.^])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w^])")
 BRACES = re.compile(r"\{([^{}]*)\}")
@@ -90,6 +91,8 @@ def numbers_of(path, text, words, start, part, percent):
     """Places of the numbers in a part of a page that begins at `start`."""
     names, found = names_of(words), list(NUMBER.finditer(part))
     line = text.count("\n", 0, start) + 1
+    if len(names) == 1 and len(found) > 1 and names[0].startswith("record."):
+        names = [f"{names[0]}.{number}" for number in range(1, len(found) + 1)]
     if len(names) != len(found):
         raise ValueError(f"{path}:{line}: {len(names)} names for {len(found)} numbers in '{part.strip()}'")
     for name, number in zip(names, found):
@@ -97,7 +100,8 @@ def numbers_of(path, text, words, start, part, percent):
             continue
         name, _, factor = name.partition("*")
         cell = part[number.end():].split("|")[0].rstrip()
-        scale = float(factor or 1.0) * (100.0 if percent or cell.endswith("%") else 1.0)
+        fraction = (percent or cell.endswith("%")) and not name.startswith("record.")
+        scale = float(factor or 1.0) * (100.0 if fraction else 1.0)
         yield Place(path, name.removeprefix("abs:"), scale, name.startswith("abs:"),
                     (start + number.start(), start + number.end()), number[0])
 
@@ -137,8 +141,13 @@ def table(path):
 
 
 def known_values():
-    """All values of both tables by name."""
-    return {name: float(row["value"]) for path in (MEASURED, RECORDS) for name, row in table(path).items()}
+    """All values of both tables by name; a record of several values has names with .1, .2 and so on."""
+    values = {name: float(row["value"]) for name, row in table(MEASURED).items()}
+    for name, row in table(RECORDS).items():
+        words = row["values"].split()
+        values.update({name if len(words) == 1 else f"{name}.{number}": float(word)
+                       for number, word in enumerate(words, 1)})
+    return values
 
 
 def results(folder):

@@ -123,6 +123,8 @@ class Series:
     def show(self):
         """Record and print errors and the orders between neighbours."""
         measured.record(self.name, dict(zip(self.cells, self.errors)))
+        if len(self.cells) > 1 and math.isfinite(self.errors[0] * self.errors[-1]):
+            measured.record(self.name, {"order": self.order(self.cells[0], self.cells[-1])})
         line = [f"{self.errors[0]:.2e}"]
         for n in range(1, len(self.cells)):
             line.append(f"{self.errors[n]:.2e} "

@@ -30,7 +30,8 @@ def begin(stem):
 
 def slug(text):
     """A text as a name."""
-    return re.sub(r"-{2,}", "-", re.sub(r"[^a-z0-9.+-]+", "_", text.lower())).strip("_")
+    words = re.sub(r"-{2,}", "-", re.sub(r"[^a-z0-9.+-]+", "_", text.lower()))
+    return re.sub(r"_*\._*", ".", words).strip("_")
 
 
 def record(what, value, limit=None):

@@ -79,6 +79,8 @@ def strike(options, name, bar, spacing=None, words="", method="ddmp", settings=(
         kinetic=table["kinetic"][-1] / table["kinetic"][0], steps=run.summary["steps"],
         particles=run.summary["particles"], energy=books["energy_error"], momentum=books["momentum_error"],
         mass=books["mass_error"], seconds=run.summary["wall_s"])
+    if bar is MEASURED:
+        result["mean error"] = difference(result)
     print(f"{name:24s} L {1e3 * result['length']:.3f}  R {1e3 * result['foot']:.3f}  "
           f"W {1e3 * result['waist']:.3f} mm  strain {result['strain']:.2f}  kinetic {result['kinetic']:.1e}  "
           f"energy {result['energy']:+.1e}  momentum {result['momentum']:.1e}  {result['steps']} steps  "

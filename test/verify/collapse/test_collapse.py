@@ -30,6 +30,7 @@ import numpy as np
 import pytest
 
 import flows
+import measured
 
 SCATTER, LATE = 0.15, 0.1              # of measured prefactors; target of the time
 IN_TIME = {("plane", 2.0), ("round", 0.5)}
@@ -56,6 +57,9 @@ def study(options, sheet, word, aspects, **more):
         name = f"{word}, {aspect:g} times as high"
         result = flows.collapse(options, f"{word}_{aspect:g}", aspect=aspect, axisymmetric=axisymmetric, **more)
         sheet.near(f"{name}: run-out", result["runout"], flows.measured_runout(aspect, axisymmetric), SCATTER)
+        measured.record(f"{word}_{aspect:g}", {
+            "runout over measured": result["runout"] / flows.measured_runout(aspect, axisymmetric),
+            "time over measured": result["arrived"] / result["time"]})
         key = word, aspect
         judge(sheet, name, "height", result["height"], flows.measured_height(aspect, axisymmetric), SCATTER, 0.5,
               key in TOO_LOW)
@@ -99,6 +103,8 @@ def test_all_columns(options, sheet, word, low):
     options.timeout = 600
     aspects = low + TALL[word]
     runs = study(options, sheet, word, aspects)
+    measured.record(f"{word} exponent", {"low": exponent(aspects, runs, low),
+                                         "tall": exponent(aspects, runs, TALL[word])})
     sheet.below(f"{word}: exponent of low columns, less 1", exponent(aspects, runs, low) - 1.0, 0.1)
     sheet.below(f"{word}: exponent of tall columns, less {STEEP[word]:.3f}",
                 exponent(aspects, runs, TALL[word]) - STEEP[word], 0.07)

@@ -70,7 +70,7 @@ def test_cells(options, sheet):
             energies.append(result["energy"] / bars.ENERGY - 1.0)
             way, load = bars.load(result)
             loads.append(np.abs(load - np.array(bars.exact(way))).mean() / bars.WEAK)
-            measured.show(f"{label}, {count} cells", {"energy": energies[-1], "load": loads[-1]})
+            measured.show(f"{label}, {count} cells", {"energy": result["energy"], "load": loads[-1]})
             sheet.below(f"{label}, {count} cells: energy that is in no books", result["ledger"]["energy_error"], 0.01)
             sheet.require(result["failed"] == ppc, f"{label}, {count} cells: one cell breaks")
         worst = max(energies, key=abs)

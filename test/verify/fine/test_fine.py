@@ -50,14 +50,18 @@ def test_held_bar(options, sheet, speed):
         sheet.below(f"held bar, {speed} m/s, {cells} cells: energy", result["energy"], 0.01)
         sheet.below(f"held bar, {speed} m/s, {cells} cells: period", errors[-1],
                     7 / 24 * (0.5 * np.pi / cells) ** 2)
-    for rate in bodies.rates(errors):
-        sheet.above(f"held bar, {speed} m/s: rate of the period", rate, 1.8)
+    for cells, rate in zip((52, 104), bodies.rates(errors)):
+        sheet.above(f"held bar, {speed} m/s: rate of the period to {cells} cells", rate, 1.8)
 
 
 def test_free_bar(options, sheet):
-    errors = [bodies.free_bar(options, f"bar_{spacing}", spacing=spacing)["velocity"] for spacing in (1.0, 0.5, 0.25)]
-    for rate in bodies.rates(errors):
-        sheet.above("free bar: rate of the velocity", rate, 1.8)
+    runs = [bodies.free_bar(options, f"bar_{spacing}", spacing=spacing) for spacing in (1.0, 0.5, 0.25)]
+    for key in ("velocity", "displacement", "stress"):
+        first, second = bodies.rates([result[key] for result in runs])
+        measured.record(f"free bar: rate of {key}", second)
+        if key == "velocity":
+            sheet.above("free bar: rate of the velocity, coarse", first, 1.8)
+            sheet.above("free bar: rate of the velocity, fine", second, 1.8)
 
 
 def test_column(options, sheet):

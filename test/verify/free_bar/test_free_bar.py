@@ -80,6 +80,8 @@ def test_usual(options, sheet):
     judge(sheet, "usual", usual)
     if tier.NAME != "smoke":
         coarse = fly(options, sheet, "coarse", spacing=1.0)
+        measured.record("rate", {key: bodies.rates([coarse[key], usual[key]])[0]
+                                 for key in ("velocity", "displacement", "stress")})
         for key in ("velocity", "stress"):
             sheet.above(f"rate of {key}", bodies.rates([coarse[key], usual[key]])[0], 1.3)
 

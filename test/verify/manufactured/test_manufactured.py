@@ -32,7 +32,7 @@ Orders: 1.9 for 2 where particles do not cross or the scheme takes no notice (1.
 particles a cell). Methods whose force jumps when particles cross must be seen to fail: their errors grow with finer
 cells (linear, gimp), or do not fall by half (quadratic), and are greater than that of the default at 128 cells.
 """
-# tiers: smoke, full
+# tiers: smoke, full, long
 # timeout: 300
 
 import math
@@ -40,6 +40,7 @@ import math
 import pytest
 
 import manufactured
+import measured
 
 STIFF = (1.0 - 0.3) / ((1.0 + 0.3) * (1.0 - 2.0 * 0.3))   # modulus of a pressure wave over that of Young, nu = 0.3
 WIDE = (16, 32, 64, 128, 256)
@@ -99,11 +100,30 @@ def test_small(options, sheet):
         sheet.above(f"{name}: order by least squares", line.fit(16, 128), 1.9)
         sheet.above(f"{name}: order from 16 to 128", line.order(16, 128), 1.9)
         basis = name.split()[1]
+        measured.record(f"{name}.kappa",
+                        line.error(128) / manufactured.dispersion("ddmp", 128) * manufactured.KAPPA["ddmp"])
         if basis in manufactured.KAPPA:
             sheet.near(f"{name}: error at 128 cells", line.error(128), manufactured.dispersion(basis, 128), 0.05)
         else:
             sheet.below(f"{name}: error at 128 cells", line.error(128), manufactured.dispersion("ddmp", 128))
             sheet.above(f"{name}: the same", line.error(128), manufactured.dispersion("linear", 128))
+
+
+@pytest.mark.tiers("long")
+def test_table(options, sheet):
+    """The methods of the table in doc/theory/verification.md that no other test runs, and 256 cells for all."""
+    lines = {}
+    for name, method, words, ppc in (
+            ("alpha", "ddmp", "alpha_0=0.5", 4), ("sub points", "ddmp", "quadrature='sub_points'", 4),
+            ("sub points", "ddmp", "quadrature='sub_points'", 2),
+            *((f"table {basis}", "mpm", f"basis='{basis}'  {manufactured.PLAIN}", 4)
+              for basis in ("linear", "gimp", "quadratic", "cubic"))):
+        lines[name] = manufactured.waves(options, name, method, words, ppc=ppc, cells=WIDE)
+    for name in ("alpha", "sub points", "table cubic"):
+        sheet.above(f"{name}: order from 16 to 256", lines[name].order(16, 256), 1.8)
+    for basis in ("linear", "gimp", "quadratic"):
+        sheet.above(f"{basis}: error at 256 cells over that at 128",
+                    lines[f"table {basis}"].error(256) / lines[f"table {basis}"].error(128), 1.0)
 
 
 @FULL

@@ -76,6 +76,7 @@ def test_sod(options, sheet):
     sheet.near("first step", fine["first_dt"], 0.4 / 200 / -HEAD, 1.0e-6)
     for cells, result in ((100, coarse), (200, fine)):
         sheet.below(f"error of density with {cells} cells", result["error"], 0.011 * 0.6 ** np.log2(cells / 128))
+    measured.record("order", float(np.log2(coarse["error"] / fine["error"])))
     sheet.below("ratio of errors", fine["error"] / coarse["error"], 0.6)
     sheet.near("pressure between fan and shock", fine["pressure"], STAR, 0.01)
     sheet.near("velocity between fan and shock", fine["velocity"], CONTACT, 0.01)

@@ -94,6 +94,17 @@ def test_transfers(options, sheet):
     sheet.known("flip, five cells: angular momentum in a turn", result["drift"], limit=0.1, target=COARSE)
 
 
+@pytest.mark.tiers("long")
+def test_transfer_table(options, sheet):
+    """The transfers that lose angular momentum, with ten cells on the radius: each loses more than the one before."""
+    drifts = [turn(options, f"transfer_{name}", words=f"transfer='{name}'")["drift"]
+              for name in ("apic", "aflip", "flip", "fmpm", "xpic")]
+    for name, drift in zip(("apic", "aflip"), drifts):
+        sheet.below(f"{name}: angular momentum in a turn", drift, TARGET)
+    sheet.require(abs(drifts[1]) < abs(drifts[2]) < abs(drifts[3]) < abs(drifts[4]) < 1.0,
+                  "flip, fmpm and xpic lose more and more angular momentum")
+
+
 def radius(snap):
     """Radius of gyration."""
     return float(np.sqrt((snap.points[:, [0, 2]] ** 2).sum(axis=1).mean()))
