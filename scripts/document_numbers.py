@@ -14,7 +14,8 @@ In a page, numbers are between invisible marks, or follow a mark in the row of a
     ends with <!--=free_bar.mpm.energy*100-->93<!--=--> times the energy
     | displacement <!--=column.cells_{20,40,80}.displacement--> | 4.3e-3 | 1.5e-3 | 4.9e-4 |
 
-A name begins with that of its test (free_bar for test_free_bar.py), or with `record`. Braces stand for several names; names
+A name begins with that of its test (free_bar for test_free_bar.py), or with `record`, or with `speed`: speed.block_ddmp.core
+is the speed of a case in the table of doc/developer/performance_table.md. Braces stand for several names; names
 are separated by blanks, and `-` skips a number that is not measured. Percentages are measured as fractions.
 `abs:NAME` is the absolute value, `NAME*1000` a multiple; a single name `record.NAME` of several numbers stands for
 record.NAME.1 and so on. A number keeps the digits and the form that it has in the page.
@@ -32,6 +33,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = ROOT / "doc"
 MEASURED, RECORDS = DOCUMENTS / "theory/measured.csv", DOCUMENTS / "theory/records.csv"
+SPEEDS = DOCUMENTS / "developer/performance_table.md"
 HEADS = ("name", "value", "limit", "test", "tier")
 INLINE = re.compile(r"<!--=([^>]*?\.[^>]*?)-->(?! *\|)(.*?)<!--=-->(\s?%)?", re.S)
 ROW = re.compile(r"<!--=([^>]*?\.[^>]*?)--> *\|(.*)$", re.M)
@@ -121,7 +123,8 @@ def places_of(path, text=None):
 
 def all_places():
     """The measured numbers of all pages."""
-    return [place for path in sorted(DOCUMENTS.rglob("*.md")) for place in places_of(path)]
+    pages = [*sorted(DOCUMENTS.rglob("*.md")), *sorted((ROOT / "input").glob("*/README.md")), ROOT / "README.md"]
+    return [place for path in pages for place in places_of(path)]
 
 
 def rewritten(text, places, values):
@@ -140,14 +143,21 @@ def table(path):
         return {row["name"]: row for row in csv.DictReader(file)}
 
 
+def speeds():
+    """Speeds of the table of scree-bench by case, for names such as speed.block_ddmp.core [million updates/s]."""
+    rows = re.findall(r"^\| (\w+) \| ([\d.]+) \| ([\d.]+) \|", SPEEDS.read_text(encoding="utf-8"), re.M)
+    return {f"speed.{case}.{column}": float(value) for case, *values in rows
+            for column, value in zip(("core", "wall"), values)}
+
+
 def known_values():
-    """All values of both tables by name; a record of several values has names with .1, .2 and so on."""
+    """All values by name; a record of several values has names with .1, .2 and so on."""
     values = {name: float(row["value"]) for name, row in table(MEASURED).items()}
     for name, row in table(RECORDS).items():
         words = row["values"].split()
         values.update({name if len(words) == 1 else f"{name}.{number}": float(word)
                        for number, word in enumerate(words, 1)})
-    return values
+    return {**speeds(), **values}
 
 
 def results(folder):
@@ -165,7 +175,7 @@ def results(folder):
 def write(folder):
     """Copy the numbers of test runs to the table and the pages; lines about what has none."""
     places, measured, new = all_places(), table(MEASURED), results(folder)
-    names = {place.name for place in places if not place.name.startswith("record.")}
+    names = {place.name for place in places if not place.name.startswith(("record.", "speed."))}
     rows = {name: new.get(name, measured.get(name)) for name in names}
     with MEASURED.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, HEADS, extrasaction="ignore", lineterminator="\n")
@@ -189,7 +199,8 @@ def faults():
              if place.name not in values]
     found += [f"{place.path.relative_to(ROOT)}: {place.name} is {place.shown(values[place.name]):.5g}, not {place.text}"
               for place in places if place.name in values and place.differs(values[place.name], 0.51)]
-    found += [f"{name} is in a table of numbers and in no page" for name in set(values) - {place.name for place in places}]
+    unused = set(values) - set(speeds()) - {place.name for place in places}
+    found += [f"{name} is in a table of numbers and in no page" for name in unused]
     return sorted(found)
 
 

@@ -177,8 +177,8 @@ contains
       end do
    end subroutine find_increments
 
-   !> Shear modulus in the square of the wave speed, also of fractured material. It does not
-   !! increase with the volume, otherwise a cloud of fragments would shorten the time step.
+   !> Add the shear modulus to the square of the wave speed, for intact and fractured material. It
+   !! does not increase with the volume, otherwise a cloud of fragments would shorten the time step.
    pure subroutine law_jh2_add_wave_speed(self, state, deformation, first, last)
       class(law_jh2_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

@@ -125,7 +125,7 @@ contains
       end do
    end subroutine relax_to_rest
 
-   !> Stress of a cell at rest after it is strained in some steps and relaxed to rest again.
+   !> Stress after a cell at rest is strained in several steps and then relaxed to rest again.
    subroutine strain_relaxed(cell, component, strain, stress)
       type(cell_t), intent(in) :: cell               !! At rest; contacts do not slip
       integer, intent(in) :: component               !! 1 to 6: xx yy zz xy xz yz

@@ -40,7 +40,7 @@ module mesh_packed_patch
       procedure :: grow => packed_grow               !! Reserve memory for more nodes
       procedure :: put => packed_pack                 !! Pack the patch of a tile
       procedure :: get => packed_unpack                 !! Unpack the patch of a tile
-      procedure :: assemble => packed_assemble       !! Sum of all tiles around the nodes of one
+      procedure :: assemble => packed_assemble       !! Sum the patches of a tile and its neighbours
       procedure :: length => packed_length           !! Capacity in numbers
    end type packed_patch_t
 

@@ -112,7 +112,7 @@ contains
          + simulation%materials(index)%signal_speed(simulation%stores(index)%state, p, p)
    end function signal_of
 
-   !> Greatest signal of this rank.
+   !> Greatest signal speed of the particles of this rank [m/s].
    real(wp) function fastest_particle(simulation, wave, bound) result(fastest)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: wave(:, :)             !! (tile, store) [m/s]

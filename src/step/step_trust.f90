@@ -182,7 +182,7 @@ contains
       if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
    end subroutine note_shapes
 
-   !> Update the worst values of speeds and energies, relative to those that can be explained.
+   !> Update the worst values of speeds and energies, relative to the greatest plausible ones.
    !! Equations (L.10) and (L.11) of doc/theory/ledger.md. Manufactured solutions have no such
    !! limits.
    pure subroutine note_bounds(simulation, look, trust)
