@@ -152,7 +152,7 @@ contains
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer, intent(in) :: node                    !! Node of the tile
       real(wp), intent(in) :: place(3)               !! Of the node [m]
-      real(wp), intent(out) :: normal(3)             !! Of length one, or 0 if the node sticks [1]
+      real(wp), intent(out) :: normal(3)             !! Unit normal, or 0 if the node sticks [1]
       real(wp), parameter :: least = 1.0e-3_wp       ! a boundary and a region side by side
       integer :: k, wall, face, global(3)
       logical :: found

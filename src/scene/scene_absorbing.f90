@@ -91,7 +91,7 @@ contains
    pure real(wp) function boundary_area_per_volume(grid, face, at_wall) result(share)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: face                    !! 1 to 6
-      real(wp), intent(in) :: at_wall                !! Integral of its function [cells]
+      real(wp), intent(in) :: at_wall                !! Integral of its shape function [cells]
       real(wp) :: weight(0:1), area
 
       associate (normal => (face + 1)/2)

@@ -149,7 +149,7 @@ module step_simulation
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
          ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
-      integer :: effect(effect_count) = 0           !! Phases of effects in the material update, 0 = off
+      integer :: effect(effect_count) = 0           !! In the material update, 0 = off
    end type phases_t
 
    !> The domain: the grid, its boundaries and rigid regions, and its tiles.
