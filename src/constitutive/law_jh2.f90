@@ -24,7 +24,7 @@ module law_jh2
       type(jh2_t) :: constants                       !! Constants of strength
    contains
       procedure :: declare => law_jh2_declare        !! Declares its keys
-      procedure :: fault => law_jh2_fault            !! Limits that do not fit
+      procedure :: fault => law_jh2_fault            !! Checks its constants
       procedure :: read => law_jh2_read              !! Reads its keys
       procedure :: needs_eos => law_jh2_needs_eos    !! Returns true
       procedure :: supports_voids => law_jh2_supports_voids !! Returns false

@@ -176,7 +176,7 @@ contains
    !> Keep the rows of the nodes of a line.
    pure subroutine put_line(self, before, at, node, nodes, patch)
       class(packed_patch_t), intent(inout) :: self
-      integer, intent(in) :: before !! Rows of the whole patch before the packed ones
+      integer, intent(in) :: before !! Number of patch rows before the first packed one
       integer, intent(in) :: at                      !! Packed nodes before the line
       integer, intent(in) :: node                    !! Nodes of the patch before the line
       integer, intent(in) :: nodes                   !! Nodes of the line

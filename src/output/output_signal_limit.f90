@@ -23,7 +23,7 @@ module output_signal_limit
 
    !> Cost of few particles that limit the steps.
    type :: signal_limit_t
-      integer(int64) :: particles = 0                !! Particles that limit the steps, 0: many
+      integer(int64) :: particles = 0                !! That limit the steps; 0 if many
       integer(int64) :: all = 0                      !! Total number
       real(wp) :: factor = 1.0_wp                    !! Ratio of step lengths without them [1]
    end type signal_limit_t

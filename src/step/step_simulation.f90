@@ -138,8 +138,8 @@ module step_simulation
       integer :: cuts = 0                            !! Number of repartitions of the curve
       integer(int64) :: sent = 0                     !! Tiles that this rank sent then
       integer(int64) :: listed = 0                   !! Longest list of tiles here at the start
-      real(wp) :: last = 1.0_wp                      !! At the last look [1]
-      real(wp) :: total = 0.0_wp                     !! Sum over the looks [1]
+      real(wp) :: last = 1.0_wp                      !! At the last measured step [1]
+      real(wp) :: total = 0.0_wp                     !! Sum over the measured steps [1]
       real(wp) :: greatest = 1.0_wp                  !! After the first hundred steps [1]
    contains
       procedure :: look => load_look                 !! Note a measured step
