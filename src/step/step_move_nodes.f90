@@ -301,7 +301,7 @@ contains
       call limit_tile_gains(simulation, field, tile, slot, dt)
       associate (nodes => field%nodes)
          if (simulation%scheme%method%averages()) then
-            ! the velocity that strains at the end of the step is mapped later
+            ! the strain velocity at the end of the step is mapped later
             call store_gradient(simulation%space, simulation%scheme, field, tile, &
                nodes%motion%velocity(:, &
                :, slot), nodes%dual%earlier)

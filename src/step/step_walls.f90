@@ -372,7 +372,7 @@ contains
    pure subroutine remove_wall_components(simulation, tile, velocity, change, each)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) With walls, before [m/s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) Before forces act [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
       type(wall_push_t), intent(inout), optional :: each !! Change by each wall, if requested
       real(wp) :: moved(3, size(change, 2)), open(3, size(change, 2))
@@ -405,7 +405,7 @@ contains
    pure subroutine close_components(space, tile, velocity, moved, open, only)
       type(space_t), intent(in) :: space
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) With walls, before [m/s]
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before forces act [m/s]
       real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) The same, with walls [m/s]
       real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Set to 0 where prescribed
       integer, intent(in), optional :: only          !! Wall that acts; default: all
