@@ -5,19 +5,19 @@
     python3 scripts/document_numbers.py --check    exit code 1 if pages and tables of numbers differ
 
 A test writes each number that it measures to the file measured.jsonl in its working folder below build/test
-(test/support/measured.py). The script copies those that a page names to doc/theory/measured.csv, and from there into the
-pages. Numbers that no test measures are in doc/theory/records.csv, as the page shows them, with the conditions of the
-measurement, the version of the program, and the date on which the page was last changed there.
+(test/support/measured.py). The script copies those that a page names to doc/theory/measured.csv, and from there into
+the pages. Numbers that no test measures are in doc/theory/records.csv, as the page shows them, with the conditions of
+the measurement, the version of the program, and the date on which the page was last changed there.
 
 In a page, numbers are between invisible marks, or follow a mark in the row of a table:
 
     ends with <!--=free_bar.mpm.energy*100-->93<!--=--> times the energy
     | displacement <!--=column.cells_{20,40,80}.displacement--> | 4.3e-3 | 1.5e-3 | 4.9e-4 |
 
-A name begins with that of its test (free_bar for test_free_bar.py), or with `record`, or with `speed`: speed.block_ddmp.core
-is the speed of a case in the table of doc/developer/performance_table.md. Braces stand for several names; names
-are separated by blanks, and `-` skips a number that is not measured. Percentages are measured as fractions.
-`abs:NAME` is the absolute value, `NAME*1000` a multiple; a single name `record.NAME` of several numbers stands for
+A name begins with that of its test (free_bar for test_free_bar.py), with `record`, or with `speed`:
+speed.block_ddmp.core is the speed of a case in the table of doc/developer/performance_table.md. Braces stand for
+several names; names are separated by blanks, and `-` skips a number that is not measured. Percentages are measured as
+fractions. `abs:NAME` is the absolute value, `NAME*1000` a multiple; a single name `record.NAME` of several numbers stands for
 record.NAME.1 and so on. A number keeps the digits and the form that it has in the page.
 
 Only the standard library is needed.

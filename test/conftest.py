@@ -142,7 +142,7 @@ def keep_numbers(item):
         path.parent.mkdir(parents=True, exist_ok=True)
         if not any(config.stash[RECORDED].values()):
             path.unlink(missing_ok=True)
-        measured.save(rows, path, item.path.relative_to(case.ROOT).as_posix())
+        measured.save(rows, path, os.path.relpath(item.path, case.ROOT))
     names |= {row["name"] for row in rows}
     return measured.differences(rows)
 
@@ -196,6 +196,6 @@ def pytest_sessionfinish(session, exitstatus):
     whole = not session.config.option.keyword and not any("::" in word for word in session.config.args)
     if exitstatus == pytest.ExitCode.OK and whole and not counts["skipped"]:
         for path, names in session.config.stash[RECORDED].items():
-            for name in measured.missing(names, path.relative_to(case.ROOT).as_posix()):
+            for name in measured.missing(names, os.path.relpath(path, case.ROOT)):
                 print(f"FAILED   {path.name} no longer measures {name}, which a page shows", flush=True)
                 session.exitstatus = pytest.ExitCode.TESTS_FAILED

@@ -22,7 +22,7 @@ module mesh_packed_patch
    !> Boxes of nodes that the particles of each tile touch, and where their packed patches begin.
    type :: node_boxes_t
       integer, allocatable :: box(:, :, :)           !! (3, lowest or highest node, tile)
-      integer, allocatable :: before(:)              !! (tile + 1) Number of nodes of the tiles before
+      integer, allocatable :: before(:)              !! (tile + 1) Nodes of all tiles before
    contains
       procedure :: ensure => boxes_ensure            !! Reserve memory for tiles
       procedure :: line_up => boxes_find_offsets    !! Find where the packed patches begin

@@ -160,8 +160,8 @@ def fluid(options, sheet, name, speed, end, words=SMOOTH, method="ddmp", cfl=0.4
     free = abs(fields["velocity"][-1, 0] / -speed - 1.0)
     heat = fields["energy"][:4].mean() / (0.5 * speed ** 2) - 1.0
     drift = run.summary["ledger"]["energy_error"]
-    measured.show(name, {"pressure": got[0] / stress - 1.0, "density": got[2] / density - 1.0,
-                         "shock speed": pace / shock - 1.0, "energy": drift, "scatter": got[1], "heat of the wall": heat})
+    measured.show(name, {"pressure": got[0] / stress - 1.0, "density": got[2] / density - 1.0, "energy": drift,
+                         "shock speed": pace / shock - 1.0, "scatter": got[1], "heat of the wall": heat})
     sheet.require(got[3] > 100, f"{name}: the plateau has {got[3]} particles")
     compare(sheet, name, "pressure", got[0], stress, 0.01)
     compare(sheet, name, "density", got[2], density, 0.003)

@@ -15,8 +15,9 @@ Limits. Stress, plateau and the state after the pulse: target 1 %. Arrival and l
 cells that a shock may be wide, of the 80 that it crosses. Tension: that of the formula at least. Pull-back and depth of
 the first break: two cells, as a node gives its tension to both of its cells; the peak of the tension moves by
 2 s0/h a cell, the break by a cell of s h/(2 s0). After the break the surface must rise by half of the pull-back at
-least. R: 1 % (H-13 in test/hard/README.md). Tier long: the pull-back with 40, 80 and 160 cells; order 0.8 for an error of first
-order.
+least. R: 1 % (H-13 in test/hard/README.md).
+
+Tier long: the pull-back with 40, 80 and 160 cells; order 0.8 for an error of first order.
 """
 # tiers: full, long
 
