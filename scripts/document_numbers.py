@@ -17,8 +17,8 @@ In a page, numbers are between invisible marks, or follow a mark in the row of a
 A name begins with that of its test (free_bar for test_free_bar.py), with `record`, or with `speed`:
 speed.block_ddmp.core is the speed of a case in the table of doc/developer/performance_table.md. Braces stand for
 several names; names are separated by blanks, and `-` skips a number that is not measured. Percentages are measured as
-fractions. `abs:NAME` is the absolute value, `NAME*1000` a multiple; a single name `record.NAME` of several numbers stands for
-record.NAME.1 and so on. A number keeps the digits and the form that it has in the page.
+fractions. `abs:NAME` is the absolute value, `NAME*1000` a multiple; a single name `record.NAME` of several numbers
+stands for record.NAME.1 and so on. A number keeps the digits and the form that it has in the page.
 
 Only the standard library is needed.
 """
