@@ -6,8 +6,9 @@
 
 A test writes each number that it measures to the file measured.jsonl in its working folder below build/test
 (test/support/measured.py). The script copies those that a page names to doc/theory/measured.csv, and from there into
-the pages. Numbers that no test measures are in doc/theory/records.csv, as the page shows them, with the conditions of
-the measurement, the version of the program, and the date on which the page was last changed there.
+the pages; a row of the tier `page` was taken from the page and waits for a run of its test. Numbers that no test
+measures are in doc/theory/records.csv, as the page shows them, with the conditions of the measurement, the version of
+the program, and the date on which the page was last changed there.
 
 In a page, numbers are between invisible marks, or follow a mark in the row of a table:
 
