@@ -51,6 +51,7 @@ class Place:
     name: str
     factor: float
     size_only: bool
+    signed: bool
     span: tuple
     text: str
 
@@ -58,11 +59,15 @@ class Place:
         """A measured value as the page would show it, before rounding."""
         return (abs(value) if self.size_only else value) * self.factor
 
+    def is_rounding(self, value):
+        """Whether the text and a measured value are rounding errors."""
+        return max(abs(self.shown(value)), abs(float(self.text))) < ROUND_OFF
+
     def written(self, value):
         """The text for a measured value, in the form of the present one."""
         value, mantissa, _, exponent = self.shown(value), *self.text.partition("e")
         digits = len(mantissa.partition(".")[2])
-        sign = "+" if self.text.startswith("+") else ""
+        sign = "+" if self.signed else ""
         if not exponent:
             return f"{value:{sign}.{digits}f}"
         mantissa, exponent = f"{value:{sign}.{digits}e}".split("e")
@@ -70,9 +75,9 @@ class Place:
 
     def differs(self, value, units=1.0):
         """Whether a measured value is further from the text than so many units of its last digit."""
-        value, told = self.shown(value), float(self.text)
-        if max(abs(value), abs(told)) < ROUND_OFF:
+        if self.is_rounding(value):
             return False
+        value, told = self.shown(value), float(self.text)
         mantissa, _, exponent = self.text.partition("e")
         digit = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
         return not abs(value - told) <= units * digit * (1.0 + 1.0e-9)
@@ -94,6 +99,7 @@ def numbers_of(path, text, words, start, part, percent):
     """Places of the numbers in a part of a page that begins at `start`."""
     names, found = names_of(words), list(NUMBER.finditer(part))
     line = text.count("\n", 0, start) + 1
+    signed = any(number[0].startswith("+") for number in found)
     if len(names) == 1 and len(found) > 1 and names[0].startswith("record."):
         names = [f"{names[0]}.{number}" for number in range(1, len(found) + 1)]
     if len(names) != len(found):
@@ -106,6 +112,7 @@ def numbers_of(path, text, words, start, part, percent):
         fraction = (percent or cell.endswith("%")) and not name.startswith("record.")
         scale = float(factor or 1.0) * (100.0 if fraction else 1.0)
         yield Place(path, name.removeprefix("abs:"), scale, name.startswith("abs:"),
+                    signed and not name.startswith("abs:"),
                     (start + number.start(), start + number.end()), number[0])
 
 
@@ -129,9 +136,9 @@ def all_places():
 
 
 def rewritten(text, places, values):
-    """A page with the present values of its numbers, those without a value unchanged."""
+    """A page with the present values of its numbers; those without a value and rounding errors do not change."""
     for place in reversed(places):
-        if place.name in values:
+        if place.name in values and not place.is_rounding(values[place.name]):
             text = text[:place.span[0]] + place.written(values[place.name]) + text[place.span[1]:]
     return text
 

@@ -16,7 +16,7 @@ from sources import ROOT
 PAGE = Path("page.md")
 TEXT = """It ends with <!--=bar.energy*100-->93<!--=--> times, within <!--=bar.{a,b}-->0.3 and 1.5<!--=--> %.
 
-| error <!--=bar.cells_{20,40} - abs:bar.low--> | 4.3e-3 | +1.5e-3 (limit 2) | -0.2 % |
+| error <!--=bar.cells_{20,40} - abs:bar.low--> | +4.3e-3 | +1.5e-3 (limit 2) | -0.2 % |
 | tried in 2-D <!--=record.tried--> | 12 | 0.5 %, exit code 4 |
 """
 VALUES = {"bar.energy": 0.9341, "bar.a": 0.00312, "bar.b": 0.0148, "bar.cells_20": 4.26e-3, "bar.cells_40": 1.54e-3,
@@ -33,7 +33,7 @@ def test_marks():
     found = {place.name: (place.text, place.factor, place.size_only) for place in places()}
     assert found == {
         "bar.energy": ("93", 100.0, False), "bar.a": ("0.3", 100.0, False), "bar.b": ("1.5", 100.0, False),
-        "bar.cells_20": ("4.3e-3", 1.0, False), "bar.cells_40": ("+1.5e-3", 1.0, False),
+        "bar.cells_20": ("+4.3e-3", 1.0, False), "bar.cells_40": ("+1.5e-3", 1.0, False),
         "bar.low": ("-0.2", 100.0, True), "record.tried.1": ("12", 1.0, False), "record.tried.2": ("0.5", 1.0, False),
         "record.tried.3": ("4", 1.0, False)}
 
