@@ -77,6 +77,7 @@ def test_comparison_in_a_run(monkeypatch, tmp_path):
     right = document_numbers.places_of(PAGE, TEXT.replace("-0.2 %", "0.2 %"))
     monkeypatch.setattr(measured, "shown", lambda: {place.name: [place] for place in right})
     rows = [{"name": name, "value": value} for name, value in VALUES.items()]
+    monkeypatch.setattr(measured.tier, "NAME", "full")
     assert measured.differences(rows) == []
     assert len(measured.differences([{"name": "bar.energy", "value": 0.95}])) == 1
     assert "measured twice" in measured.differences([*rows, {"name": "bar.a", "value": 0.0031}])[0]
@@ -84,7 +85,7 @@ def test_comparison_in_a_run(monkeypatch, tmp_path):
     table.write_text("name,value,limit,test,tier\nbar.a,1,,test_bar.py,full\nbar.b,1,,test_bar.py,long\n",
                      encoding="utf-8")
     monkeypatch.setattr(document_numbers, "MEASURED", table)
-    monkeypatch.setattr(measured.tier, "NAME", "full")
+    assert [measured.compared(name) for name in ("bar.a", "bar.b", "bar.low")] == [True, False, True]
     assert measured.missing(set(), "test_bar.py") == ["bar.a"]
     assert measured.missing({"bar.a"}, "test_bar.py") == [] == measured.missing(set(), "test_other.py")
 
