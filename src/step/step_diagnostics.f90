@@ -97,7 +97,7 @@ contains
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(inout) :: machine
-      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
       type(bounds_sample_t), intent(out) :: look       !! Measured values
       real(wp) :: greatest(4, max(1, space%tiles%own)), all(4)
       integer :: index, tile
@@ -129,7 +129,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
       real(wp), intent(inout) :: greatest(4)         !! As above
       real(wp) :: square, speed, hot, cold, energy
       integer :: p
@@ -167,7 +167,7 @@ contains
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(in) :: machine
       integer, intent(in) :: measure                 !! One of those above
-      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
       real(wp) :: value, greatest
       integer :: index, tile, p
 
@@ -196,7 +196,7 @@ contains
       integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
       integer, intent(in) :: measure                 !! One of those above
-      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
 
       value = -huge(1.0_wp)
       associate (state => store%state, v => store%velocity)
