@@ -6,20 +6,12 @@ stress that is cut off wrongly at free rims, linear velocity fields that are not
 material, rims that do not have their volume (the ring then drifts as a whole).
 
 Greatest error in the run over the greatest displacement, 10 and 20 cells a unit of length, which
-are 5 and 10 in the width of the ring, 4 x 4 particles a cell, rims cut. Measured:
+are 5 and 10 in the width of the ring, 4 x 4 particles a cell, rims cut. The errors are in
+doc/theory/verification.md; half of the gain is that of the transfer.
 
-  twist 0.3, to and back, t = 1           10        20        order
-    ddmp, control, aflip                  0.0352    0.00826   2.09
-    quadratic                             0.143     0.0322    2.15
-  twist 1 to its greatest, t = 0.5
-    ddmp, control, apic                   0.0449    0.0116    1.95
-    quadratic                             0.0609    0.0351    0.80
-
-Half of the gain is that of the transfer: quadratic splines with aflip or apic have 0.0117 and 0.0179.
 Limits: order 1.8; 5 % with 10 cells, the part of the ring down to which second order is demanded, and with 20 cells
 what order 1.8 makes of that; a third of the error of quadratic splines with their defaults at 20 cells, which is the
-aim. On the way back from twist 1 DDMP fails, and so do quadratic
-splines; see doc/theory/verification.md.
+aim. On the way back from twist 1 DDMP fails, and so do quadratic splines; see doc/theory/verification.md.
 """
 # tiers: full, long
 # timeout: 200
