@@ -7,8 +7,8 @@ and walls or margins that disturb what is far from them.
 
 The middle of the ring turns by one radian, and material lines by more (K. Kamojjala, R. Brannon,
 A. Sadeghirad, J. Guilkey, Eng. with Computers 31 (2015) 193). Error of displacement at the end over the
-greatest displacement, 10 and 20 cells a unit, 3 x 3 particles a cell, t = 0.45. Linear functions do not converge, as particles
-cross cells, and cpgimp hardly, as boxes do not turn.
+greatest displacement, 10 and 20 cells a unit, 3 x 3 particles a cell, t = 0.45. Linear functions do not
+converge, as particles cross cells, and cpgimp hardly, as boxes do not turn.
 
 Limits: target 2.5 % with 20 cells (H-1 in test/hard/README.md: cells crossed), which only CPDI meets. The others are
 known misses, held at two thirds of the error of the plain method, which must stay worse than all that converge, else
