@@ -6,8 +6,8 @@ initial stress, volume or deformation gradient that does not belong to the initi
 and stresses that do not move with the velocity in the middle of the step (the error is then of first
 order); columns of errors that compare with the wrong time; a body force that is not in the books.
 
-With the defaults but without artificial viscosity, error of displacement at the end (root mean square) over the greatest
-displacement of the solution, error of velocity over its amplitude:
+With the defaults but without artificial viscosity, error of displacement at the end (root mean square) over the
+greatest displacement of the solution, error of velocity over its amplitude:
 
   line   axis_aligned, A = 1e-4, 2 particles a cell, t = 2 L/c: 8, 16, 32 cells
   plane  axis_aligned, A = 0.02, 3 x 3 particles, t = L/c: 8, 16, 32 cells
