@@ -25,10 +25,12 @@ from types import SimpleNamespace
 import pytest
 
 import case
+import measured
 import report
 import tier
 
 NAME = pytest.StashKey()      # of the folder of a test
+RECORDED = pytest.StashKey()  # names of numbers that were measured, by test file
 SPENT = pytest.StashKey()     # when the run began, and how many tests passed, failed and were skipped
 
 
@@ -48,6 +50,7 @@ def pytest_configure(config):
     tier.NAME = config.getoption("tier")
     # programs that a test starts read it as well
     os.environ["SCREE_TIER"] = tier.NAME
+    config.stash[RECORDED] = {}
     config.stash[SPENT] = {"begin": time.time(), "passed": 0, "failed": 0, "skipped": 0}
 
 
@@ -123,9 +126,30 @@ def sheet():
     return report.Report()
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    """Numbers that fixtures measure have the name of this file as well."""
+    measured.begin(item.path.stem)
+
+
+def keep_numbers(item):
+    """Write down what a test measured; how that differs from the pages."""
+    rows, config = measured.taken(), item.config
+    names = config.stash[RECORDED].setdefault(item.path, set())
+    folder = config.getoption("work")
+    if rows and folder:
+        path = folder.resolve() / "measured.jsonl"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not any(config.stash[RECORDED].values()):
+            path.unlink(missing_ok=True)
+        measured.save(rows, path, os.path.relpath(item.path, case.ROOT))
+    names |= {row["name"] for row in rows}
+    return measured.differences(rows)
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_pyfunc_call(pyfuncitem):
-    """A test with a sheet fails at its end if a check was missed or none was made."""
+    """A test with a sheet fails at its end if a check was missed or none was made, or a page has other numbers."""
     sheet = pyfuncitem.funcargs.get("sheet")
     try:
         result = yield
@@ -133,8 +157,12 @@ def pytest_pyfunc_call(pyfuncitem):
         if sheet is None or not sheet.missed:
             raise
         result = None
+    finally:
+        different = keep_numbers(pyfuncitem)
     if sheet is not None and not sheet.good():
         pytest.fail(sheet.verdict(), pytrace=False)
+    if different:
+        pytest.fail("\n".join([*different, "to update pages: python3 scripts/document_numbers.py"]), pytrace=False)
     return result
 
 
@@ -165,3 +193,9 @@ def pytest_sessionfinish(session, exitstatus):
     counts = session.config.stash[SPENT]
     if exitstatus == pytest.ExitCode.OK and counts["skipped"] and not counts["passed"]:
         session.exitstatus = report.NOT_RUN
+    whole = not session.config.option.keyword and not any("::" in word for word in session.config.args)
+    if exitstatus == pytest.ExitCode.OK and whole and not counts["skipped"]:
+        for path, names in session.config.stash[RECORDED].items():
+            for name in measured.missing(names, os.path.relpath(path, case.ROOT)):
+                print(f"FAILED   {path.name} no longer measures {name}, which a page shows", flush=True)
+                session.exitstatus = pytest.ExitCode.TESTS_FAILED

@@ -115,7 +115,7 @@ def draw(runs, plot):
         history = runs[name].history
         panels[-1].plot(history["time"] - 0.15, history["lost_mass"] / history["mass"][0], color=colour,
                         label=f"{RUNS[name][0]}, {1000 * RUNS[name][1]:g} mm")
-    panels[-1].set(xlabel="time since the gate opened [s]", ylabel="share of the filling that has left", xlim=(0, None),
+    panels[-1].set(xlabel="time since the gate opened [s]", ylabel="discharged fraction of the filling", xlim=(0, None),
                    ylim=(0, 1.45), yticks=np.linspace(0, 1, 6))
     panels[-1].legend(frameon=False)
     return figure

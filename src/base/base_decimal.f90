@@ -74,7 +74,7 @@ contains
    !> Read exactly `size(values)` finite numbers from a line of such a file.
    subroutine file_numbers(line, values, sound)
       character(len=*), intent(in) :: line           !! With blanks between the numbers
-      real(wp), intent(out) :: values(:)             !! As written, 0 from the first wrong one on
+      real(wp), intent(out) :: values(:)             !! As written; 0 from the first error on
       logical, intent(out) :: sound                  !! True if all digits are present
       type(text_t), allocatable :: words(:)
       integer :: k

@@ -9,7 +9,7 @@ module base_deck
    use base_deck_fill, only: fill_defaults, fill_groups, start_group
    use base_deck_group, only: group_t, unset_integer
    use base_deck_index, only: deck_index_t
-   use base_deck_override, only: override, removal_mark, take_apart
+   use base_deck_override, only: override, removal_mark, split_assignment
    use base_deck_preset, only: apply_presets
    use base_deck_problems, only: problems_t
    use base_deck_repeat, only: repeat_groups
@@ -43,7 +43,7 @@ module base_deck
       procedure :: departs => deck_departs               !! Is a key given, and not its default?
       procedure :: named => deck_named                   !! Number of the group of a name
       !> Record an error or a warning about a group, at the line of a key if it is given.
-      generic :: complain => complain_of_group, complain_of_place
+      generic :: complain => report_group_error, report_place_error
       generic :: warn => warn_of_group, warn_of_place    !! The same for a warning
       !> Replace a default that depends on other keys by the value that is used.
       generic :: set_default => set_default_numbers, set_default_number, set_default_integer, &
@@ -56,7 +56,7 @@ module base_deck
       procedure :: verdict => deck_verdict               !! An error if there were any
       procedure :: shown => deck_shown                   !! A number in the units of the deck
       procedure :: echo => deck_echo                     !! The deck with all values used, in SI
-      procedure, private :: complain_of_group, complain_of_place, warn_of_group, warn_of_place
+      procedure, private :: report_group_error, report_place_error, warn_of_group, warn_of_place
       procedure, private :: set_default_numbers, set_default_number, set_default_integer, &
          set_default_integers, &
          set_default_switch, set_default_text
@@ -125,7 +125,7 @@ contains
       end do
       do i = 1, size(overrides)
          if (overrides(i)%text == removal_mark//"units.system") name = "si"
-         call take_apart(overrides(i)%text, group, choice, key, value)
+         call split_assignment(overrides(i)%text, group, choice, key, value)
          if (group == "units" .and. key == "system") name = value
       end do
       if (scan(name//" ", "'""") == 1) name = name(2:len(name) - 1)
@@ -204,17 +204,17 @@ contains
    end function deck_named
 
    !> Record an error about a group.
-   subroutine complain_of_group(self, group, message, key)
+   subroutine report_group_error(self, group, message, key)
       class(deck_t), intent(inout) :: self
       type(group_t), intent(in) :: group
       character(len=*), intent(in) :: message            !! Error and its remedy
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%problems%error(group%file(key), group%line(key), label_of(group)//": "//message)
-   end subroutine complain_of_group
+   end subroutine report_group_error
 
    !> Record an error about a group.
-   subroutine complain_of_place(self, name, place, message, key)
+   subroutine report_place_error(self, name, place, message, key)
       class(deck_t), intent(inout) :: self
       character(len=*), intent(in) :: name               !! Kind, without &
       integer, intent(in) :: place                       !! Index among the groups of its kind
@@ -222,7 +222,7 @@ contains
       character(len=*), intent(in), optional :: key      !! The key whose line is reported
 
       call self%complain(self%group(name, place), message, key)
-   end subroutine complain_of_place
+   end subroutine report_place_error
 
    !> Record a warning about a group.
    subroutine warn_of_group(self, group, message, key)

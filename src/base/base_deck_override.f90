@@ -13,7 +13,7 @@ module base_deck_override
    implicit none
    private
 
-   public :: override, removal_mark, take_apart
+   public :: override, removal_mark, split_assignment
 
    !> Before GROUP.KEY that `--unset` removes.
    character(len=1), parameter :: removal_mark = "!"
@@ -38,9 +38,9 @@ contains
 
       removes = index(text, removal_mark) == 1
       if (removes) then
-         call take_apart(text(2:)//"=", group, choice, key, value)
+         call split_assignment(text(2:)//"=", group, choice, key, value)
       else
-         call take_apart(text, group, choice, key, value)
+         call split_assignment(text, group, choice, key, value)
       end if
       if (removes .and. (key == "" .or. scan(text, "=") > 0)) then
          call problems%error(command_line, 0, text(2:)//"  <- --unset expects GROUP.KEY")
@@ -92,7 +92,7 @@ contains
    end subroutine unknown_group
 
    !> Split GROUP[CHOICE].KEY=VALUE into its parts. The key is empty if it has not this form.
-   pure subroutine take_apart(text, group, choice, key, value)
+   pure subroutine split_assignment(text, group, choice, key, value)
       character(len=*), intent(in) :: text               !! Text as written
       character(len=:), allocatable, intent(out) :: group  !! Lower case
       character(len=:), allocatable, intent(out) :: choice !! Text in brackets
@@ -121,7 +121,7 @@ contains
       if (group == "") return
       key = lower(trim(adjustl(text(dot + 1:equals - 1))))
       value = trim(adjustl(text(equals + 1:)))
-   end subroutine take_apart
+   end subroutine split_assignment
 
    !> Find the selected group; a group of which a deck may have one is created if absent.
    subroutine choose(rule, choice, problems, groups, filled, which)

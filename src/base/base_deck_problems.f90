@@ -140,7 +140,7 @@ contains
 
       joined = .false.
       if (.not. allocated(self%repeated)) return
-      call take_copy_apart(self%repeated, text, which, label, rest)
+      call split_copy_message(self%repeated, text, which, label, rest)
       if (which == 0) return
       rest = label//without_numbers(rest)
       do i = 1, self%errors + self%warnings
@@ -156,7 +156,7 @@ contains
    end subroutine join_copies
 
    !> Split a message of a repeated body into the common label of its copies and the rest.
-   pure subroutine take_copy_apart(repeated, text, which, label, rest)
+   pure subroutine split_copy_message(repeated, text, which, label, rest)
       type(repeated_t), intent(in) :: repeated(:)        !! Repeated bodies
       character(len=*), intent(in) :: text               !! A message
       integer, intent(out) :: which                      !! Index, 0 = none
@@ -180,7 +180,7 @@ contains
          end do
       end do
       which = 0
-   end subroutine take_copy_apart
+   end subroutine split_copy_message
 
    !> True for NAME_2, NAME_2_1 and so on.
    pure logical function is_copy(name, body) result(yes)
@@ -220,7 +220,7 @@ contains
 
       text = entry%text
       if (entry%copies == 1) return
-      call take_copy_apart(self%repeated, text, which, label, rest)
+      call split_copy_message(self%repeated, text, which, label, rest)
       associate (all_copies => self%repeated(which)%copies)
          if (entry%copies == all_copies) then
             text = label//rest//" (all "//number(all_copies)//" copies)"
@@ -256,7 +256,7 @@ contains
       self%entries(filled)%is_error = is_error
       self%entries(filled)%text = text
       if (.not. allocated(self%repeated)) return
-      call take_copy_apart(self%repeated, text, which, label, rest)
+      call split_copy_message(self%repeated, text, which, label, rest)
       if (which > 0) self%entries(filled)%common = label//without_numbers(rest)
    end subroutine record_problem
 

@@ -39,7 +39,7 @@ module base_log
          implicit none
          character(len=*), intent(in) :: text            !! One or more lines
          character(len=:), allocatable, intent(out) :: with_codes !! The same lines
-         character(len=:), allocatable, intent(out) :: hint !! How to read more, or empty
+         character(len=:), allocatable, intent(out) :: hint !! Command that explains more, or empty
       end subroutine annotate_lines
    end interface
 

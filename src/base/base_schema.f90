@@ -129,7 +129,7 @@ contains
       if (present(unit)) then
          if (unit /= "1") key%unit_text = unit
          call unit_of(unit, key%unit, known)
-         if (.not. known) call blame(self, "unit "//unit//" of "//name)
+         if (.not. known) call record_mistake(self, "unit "//unit//" of "//name)
       end if
       call self%add(key, group, name, doc, default, range, owner)
    end subroutine schema_real
@@ -213,11 +213,11 @@ contains
       if (present(owner)) call set_owners(key, owner)
       place = self%find(group)
       if (place == 0) then
-         call blame(self, "group of "//group//"."//key%name)
+         call record_mistake(self, "group of "//group//"."//key%name)
          return
       end if
       associate (rule => self%groups(place))
-         if (rule%find(key%name) > 0) call blame(self, "second "//group//"."//key%name)
+         if (rule%find(key%name) > 0) call record_mistake(self, "second "//group//"."//key%name)
          allocate (longer(size(rule%keys) + 1))
          longer(:size(rule%keys)) = rule%keys
          longer(size(longer)) = key
@@ -239,7 +239,7 @@ contains
       key%exact = name(bracket + 1:bracket + 1) /= ":"
       if (.not. key%exact) bracket = bracket + 1
       read (name(bracket + 1:len(name) - 1), *, iostat=status) key%number_of_values
-      if (status /= 0) call blame(self, "number of values of "//name)
+      if (status /= 0) call record_mistake(self, "number of values of "//name)
    end subroutine set_name
 
    !> Parse a range such as >= 0 < 1.
@@ -259,7 +259,7 @@ contains
          closed = range(at + 1:at + 1) == "="
          last = at + scan(range(at + 1:)//"<", "<>") - 1
          read (range(at + merge(2, 1, closed):last), *, iostat=status) bound
-         if (status /= 0) call blame(self, "range of "//key%name)
+         if (status /= 0) call record_mistake(self, "range of "//key%name)
          if (range(at:at) == ">") then
             key%range%least = bound
             key%range%least_open = .not. closed
@@ -420,16 +420,16 @@ contains
       if (place(1) > 0) place(2) = self%groups(place(1))%find(name)
       if (place(2) > 0) return
       place = 0
-      call blame(self, group//"."//name//", which is not declared")
+      call record_mistake(self, group//"."//name//", which is not declared")
    end function schema_locate
 
    !> Note a mistake in a declaration; the first one is kept.
-   subroutine blame(self, what)
+   subroutine record_mistake(self, what)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: what               !! Error message
 
       if (.not. allocated(self%fault)) self%fault = "declaration of the deck: "//what
-   end subroutine blame
+   end subroutine record_mistake
 
    !> Index of a group, 0 if there is none of that name.
    pure integer function schema_find(self, name) result(place)

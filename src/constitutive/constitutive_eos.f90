@@ -60,8 +60,8 @@ module constitutive_eos
          integer, intent(in) :: last                           !! Last particle of the range
       end subroutine update_i
 
-      !> Energy [J] of one particle that carries none: work of the pressure from the reference
-      !! state, where the material supports no pressure below a limit [Pa].
+      !> Stored energy [J] of a particle whose material has no internal energy variable: work of the
+      !! pressure from the reference state, with the pressure bounded from below [Pa].
       pure function stored_energy_i(self, mass, volume, limit) result(energy)
          import :: eos_t, wp
          implicit none

@@ -131,7 +131,7 @@ contains
       frame(:, 3) = n
    end subroutine make_frame
 
-   !> A deviator in the frame.
+   !> Transform a deviator to the frame.
    pure subroutine to_frame(frame, s, z)
       real(wp), intent(in) :: frame(3, 3)            !! Axis j in (:, j) [1]
       real(wp), intent(in) :: s(6)                   !! xx, yy, zz, xy, yz, xz
@@ -148,7 +148,7 @@ contains
          - dot_product(frame(:, 2), t(:, 2))), dot_product(frame(:, 1), t(:, 2)), wp)
    end subroutine to_frame
 
-   !> A deviator from the frame.
+   !> Transform a deviator back from the frame.
    pure subroutine from_frame(frame, z, s)
       real(wp), intent(in) :: frame(3, 3)            !! Axis j in (:, j) [1]
       type(harmonics_t), intent(in) :: z             !! In the frame

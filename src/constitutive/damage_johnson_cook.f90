@@ -90,7 +90,7 @@ contains
    pure real(wp) function johnson_cook_failure_strain(self, triaxiality, rate, homologous) &
       result(strain)
       class(damage_johnson_cook_t), intent(in) :: self
-      real(wp), intent(in) :: triaxiality              !! Mean over equivalent stress [1]
+      real(wp), intent(in) :: triaxiality              !! Mean stress over equivalent stress [1]
       real(wp), intent(in) :: rate                     !! Rate of plastic strain [1/s]
       real(wp), intent(in) :: homologous               !! Homologous temperature, 0 to 1 [1]
       real(wp) :: lanes(most_lanes), rates(most_lanes)

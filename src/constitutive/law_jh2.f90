@@ -24,7 +24,7 @@ module law_jh2
       type(jh2_t) :: constants                       !! Constants of strength
    contains
       procedure :: declare => law_jh2_declare        !! Declares its keys
-      procedure :: fault => law_jh2_fault            !! Limits that do not fit
+      procedure :: fault => law_jh2_fault            !! Checks its constants
       procedure :: read => law_jh2_read              !! Reads its keys
       procedure :: needs_eos => law_jh2_needs_eos    !! Returns true
       procedure :: supports_voids => law_jh2_supports_voids !! Returns false
@@ -177,8 +177,8 @@ contains
       end do
    end subroutine find_increments
 
-   !> Shear modulus in the square of the wave speed, also of fractured material. It does not
-   !! increase with the volume, otherwise a cloud of fragments would shorten the time step.
+   !> Add the shear modulus to the square of the wave speed, for intact and fractured material. It
+   !! does not increase with the volume, otherwise a cloud of fragments would shorten the time step.
    pure subroutine law_jh2_add_wave_speed(self, state, deformation, first, last)
       class(law_jh2_t), intent(in) :: self
       type(material_state_t), intent(in) :: state                 !! State of the store

@@ -139,7 +139,7 @@ contains
          pressure = law%apex
          values = 0.0_wp
       else
-         call draw_in(law, pressure, values)
+         call shrink_deviator(law, pressure, values)
       end if
       increment = sqrt(sum((trial - values)**2)/6.0_wp)/law%shear
       both = s - 2.0_wp*law%shear*strain
@@ -201,7 +201,7 @@ contains
    end subroutine return_principal
 
    !> Shrink a deviator that is outside the surface due to round-off.
-   pure subroutine draw_in(law, pressure, values)
+   pure subroutine shrink_deviator(law, pressure, values)
       type(law_mohr_coulomb_t), intent(in) :: law    !! Constants
       real(wp), intent(in) :: pressure               !! [Pa]
       real(wp), intent(inout) :: values(3)           !! Principal values of the deviator [Pa]
@@ -210,5 +210,5 @@ contains
       limit = max(0.0_wp, 2.0_wp*pressure*law%friction + law%strength)
       taken = (1.0_wp + law%friction)*maxval(values) - (1.0_wp - law%friction)*minval(values)
       if (taken > limit) values = values*(limit/taken)
-   end subroutine draw_in
+   end subroutine shrink_deviator
 end module law_mohr_coulomb

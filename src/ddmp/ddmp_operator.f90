@@ -39,7 +39,7 @@ module ddmp_operator
 
 contains
 
-   !> Compute the functions of all tiles along x that differ.
+   !> Tabulate the weights of lines of nodes. They differ between the tiles along x if axisymmetric.
    subroutine operator_start(self, grid)
       class(dual_operator_t), intent(inout) :: self
       type(grid_t), intent(in) :: grid

@@ -228,7 +228,7 @@ contains
    !> Values sum S_i node_i of three columns.
    pure subroutine gather_mean_vector(grid, shape, nodes, skip)
       type(grid_t), intent(in) :: grid
-      type(shape_data_t), intent(inout) :: shape !! Of the tile; gets them as values
+      type(shape_data_t), intent(inout) :: shape !! Receives the values at particles
       real(wp), contiguous, intent(in) :: nodes(:, :)        !! (3, node)
       integer, intent(in) :: skip                            !! Column offset in the values
       real(wp), allocatable :: values(:, :)

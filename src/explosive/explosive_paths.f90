@@ -46,7 +46,7 @@ contains
       type(detonator_t), intent(in) :: detonators(:)
       real(wp), intent(in) :: point(3)               !! [m]
       real(wp), intent(out) :: time                  !! [s]; never_burns without line of sight
-      logical, intent(out) :: hidden                 !! True if one out of sight may arrive first
+      logical, intent(out) :: hidden                 !! True if a hidden detonator may be first
       type(bend_t), intent(out), optional :: bend    !! The detonator's nearest point
       type(bend_t) :: foot
       real(wp) :: least, arrival

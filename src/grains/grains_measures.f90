@@ -25,7 +25,7 @@ module grains_measures
       real(wp) :: kinetic = 0.0_wp                   !! Relative to the cell, with spins
       real(wp) :: springs = 0.0_wp                   !! Stored along the lines of centres
       real(wp) :: shear = 0.0_wp                     !! Stored tangentially
-      real(wp) :: lost(losses) = 0.0_wp              !! In dashpots, by friction, by the step
+      real(wp) :: lost(losses) = 0.0_wp              !! By dashpots, friction, time step
       real(wp) :: work = 0.0_wp                      !! Of the stress on the cell
       real(wp) :: total = 0.0_wp                     !! Of all but work, with half steps
    end type energy_t

@@ -91,7 +91,7 @@ contains
       end do
    end subroutine fill_random
 
-   !> Edges of the cell for a volume fraction, and the sites along each.
+   !> Lengths of the cell edges for a volume fraction, and numbers of lattice sites along them.
    pure subroutine choose_edges(cell, fraction, aspect, edge, sites)
       type(cell_t), intent(inout) :: cell
       real(wp), intent(in) :: fraction               !! [1]

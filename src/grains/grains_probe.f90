@@ -56,7 +56,7 @@ contains
       end do
       call copy_at_rest(cell, rest)
       rest%law%damping = cell%law%damping
-      call settle(rest, rest_before)
+      call relax_to_rest(rest, rest_before)
       call strain_relaxed(rest, 1, 0.0_wp, base)
       do component = 1, 6
          if (cell%box%dimension == 2 .and. .not. any(component == [1, 2, 4])) cycle
@@ -106,7 +106,7 @@ contains
    !! is repeated up to `most_rests` times, until the remaining motion causes forces that are
    !! negligible for a probe: a grain that is not in equilibrium would move between two probes.
    !! Collective.
-   subroutine settle(cell, collisions)
+   subroutine relax_to_rest(cell, collisions)
       type(cell_t), intent(inout) :: cell
       real(wp), intent(in) :: collisions             !! Time in durations of a collision
       type(energy_t) :: energy
@@ -123,9 +123,9 @@ contains
          call find_energy(cell, energy)
          if (energy%kinetic <= quiet*energy%springs) exit
       end do
-   end subroutine settle
+   end subroutine relax_to_rest
 
-   !> Stress of a cell at rest after it is strained in some steps and relaxed to rest again.
+   !> Stress after a cell at rest is strained in several steps and then relaxed to rest again.
    subroutine strain_relaxed(cell, component, strain, stress)
       type(cell_t), intent(in) :: cell               !! At rest; contacts do not slip
       integer, intent(in) :: component               !! 1 to 6: xx yy zz xy xz yz
@@ -142,7 +142,7 @@ contains
          if (step == strain_steps) copy%drive%gradient = 0.0_wp
          call advance_cell(copy)
       end do
-      call settle(copy, rest_after)
+      call relax_to_rest(copy, rest_after)
       call take_stress(copy, stress)
    end subroutine strain_relaxed
 

@@ -259,7 +259,7 @@ contains
       name = root//"/PointData/"//trim(mean%column%name)
       inner = box%extent(:2)
       if (mean%column%components > 1) inner = [mean%column%components, inner]
-      call share_out(file%communicator, box, cells, values, dense)
+      call send_planes(file%communicator, box, cells, values, dense)
       if (single) then
          allocate (short(size(dense, 1), size(dense, 2)))
          short(:, :) = rounded(dense)
@@ -273,7 +273,7 @@ contains
    end subroutine write_field
 
    !> Send the values of cells to the ranks that write their planes. Collective.
-   subroutine share_out(communicator, box, cells, values, dense)
+   subroutine send_planes(communicator, box, cells, values, dense)
       type(communicator_t), intent(in) :: communicator
       type(box_t), intent(in) :: box                     !! All cells of the file
       type(cells_t), intent(in) :: cells                 !! Part of this rank
@@ -318,7 +318,7 @@ contains
          end associate
       end do
       call copy_layers(box, parts, dense)
-   end subroutine share_out
+   end subroutine send_planes
 
    !> For a single layer of cells copy the values to the points of its other face.
    pure subroutine copy_layers(box, parts, dense)

@@ -234,7 +234,7 @@ contains
    !> Attach a value of any type to an object.
    subroutine attach(self, object, name, kind, length, address)
       class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: object              !! Group or data set, from the root
+      character(len=*), intent(in) :: object              !! Path of a group or data set
       character(len=*), intent(in) :: name                !! Name of the attribute
       integer(hid_t), intent(in) :: kind                  !! Type in memory and file
       integer, intent(in) :: length                       !! Number of values, 0: one, no array
@@ -263,7 +263,7 @@ contains
    !> Attach a text.
    subroutine attach_text(self, object, name, text)
       class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: object              !! Group or data set, from the root
+      character(len=*), intent(in) :: object              !! Path of a group or data set
       character(len=*), intent(in) :: name                !! Name of the attribute
       character(len=*), intent(in) :: text                !! Value
       character(len=:), allocatable, target :: letters
@@ -281,7 +281,7 @@ contains
    !> Attach a real.
    subroutine attach_real(self, object, name, value)
       class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: object              !! Group or data set, from the root
+      character(len=*), intent(in) :: object              !! Path of a group or data set
       character(len=*), intent(in) :: name                !! Name of the attribute
       real(wp), intent(in) :: value                       !! Value
       real(wp), target :: copy
@@ -293,7 +293,7 @@ contains
    !> Attach a row of reals.
    subroutine attach_reals(self, object, name, values)
       class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: object              !! Group or data set, from the root
+      character(len=*), intent(in) :: object              !! Path of a group or data set
       character(len=*), intent(in) :: name                !! Name of the attribute
       real(wp), intent(in) :: values(:)                   !! Values
       real(wp), allocatable, target :: copy(:)
@@ -305,7 +305,7 @@ contains
    !> Attach a row of 32-bit integers.
    subroutine attach_shorts(self, object, name, values)
       class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: object              !! Group or data set, from the root
+      character(len=*), intent(in) :: object              !! Path of a group or data set
       character(len=*), intent(in) :: name                !! Name of the attribute
       integer(int32), intent(in) :: values(:)             !! Values
       integer(int32), allocatable, target :: copy(:)
@@ -318,7 +318,7 @@ contains
    !> Attach an integer.
    subroutine attach_integer(self, object, name, value)
       class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: object              !! Group or data set, from the root
+      character(len=*), intent(in) :: object              !! Path of a group or data set
       character(len=*), intent(in) :: name                !! Name of the attribute
       integer(int64), intent(in) :: value                 !! Value
       integer(int64), target :: copy

@@ -264,8 +264,8 @@ contains
       if (status < 0) call fail_at(self, name, error)
    end subroutine read_any
 
-   !> False for numbers of more bytes than any processor has. HDF5 1.10 does not refuse such a type of
-   !! a damaged file, and reads beyond its own buffers.
+   !> False for numbers of more bytes than any processor has. HDF5 1.10 does not refuse such a type
+   !! of a damaged file, and reads beyond its own buffers.
    logical function has_sound_type(data_set) result(sound)
       integer(hid_t), intent(in) :: data_set             !! An open data set
       integer(size_t), parameter :: most_bytes = 16_size_t ! of a number

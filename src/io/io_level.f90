@@ -92,7 +92,7 @@ contains
             words(component, row) = transfer(values(component, row), 0_int64)
          end do
       end do
-      call share_out(communicator, rows, even, words)
+      call redistribute(communicator, rows, even, words)
       deallocate (values)
       allocate (values(components, size(words, 2)))
       do row = 1, size(words, 2)
@@ -113,14 +113,14 @@ contains
       if (rows%compress == 0 .or. communicator%size == 1) return
       allocate (words(1, size(values)))
       words(1, :) = values
-      call share_out(communicator, rows, even, words)
+      call redistribute(communicator, rows, even, words)
       deallocate (values)
       allocate (values(size(words, 2)))
       values(:) = words(1, :)
    end subroutine level_integers
 
    !> Redistribute words. Collective.
-   subroutine share_out(communicator, rows, even, words)
+   subroutine redistribute(communicator, rows, even, words)
       type(communicator_t), intent(inout) :: communicator
       type(rows_t), intent(in) :: rows                   !! Present distribution
       type(rows_t), intent(in) :: even                   !! New distribution
@@ -147,7 +147,7 @@ contains
             at = at + components
          end do
       end do
-   end subroutine share_out
+   end subroutine redistribute
 
    !> Pack the rows of this rank into messages, one for each range and receiving rank.
    subroutine pack_messages(communicator, rows, words, destination, length, outgoing)

@@ -251,12 +251,13 @@ contains
       call source%info(root//"/Points", info, error)
       if (.not. allocated(error)) call source%members(data_group, members, error)
       if (allocated(error)) return
-      allocate (list%position(3, info%rows), list%fields(0), stat=status)
+      allocate (list%position(3, info%rows), stat=status)
       if (status /= 0) then
          call fail_reading(error, source%path, "there is no memory for "//number(info%rows)// &
             " points; is the file damaged?")
          return
       end if
+      allocate (list%fields(0))
       call read_vectors(source, root//"/Points", list%position, error)
       if (allocated(error)) return
       do n = 1, size(members)

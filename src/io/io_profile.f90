@@ -30,8 +30,8 @@ module io_profile
    type :: profile_t
       integer :: axis = 1                                !! Direction of the bins
       integer :: bins = 100                              !! Number of bins
-      real(wp) :: lower = 0.0_wp                         !! Begin of the first [m]
-      real(wp) :: upper = 1.0_wp                         !! End of the last [m]
+      real(wp) :: lower = 0.0_wp                         !! Start of the first bin [m]
+      real(wp) :: upper = 1.0_wp                         !! End of the last bin [m]
       type(mean_t), allocatable :: means(:)              !! Fields
       type(pick_rule_t) :: rule
    end type profile_t

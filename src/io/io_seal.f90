@@ -135,8 +135,8 @@ contains
    !> Read bytes of a file as words; the last one is padded with zeros.
    subroutine read_words(unit, first, last, words, status)
       integer, intent(in) :: unit                        !! The open file
-      integer(int64), intent(in) :: first                !! Bytes before the first
-      integer(int64), intent(in) :: last                 !! Bytes up to the last
+      integer(int64), intent(in) :: first                !! Position before the first byte
+      integer(int64), intent(in) :: last                 !! Position of the last byte
       integer(int64), contiguous, intent(out) :: words(:) !! Bytes read
       integer, intent(out) :: status                     !! 0 if all was read
       character(len=word_bytes) :: rest

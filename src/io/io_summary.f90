@@ -15,7 +15,7 @@ module io_summary
    type :: json_t
       character(len=:), allocatable, private :: body     !! Members so far
       integer, private :: depth = 1                      !! Objects that are open
-      logical, private :: first = .true.                 !! No member yet in the open object
+      logical, private :: first = .true.                 !! The open object has no member yet
    contains
       procedure :: begin => json_begin                   !! Begin a nested object
       procedure :: end => json_end                       !! End that object

@@ -25,7 +25,7 @@ module io_trust_record
    character(len=8), parameter, public :: trust_names(trust_entries) = [character(len=8) :: &
       "energy", "volume", "stretch", "noise", "speed", "heat", "retired", &
       "damped", "momentum"]
-   integer, parameter, public :: trust_ok = 1, trust_look = 2, trust_bad = 3
+   integer, parameter, public :: trust_ok = 1, trust_suspect = 2, trust_bad = 3
    character(len=4), parameter, public :: trust_words(3) = [character(len=4) :: "ok", "look", "bad"]
    !> Values up to these limits are ok, values beyond the next limits are bad
    real(wp), parameter :: ok_until(trust_entries) = &
@@ -63,10 +63,10 @@ contains
 
       verdict = trust_bad
       if (entry == trust_heat .and. value < 0.0_wp) then
-         if (-value <= cold_bad) verdict = trust_look
+         if (-value <= cold_bad) verdict = trust_suspect
          if (-value <= cold_ok) verdict = trust_ok
       else
-         if (abs(value) <= bad_beyond(entry)) verdict = trust_look
+         if (abs(value) <= bad_beyond(entry)) verdict = trust_suspect
          if (abs(value) <= ok_until(entry)) verdict = trust_ok
       end if
    end function verdict_of

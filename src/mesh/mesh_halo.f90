@@ -28,7 +28,7 @@ module mesh_halo
       integer, allocatable :: tile(:)                !! Own tiles to send, grouped by rank
       integer(int64) :: messages = 0                 !! Messages sent so far
       integer(int64) :: words = 0                    !! Words of 8 bytes in the messages
-      integer(int64), private :: version = -1        !! Of the tiles of these lists
+      integer(int64), private :: version = -1        !! Version of the tiles in these lists
       type(posted_t), private :: posted              !! Messages in transit
       integer(int64), allocatable, private :: incoming(:) !! Received data
    contains

@@ -237,7 +237,7 @@ contains
       spaced = iand(ior(spaced, shiftl(spaced, 2)), third(5))
    end function spread_third
 
-   !> Every second bit, from the lowest on, moved together.
+   !> Collect every second bit, starting with the lowest, in the low bits of an integer.
    pure integer function gather_second(spaced) result(bits)
       integer(int64), intent(in) :: spaced           !! Bits in between are ignored
       integer(int64) :: packed

@@ -70,7 +70,7 @@ contains
       shift = 0.0_wp
       if (.not. until > from) return
       shift = (until - from)*self%steady
-      if (allocated(self%time)) shift = shift + table_way(self, from, until)
+      if (allocated(self%time)) shift = shift + table_displacement(self, from, until)
    end function motion_shift
 
    !> Mean of the velocity over a time interval, whether the wall acts or not: the integral of the
@@ -82,7 +82,7 @@ contains
       real(wp) :: mean(3)
 
       mean = self%steady
-      if (allocated(self%time)) mean = mean + table_way(self, from, from + length)/length
+      if (allocated(self%time)) mean = mean + table_displacement(self, from, from + length)/length
    end function motion_mean
 
    !> Change the velocity from a given time on: linear over an interval and constant after it. Later
@@ -103,7 +103,7 @@ contains
    end subroutine motion_steer
 
    !> Displacement by the velocity of the table alone [m].
-   pure function table_way(self, from, until) result(way)
+   pure function table_displacement(self, from, until) result(way)
       class(motion_t), intent(in) :: self
       real(wp), intent(in) :: from                   !! [s]
       real(wp), intent(in) :: until                  !! Not before that [s]
@@ -122,7 +122,7 @@ contains
          way = way + 0.5_wp*(right - left)*(value_at(self, entry, left) &
             + value_at(self, entry, right))
       end do
-   end function table_way
+   end function table_displacement
 
    !> Last entry of the table that is not after a time; 0 if all are.
    pure integer function entry_before(self, time) result(entry)

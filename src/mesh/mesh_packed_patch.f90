@@ -22,7 +22,7 @@ module mesh_packed_patch
    !> Boxes of nodes that the particles of each tile touch, and where their packed patches begin.
    type :: node_boxes_t
       integer, allocatable :: box(:, :, :)           !! (3, lowest or highest node, tile)
-      integer, allocatable :: before(:)              !! (tile + 1) Nodes of the tiles before
+      integer, allocatable :: before(:)              !! (tile + 1) Nodes of all tiles before
    contains
       procedure :: ensure => boxes_ensure            !! Reserve memory for tiles
       procedure :: line_up => boxes_find_offsets    !! Find where the packed patches begin
@@ -40,7 +40,7 @@ module mesh_packed_patch
       procedure :: grow => packed_grow               !! Reserve memory for more nodes
       procedure :: put => packed_pack                 !! Pack the patch of a tile
       procedure :: get => packed_unpack                 !! Unpack the patch of a tile
-      procedure :: assemble => packed_assemble       !! Sum of all tiles around the nodes of one
+      procedure :: assemble => packed_assemble       !! Sum the patches of a tile and its neighbours
       procedure :: length => packed_length           !! Capacity in numbers
    end type packed_patch_t
 
@@ -176,7 +176,7 @@ contains
    !> Keep the rows of the nodes of a line.
    pure subroutine put_line(self, before, at, node, nodes, patch)
       class(packed_patch_t), intent(inout) :: self
-      integer, intent(in) :: before !! Rows of the whole patch before the packed ones
+      integer, intent(in) :: before !! Number of patch rows before the first packed one
       integer, intent(in) :: at                      !! Packed nodes before the line
       integer, intent(in) :: node                    !! Nodes of the patch before the line
       integer, intent(in) :: nodes                   !! Nodes of the line

@@ -95,9 +95,9 @@ contains
    !> Sum of two fields of a tile with factors, as one piece of memory: three components at a time
    !! cost ten times as much.
    pure subroutine combine(factor, one, share, other, total)
-      real(wp), intent(in) :: factor                 !! Of the first one
+      real(wp), intent(in) :: factor                 !! Factor of the first field
       real(wp), contiguous, intent(in) :: one(:, :)  !! (component, node)
-      real(wp), intent(in) :: share                  !! Factor of the other one
+      real(wp), intent(in) :: share                  !! Factor of the second field
       real(wp), contiguous, intent(in) :: other(:, :) !! (component, node)
       real(wp), contiguous, intent(inout) :: total(:, :) !! (component, node)
 
@@ -107,9 +107,9 @@ contains
    !> Sum of two rows of numbers with factors.
    pure subroutine combine_numbers(number, factor, one, share, other, total)
       integer, intent(in) :: number                  !! Their number
-      real(wp), intent(in) :: factor                 !! Of the first one
+      real(wp), intent(in) :: factor                 !! Factor of the first field
       real(wp), intent(in) :: one(number)            !! Flattened
-      real(wp), intent(in) :: share                  !! Factor of the other one
+      real(wp), intent(in) :: share                  !! Factor of the second field
       real(wp), intent(in) :: other(number)          !! Flattened
       real(wp), intent(inout) :: total(number)       !! Flattened
       integer :: n

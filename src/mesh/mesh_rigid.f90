@@ -30,12 +30,12 @@ module mesh_rigid
    contains
       procedure :: add => rigid_add                  !! Add a region
       procedure :: advance => rigid_advance          !! Bring the regions to a time
-      procedure :: hold => rigid_hold                !! Find the nodes of a tile in them
-      procedure :: holds => rigid_holds              !! Is a node of a tile in one of them?
+      procedure :: hold => rigid_find_nodes          !! Find the nodes of a tile in them
+      procedure :: holds => rigid_has_nodes          !! Is a node of a tile in one of them?
       procedure :: constrain => rigid_constrain      !! Impose velocities on these nodes
-      procedure :: keep => rigid_keep                !! Hold nodes that were held in the step
-      procedure :: rub => rigid_rub                  !! Friction of regions
-      procedure :: take => rigid_take                !! Remove the prevented part of a change
+      procedure :: keep => rigid_impose_normal       !! Hold nodes that were held in the step
+      procedure :: rub => rigid_apply_friction       !! Friction of regions
+      procedure :: take => rigid_remove_prevented    !! Remove the prevented part of a change
    end type rigid_t
 
 contains
@@ -73,7 +73,7 @@ contains
    end subroutine rigid_advance
 
    !> Find the nodes of a tile in the regions, unless they are known and cannot have changed.
-   pure subroutine rigid_hold(self, grid, boundary, coordinate, held)
+   pure subroutine rigid_find_nodes(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
@@ -103,7 +103,7 @@ contains
       held%moves = moves
       if (allocated(held%node)) deallocate (held%node, held%wall, held%normal)
       if (meets) call find_nodes(self, grid, boundary, coordinate, held)
-   end subroutine rigid_hold
+   end subroutine rigid_find_nodes
 
    !> Nodes of a tile in the regions, and the directions out.
    pure subroutine find_nodes(self, grid, boundary, coordinate, held)
@@ -152,7 +152,7 @@ contains
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer, intent(in) :: node                    !! Node of the tile
       real(wp), intent(in) :: place(3)               !! Of the node [m]
-      real(wp), intent(out) :: normal(3)             !! Of length one, or 0 if the node sticks [1]
+      real(wp), intent(out) :: normal(3)             !! Unit normal, or 0 if the node sticks [1]
       real(wp), parameter :: least = 1.0e-3_wp       ! a boundary and a region side by side
       integer :: k, wall, face, global(3)
       logical :: found
@@ -180,12 +180,12 @@ contains
    end subroutine find_normal
 
    !> True if a node of the tile is inside a region.
-   pure logical function rigid_holds(self, tile) result(holds)
+   pure logical function rigid_has_nodes(self, tile) result(holds)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
 
       holds = allocated(self%held(tile)%node)
-   end function rigid_holds
+   end function rigid_has_nodes
 
    !> Set the velocity of the nodes in sticking regions, and stop motion into others. Equation (R.1)
    !! of doc/theory/rigid.md.
@@ -219,7 +219,7 @@ contains
 
    !> Friction of regions after Coulomb, as of boundaries: see boundary_friction. The velocities are
    !! those relative to the region. Equations (R.2) and (R.3).
-   pure subroutine rigid_rub(self, tile, dt, share, free, velocity, acceleration)
+   pure subroutine rigid_apply_friction(self, tile, dt, share, free, velocity, acceleration)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), intent(in) :: dt                     !! Time step, above 0 [s]
@@ -259,11 +259,11 @@ contains
             end associate
          end do
       end associate
-   end subroutine rigid_rub
+   end subroutine rigid_apply_friction
 
    !> Set the normal velocity of nodes that regions constrained in the step to that of the region,
    !! unless the node separates.
-   pure subroutine rigid_keep(self, tile, ended, velocity)
+   pure subroutine rigid_impose_normal(self, tile, ended, velocity)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: ended(:, :) !! (3, node) Velocity after the step [m/s]
@@ -284,11 +284,11 @@ contains
             end associate
          end do
       end associate
-   end subroutine rigid_keep
+   end subroutine rigid_impose_normal
 
    !> Remove the part of a change of velocities that regions prevent: all of it, or its component
    !! along the normal where the node does not separate.
-   pure subroutine rigid_take(self, tile, velocity, open, change)
+   pure subroutine rigid_remove_prevented(self, tile, velocity, open, change)
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before the forces act [m/s]
@@ -315,7 +315,7 @@ contains
             end if
          end do
       end associate
-   end subroutine rigid_take
+   end subroutine rigid_remove_prevented
 
    !> Does a node not leave a region?
    pure logical function stays(wall, normal, velocity) result(held)

@@ -158,7 +158,7 @@ contains
       normal = 0.0_wp
       call rays(grid, around(grid%dimensions), direction, number)
       do n = 1, number
-         way(n) = way_out(walls, grid, place, direction(:, n))
+         way(n) = surface_distance(walls, grid, place, direction(:, n))
       end do
       shortest = minval(way(:number))
       found = shortest < huge(shortest)
@@ -172,7 +172,7 @@ contains
    end subroutine guess_outward
 
    !> Distance to the surface along a direction, huge if it is long or leaves the domain [m].
-   pure real(wp) function way_out(walls, grid, place, direction) result(way)
+   pure real(wp) function surface_distance(walls, grid, place, direction) result(way)
       type(wall_t), intent(in) :: walls(:)           !! The rigid regions
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: place(3)               !! [m]
@@ -186,7 +186,7 @@ contains
          return
       end do
       way = huge(way)
-   end function way_out
+   end function surface_distance
 
    !> Distance at which a line leaves the walls, between a point inside and one outside [m].
    pure real(wp) function surface_on(walls, grid, place, direction, inside, outside) result(way)
@@ -222,7 +222,7 @@ contains
 
       smooth = grid%dimensions > 1
       if (.not. smooth) return
-      way = way_out(walls, grid, place, normal)
+      way = surface_distance(walls, grid, place, normal)
       smooth = way < huge(way)
       if (.not. smooth) return
       call tangents(grid, normal, along, directions)

@@ -10,7 +10,7 @@ module output_history_columns
    use mesh_grid, only: grid_t
    use output_table_stream, only: heading_length
    use particle_store, only: store_t
-   use step_diagnostics, only: examine_shapes, shapes_look_t
+   use step_diagnostics, only: examine_shapes, shapes_sample_t
    use step_exact_error, only: error_columns, measure_errors
    use step_ledger, only: balance_t, ledger_entries
    use step_simulation, only: simulation_t
@@ -185,7 +185,7 @@ contains
       real(wp), allocatable, intent(out) :: row(:)   !! (column)
       real(wp) :: values(every)
       type(balance_t) :: now
-      type(shapes_look_t) :: look
+      type(shapes_sample_t) :: look
 
       values = 0.0_wp
       call simulation%balance%ledger%balance(simulation%machine%communicator, &

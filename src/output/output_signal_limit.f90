@@ -23,7 +23,7 @@ module output_signal_limit
 
    !> Cost of few particles that limit the steps.
    type :: signal_limit_t
-      integer(int64) :: particles = 0                !! Particles that limit the steps, 0: many
+      integer(int64) :: particles = 0                !! That limit the steps; 0 if many
       integer(int64) :: all = 0                      !! Total number
       real(wp) :: factor = 1.0_wp                    !! Ratio of step lengths without them [1]
    end type signal_limit_t
@@ -112,7 +112,7 @@ contains
          + simulation%materials(index)%signal_speed(simulation%stores(index)%state, p, p)
    end function signal_of
 
-   !> Greatest signal of this rank.
+   !> Greatest signal speed of the particles of this rank [m/s].
    real(wp) function fastest_particle(simulation, wave, bound) result(fastest)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: wave(:, :)             !! (tile, store) [m/s]

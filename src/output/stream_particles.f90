@@ -131,8 +131,8 @@ contains
       class(stream_particles_t), intent(inout) :: self
       type(simulation_t), intent(inout) :: simulation
       character(len=*), intent(in) :: path
-      type(snapshot_header_t), intent(in) :: header  !! Text and time for the file
-      type(error_t), allocatable, intent(out) :: error !! It cannot be written
+      type(snapshot_header_t), intent(in) :: header  !! Description and time of the snapshot
+      type(error_t), allocatable, intent(out) :: error !! The file cannot be written
       type(labels_t), allocatable :: labels(:)
 
       if (any(self%fields == "fragment")) call fragment_labels(simulation%machine%communicator, &

@@ -70,7 +70,7 @@ contains
       class(stream_profile_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(simulation_t), intent(inout) :: simulation !! For the names of its fields; not changed
       type(named_shape_t), intent(in) :: shapes(:)
       character(len=field_length), allocatable :: fields(:)
       type(error_t), allocatable :: error

@@ -35,7 +35,7 @@ module particle_body
          type(grid_t), intent(in) :: grid
          integer, intent(in) :: coordinate(3)         !! Tile, counted from 0
          real(wp), allocatable, intent(out) :: position(:, :) !! (3, particle) [m]
-         real(wp), allocatable, intent(out) :: volume(:) !! (particle) Or a relative weight [m3]
+         real(wp), allocatable, intent(out) :: volume(:) !! (particle) Or relative weights [m3]
          integer(int64), allocatable, intent(out) :: number(:) !! (particle) From 1, each once
       end subroutine collect_i
    end interface

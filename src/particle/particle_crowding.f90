@@ -80,7 +80,7 @@ contains
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
-      real(wp), intent(in) :: patch(:, :)            !! (2, node) As above, of all materials
+      real(wp), intent(in) :: patch(:, :)            !! (2, node) Sums over all materials
       real(wp), intent(out) :: claimed               !! Sum of the volumes of particles [m3]
       real(wp), intent(out) :: occupied              !! The same, at most the nodes' volumes [m3]
       real(wp) :: around(size(alone))

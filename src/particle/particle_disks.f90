@@ -23,14 +23,14 @@ module particle_disks
    real(wp), parameter :: filled(3) = [0.71_wp, 0.461_wp, 0.277_wp]
    !> Volume of a ball of diameter one, by dimensions.
    real(wp), parameter :: ball(3) = [1.0_wp, 0.785398163397448_wp, 0.523598775598299_wp]
-   integer, parameter :: trials = 16                  !! For each point of the target number
+   integer, parameter :: trials = 16                  !! Random points per particle expected
    integer, parameter :: block_cells(3) = [64, 10, 6] !! Cells along a block, by dimensions
    integer(int64), parameter :: pattern_key = -1      !! Key of the random numbers of the pattern
 
    !> Particles in Poisson disks.
    type, extends(given_t) :: disks_t
-      integer(int64) :: seed = 0                      !! Of the run
-      integer(int64) :: key = 0                       !! Of the body, so that bodies differ
+      integer(int64) :: seed = 0                      !! Random seed of the run
+      integer(int64) :: key = 0                       !! Differs between bodies
       real(wp) :: distance = 0.0_wp                   !! Least distance [cells]
       integer :: width(3) = 1                         !! Cells along a block
       integer :: wanted = 1                           !! Target number of points of a block

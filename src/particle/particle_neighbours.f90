@@ -191,7 +191,7 @@ contains
                end if
                if (q == 0) return
                edges = edges + 1
-               edge(:, edges) = sign*way_between(grid, store, store%first(tile) + p - 1, &
+               edge(:, edges) = sign*separation_vector(grid, store, store%first(tile) + p - 1, &
                   store%first(tile) + q - 1)
             end if
             stride = stride*lattice%sites(k)
@@ -200,7 +200,7 @@ contains
    end subroutine edges_between
 
    !> Vector from one particle to another, the shortest one in periodic directions [m].
-   pure function way_between(grid, store, from, to) result(way)
+   pure function separation_vector(grid, store, from, to) result(way)
       type(grid_t), intent(in) :: grid
       type(store_t), intent(in) :: store
       integer, intent(in) :: from
@@ -215,7 +215,7 @@ contains
          length = grid%upper(k) - grid%lower(k)
          if (grid%periodic(k)) way(k) = way(k) - length*anint(way(k)/length)
       end do
-   end function way_between
+   end function separation_vector
 
    !> Length of the longest vector of the shortest basis of a lattice, given any basis. Vectors
    !! are shortened by integer multiples of each other until none gets shorter (C. F. Gauss,

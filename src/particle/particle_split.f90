@@ -20,7 +20,7 @@ module particle_split
    implicit none
    private
 
-   public :: find_opening, generation_of, half_of, root_of, shares_of_halves, split_store, &
+   public :: find_opening, generation_of, half_of, root_of, fractions_of_halves, split_store, &
       splitting_t
 
    integer, parameter, public :: root_bits = 40      !! Lower bits: the identity of the first whole
@@ -232,7 +232,7 @@ contains
       end do
       if (.not. grid%axisymmetric) return
       reach = 0.5_wp*abs(store%domain(p, 3*(edge - 1) + 1))
-      if (minval(shares_of_halves(grid, store%position(p, 1), reach)) < least_share) edge = 0
+      if (minval(fractions_of_halves(grid, store%position(p, 1), reach)) < least_share) edge = 0
    end function too_long
 
    !> True if a particle is larger than a cube with the longest edge. Material without strength
@@ -250,7 +250,7 @@ contains
    end function is_large
 
    !> Mass and volume fractions of the half against the edge and the half along it. Equation (P.4).
-   pure function shares_of_halves(grid, radius, shift) result(share)
+   pure function fractions_of_halves(grid, radius, shift) result(share)
       type(grid_t), intent(in) :: grid
       real(wp), intent(in) :: radius                 !! Of the whole, along x [m]
       real(wp), intent(in) :: shift                  !! Along x, of the half along the edge [m]
@@ -258,7 +258,7 @@ contains
 
       share = 0.5_wp
       if (grid%axisymmetric) share = 0.5_wp*[1.0_wp - shift/radius, 1.0_wp + shift/radius]
-   end function shares_of_halves
+   end function fractions_of_halves
 
    !> Turn two equal particles into halves, whose velocities conserve the momentum of the whole.
    !! Equations (P.2) and (P.3).
@@ -283,7 +283,7 @@ contains
          half(k) = 0.5_wp*store%domain(low, 3*(edge - 1) + k)
       end do
       where (.not. grid%active) half = 0.0_wp
-      share = shares_of_halves(grid, store%position(low, 1), half(1))
+      share = fractions_of_halves(grid, store%position(low, 1), half(1))
       rate = opening
       if (flows .and. allocated(store%state%energy)) then
          ! in a thin, cold gas the velocity difference needs more than the internal energy

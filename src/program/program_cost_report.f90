@@ -13,7 +13,7 @@ module program_cost_report
    use program_solid_volumes, only: solid_volumes_text
    use scene_contact, only: contact_text
    use scene_particles, only: survey_t
-   use step_contact, only: rubs_later
+   use step_contact, only: dissipation_after_remap
    use step_move_nodes, only: records_later
    use step_node_fields, only: difference_columns, mean_columns, node_needs_t, node_tally_t
    use step_normalised_sums, only: counted_columns, normal_columns
@@ -202,7 +202,8 @@ contains
          needs%energy = scheme%works
          needs%averages = method%averages()
          needs%repacks = scheme%repacks
-         if (allocated(effects%contact)) needs%contact = merge(4, 1, rubs_later(scheme))
+         if (allocated(effects%contact)) &
+            needs%contact = merge(4, 1, dissipation_after_remap(scheme))
          needs%filters = method%transfer%sweeps() > 0
          needs%later = records_later(space, scheme, effects)
          if (needs%filters) needs%extra = 3

@@ -57,7 +57,7 @@ contains
       files = row*setup%outputs%ledger_rows(setup%limits%time_end, steps) &
          + real(setup%outputs%full_snapshots(setup%limits%time_end), wp)*snapshot_bytes &
          *real(setup%survey%particles, wp)/snapshot_speed
-      share = wall_share(trial%last%wall, trial%last%processor, omp_get_max_threads())
+      share = wall_time_ratio(trial%last%wall, trial%last%processor, omp_get_max_threads())
       write (line, "(a,i0,a,i0,a,es8.1,a)") " on 1 rank x ", omp_get_max_threads(), &
          " threads, from ", trial%last%steps, " steps of ", trial%last%processor*share &
          /real(trial%last%steps, wp), " s, "
@@ -69,7 +69,7 @@ contains
    !> Ratio of wall time to processor time of all threads. A ratio above that of busy threads is due
    !! to waiting; a much higher ratio means that other programs use the cores; the estimate is then
    !! for an idle machine.
-   pure real(wp) function wall_share(wall, processor, threads) result(share)
+   pure real(wp) function wall_time_ratio(wall, processor, threads) result(share)
       real(wp), intent(in) :: wall                   !! Of the first steps [s]
       real(wp), intent(in) :: processor              !! The same of all threads [s]
       integer, intent(in) :: threads                 !! Number of threads
@@ -78,7 +78,7 @@ contains
       share = 1.0_wp/real(threads, wp)
       if (processor > 0.0_wp .and. wall/max(processor, tiny(processor)) < most*share) &
          share = max(share, wall/processor)
-   end function wall_share
+   end function wall_time_ratio
 
    !> Extrapolate processor time and steps from the first steps to the whole run.
    subroutine extrapolate_costs(setup, trial, seconds, steps, basis)

@@ -17,8 +17,8 @@ module program_solid_volumes
 
 contains
 
-   !> One line for each body of facets, voxels or a prism, and for each list of particles. In
-   !! axisymmetric scenes the volume of the shape is not that of the body, and there is no line.
+   !> One line for each body of facets, voxels or a prism, and for each list of particles. There
+   !! are no lines in axisymmetric scenes, where the volume of the shape is not that of the body.
    function solid_volumes_text(grid, bodies, particles) result(text)
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)

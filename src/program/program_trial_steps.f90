@@ -18,7 +18,7 @@ module program_trial_steps
    integer, parameter, public :: warm_steps = 3      !! Not measured: the first steps load caches
    real(wp), parameter :: timeable = 0.1_wp          !! Least processor time of a measurement [s]
 
-   !> Costs up to a time of a run.
+   !> Cost of a run from its start to a time.
    type :: mark_t
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: processor = 0.0_wp                 !! Of all threads since the start [s]

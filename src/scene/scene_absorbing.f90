@@ -52,7 +52,8 @@ contains
       integer :: n
 
       refused = 0
-      share = share_of_face(simulation%space%grid, face, simulation%scheme%method%basis%at_wall())
+      share = boundary_area_per_volume(simulation%space%grid, face, &
+         simulation%scheme%method%basis%at_wall())
       call find_beyond(simulation%space%grid, bodies, face, absorbing%beyond)
       allocate (absorbing%decay(2, size(simulation%materials)))
       do n = 1, size(simulation%materials)
@@ -87,10 +88,10 @@ contains
    end subroutine refuse
 
    !> Area of the boundary of a node divided by the volume of the node [1/m].
-   pure real(wp) function share_of_face(grid, face, at_wall) result(share)
+   pure real(wp) function boundary_area_per_volume(grid, face, at_wall) result(share)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: face                    !! 1 to 6
-      real(wp), intent(in) :: at_wall                !! Integral of its function [cells]
+      real(wp), intent(in) :: at_wall                !! Integral of its shape function [cells]
       real(wp) :: weight(0:1), area
 
       associate (normal => (face + 1)/2)
@@ -106,7 +107,7 @@ contains
          ! the weights are those of linear functions, whose integral is half a cell
          share = area/(share*at_wall/0.5_wp)
       end associate
-   end function share_of_face
+   end function boundary_area_per_volume
 
    !> Index of the material at each node of a boundary at the start, from the adjacent cells; 0 if
    !! none.

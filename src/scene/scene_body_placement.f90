@@ -32,7 +32,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
-      real(wp), intent(in) :: most_points            !! More need permission by the user
+      real(wp), intent(in) :: most_points            !! More need --force
       logical, intent(in) :: force                   !! Set by the user
       real(wp) :: identities, points, reach(3), low(3), high(3), tiles
       integer :: n

@@ -28,8 +28,9 @@ contains
       has = deck%count("stage") > 0 .and. .not. grains%given("diameter")
    end function has_cell
 
-   !> Defaults of &method in a cell that deforms, and its required values: only the velocity, and no
-   !! other particle field, is defined on the mesh of another shape.
+   !> Defaults and required values of &method in a cell that deforms. Transfers that need particle
+   !! fields other than the velocity are refused, as these are not defined on a mesh that changes
+   !! its shape.
    subroutine set_cell_defaults(deck)
       type(deck_t), intent(inout) :: deck            !! Gets defaults and errors
 

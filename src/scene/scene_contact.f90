@@ -8,7 +8,7 @@ module scene_contact
    use material_type, only: material_t
    use particle_fill, only: body_t
    use particle_store, only: store_t
-   use step_contact, only: rubs_later
+   use step_contact, only: dissipation_after_remap
    use step_method, only: position_of
    use step_node_fields, only: node_needs_t, node_tally_t, nodes_t
    use step_simulation, only: contact_t, simulation_t, velocity_field_t
@@ -72,7 +72,7 @@ contains
          allocate (simulation%fields(fields), contact%law(fields, fields))
       end associate
       call pair_sides(simulation, parting)
-      call share_out(contact, simulation, bodies)
+      call assign_stores(contact, simulation, bodies)
       call read_pairs(deck, bodies, contact)
       if (any(parting)) call share_laws(simulation%fields, contact)
       if (any(parting)) call refuse_parting(deck, simulation, bodies, contact)
@@ -242,7 +242,7 @@ contains
 
    !> Assign a separate store to each pair of velocity field and material; the stores of a field are
    !! consecutive.
-   subroutine share_out(contact, simulation, bodies)
+   subroutine assign_stores(contact, simulation, bodies)
       type(contact_t), intent(inout) :: contact      !! Gets the stores of its fields
       type(simulation_t), intent(inout) :: simulation !! In the end one material a store
       type(body_t), intent(inout) :: bodies(:)       !! Get their stores
@@ -265,7 +265,7 @@ contains
       end do
       simulation%materials = simulation%materials(kind(:stores))
       contact%material = kind(:stores)
-   end subroutine share_out
+   end subroutine assign_stores
 
    !> Laws between bodies; names take precedence over '*'.
    subroutine read_pairs(deck, bodies, contact)
@@ -441,7 +441,7 @@ contains
       associate (contact => simulation%effects%contact)
          text = "contact    "//number(size(contact%law, 1))//" velocity fields, each with node "// &
             "fields and an exchange of its own, and "//number(contact_columns(contact, &
-            rubs_later(simulation%scheme)))// &
+            dissipation_after_remap(simulation%scheme)))// &
             " numbers a node"//new_line("a")
          do b = 2, size(contact%law, 1)
             do a = 1, b - 1

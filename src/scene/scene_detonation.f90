@@ -58,7 +58,7 @@ contains
          group = deck%group("detonation", index)
          call read_detonator(deck, group, simulation%space%grid, detonator)
          if (.not. deck%sound("detonation", index)) cycle
-         call share_out(deck, group, detonator, simulation, bodies)
+         call ignite_explosives(deck, group, detonator, simulation, bodies)
       end do
    end subroutine read_detonations
 
@@ -137,7 +137,7 @@ contains
    end subroutine read_detonator
 
    !> Add a detonation to the explosives that it ignites.
-   subroutine share_out(deck, group, detonator, simulation, bodies)
+   subroutine ignite_explosives(deck, group, detonator, simulation, bodies)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(group_t), intent(in) :: group             !! The &detonation
       type(detonator_t), intent(in) :: detonator
@@ -172,7 +172,7 @@ contains
          call deck%warn(group, "lies outside of every explosive, more than a cell from the box "// &
             "around it; it ignites what it sees, as if the space between were explosive", "point")
       end if
-   end subroutine share_out
+   end subroutine ignite_explosives
 
    !> Is a detonation within a cell of the box around a body? The nearest points of two convex sets
    !! are found by alternating projections.

@@ -97,7 +97,7 @@ contains
             return
          end if
          if (abs(cells - anint(cells)) <= tolerance*max(cells, 1.0_wp) .and. cells > 0.5_wp) cycle
-         call deck%complain(grid, "(hi-lo)/dx = "//brief(cells)//" is not whole in "// &
+         call deck%complain(grid, "(hi-lo)/dx = "//brief(cells)//" is not integer in "// &
             axis_names(k)// &
             "; nearest: hi = "//deck%shown(lo(k) + max(anint(cells), 1.0_wp)*dx, "m")// &
             " or dx = "// &

@@ -157,7 +157,7 @@ contains
       integer :: index
 
       call number_bodies(simulation%space%grid, bodies)
-      call share_out_tiles(simulation, survey, own)
+      call distribute_tiles(simulation, survey, own)
       allocate (none(0))
       call simulation%space%tiles%set(simulation%space%grid, own, none)
       do index = 1, size(simulation%stores)
@@ -206,7 +206,7 @@ contains
    end subroutine fill_store
 
    !> Cut the curve so that ranks get equal numbers of particles, and send each rank its tiles.
-   subroutine share_out_tiles(simulation, survey, own)
+   subroutine distribute_tiles(simulation, survey, own)
       type(simulation_t), intent(inout) :: simulation !! Gets the cuts
       type(survey_t), intent(in) :: survey           !! Counts of particles
       integer(int64), allocatable, intent(out) :: own(:) !! Keys of its tiles, ascending
@@ -227,7 +227,7 @@ contains
          own = own(sort_order(own))
          machine%load%listed = max(size(survey%key, kind=int64), size(own, kind=int64))
       end associate
-   end subroutine share_out_tiles
+   end subroutine distribute_tiles
 
    !> Set the state of the particles of a tile at the start. The particles of a body are contiguous.
    subroutine start_tile(bodies, material, tile, store)

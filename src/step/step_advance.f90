@@ -7,7 +7,7 @@ module step_advance
    use particle_moving_cell, only: measure_cell, shift_particles
    use step_body_force, only: average_gravity, record_body_force, update_gravity
    use step_conduction, only: conduct_heat
-   use step_contact, only: apply_contact, break_bonds, find_later_heat, rubs_later
+   use step_contact, only: apply_contact, break_bonds, find_later_heat, dissipation_after_remap
    use step_contact_surface, only: find_contact_surfaces
    use step_dual_gradient, only: apply_dual_gradient
    use step_heat_flux, only: add_artificial_heat_flux
@@ -167,7 +167,8 @@ contains
          do n = 1, size(simulation%fields)
             call remap_velocities(simulation, simulation%fields(n), simulation%clock%kick)
          end do
-         if (allocated(simulation%effects%contact) .and. rubs_later(simulation%scheme)) &
+         if (allocated(simulation%effects%contact) .and. &
+            dissipation_after_remap(simulation%scheme)) &
             call find_later_heat(simulation)
          call check_node_displacement(simulation, dt, again, error)
          if (allocated(error)) return

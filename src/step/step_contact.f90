@@ -19,7 +19,7 @@ module step_contact
    implicit none
    private
 
-   public :: add_contact_heat, apply_contact, break_bonds, find_later_heat, rubs_later
+   public :: add_contact_heat, apply_contact, break_bonds, find_later_heat, dissipation_after_remap
 
    real(wp), parameter :: slack = 1.0e-3_wp            !! Gap that counts as none, in cells
    real(wp), parameter :: bond_reach = 0.5_wp        !! Widest gap of a bond, in cells
@@ -39,7 +39,7 @@ contains
       do field = 1, size(simulation%fields)
          call ensure_patch(simulation%fields(field)%nodes%work%rubbed, 1, &
             simulation%space%grid%tile_nodes, simulation%space%tiles%all)
-         if (rubs_later(simulation%scheme)) &
+         if (dissipation_after_remap(simulation%scheme)) &
             call ensure_patch(simulation%fields(field)%nodes%work%pressed, 3, &
             simulation%space%grid%tile_nodes, simulation%space%tiles%all)
       end do
@@ -59,11 +59,11 @@ contains
    !> True if the dissipation of contact is found with the velocity that `musl` and `usavg` map
    !! again. If materials carry internal energy, energy and work both use the velocities of the
    !! forces.
-   pure logical function rubs_later(scheme) result(later)
+   pure logical function dissipation_after_remap(scheme) result(later)
       type(scheme_t), intent(in) :: scheme
 
       later = scheme%method%remaps() .and. .not. scheme%carries_energy
-   end function rubs_later
+   end function dissipation_after_remap
 
    !> Allocate the bonds that break.
    subroutine ensure_broken(space, effects)
@@ -89,7 +89,7 @@ contains
 
       do field = 1, size(simulation%fields)
          simulation%fields(field)%nodes%work%rubbed(:, :, tile) = 0.0_wp
-         if (rubs_later(simulation%scheme)) &
+         if (dissipation_after_remap(simulation%scheme)) &
             simulation%fields(field)%nodes%work%pressed(:, :, tile) = 0.0_wp
       end do
       if (simulation%effects%contact%bonded) simulation%effects%contact%broken(:, :, tile) = .false.

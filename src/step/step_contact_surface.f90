@@ -289,7 +289,7 @@ contains
       end associate
    end function guess_area
 
-   !> Row of the extent of field a towards b along a candidate normal.
+   !> Row in which the extent of field a towards field b along a candidate normal is stored.
    pure integer function reach_row(contact, a, b, guess) result(row)
       type(contact_t), intent(in) :: contact
       integer, intent(in) :: a, b                    !! Indices of two velocity fields

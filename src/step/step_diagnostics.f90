@@ -16,8 +16,8 @@ module step_diagnostics
    implicit none
    private
 
-   public :: bounds_look_t, examine_bounds, examine_shapes, find_greatest, find_unbalanced, &
-      shapes_look_t, watch_unbalanced
+   public :: bounds_sample_t, examine_bounds, examine_shapes, find_greatest, find_unbalanced, &
+      shapes_sample_t, watch_unbalanced
 
    integer, parameter, public :: measure_speed = 1   !! Square of the speed [m2/s2]
    integer, parameter, public :: measure_heat = 2    !! Carried energy per mass [J/kg]
@@ -26,15 +26,15 @@ module step_diagnostics
    integer, parameter, public :: measure_volume = 5  !! Volume over that at rest [1]
 
    !> Greatest and least of all particles.
-   type :: bounds_look_t
+   type :: bounds_sample_t
       real(wp) :: speed = 0.0_wp                     !! Greatest speed [m/s]
       real(wp) :: heat = -huge(1.0_wp)               !! Greatest carried energy per mass [J/kg]
       real(wp) :: cold = huge(1.0_wp)                !! Least of these [J/kg]
       real(wp) :: energy = 0.0_wp                    !! Greatest energy of one particle [J]
-   end type bounds_look_t
+   end type bounds_sample_t
 
    !> Distances of neighbours, volumes in cells, and noise of pressures.
-   type :: shapes_look_t
+   type :: shapes_sample_t
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
       real(wp) :: share = 0.0_wp                     !! Of the mass, with neighbours apart [1]
       real(wp) :: overlap = 0.0_wp                   !! Volume in excess of the cells [1]
@@ -43,7 +43,7 @@ module step_diagnostics
       real(wp) :: difference = 0.0_wp                !! The same, of that from the node means [Pa]
       integer(int64) :: longest_identity = huge(1_int64)    !! Of the farthest neighbour
       integer(int64) :: difference_identity = huge(1_int64) !! Of the greatest pressure noise
-   end type shapes_look_t
+   end type shapes_sample_t
 
    !> Columns of the results of a tile: sums, and greatest values from the ninth on.
    integer, parameter :: far_mass = 1, seen_mass = 2, claimed = 3, occupied = 4, noise = 5, &
@@ -97,8 +97,8 @@ contains
       type(space_t), intent(in) :: space
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(inout) :: machine
-      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
-      type(bounds_look_t), intent(out) :: look       !! Measured values
+      real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
+      type(bounds_sample_t), intent(out) :: look       !! Measured values
       real(wp) :: greatest(4, max(1, space%tiles%own)), all(4)
       integer :: index, tile
 
@@ -129,7 +129,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
-      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
       real(wp), intent(inout) :: greatest(4)         !! As above
       real(wp) :: square, speed, hot, cold, energy
       integer :: p
@@ -167,7 +167,7 @@ contains
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(in) :: machine
       integer, intent(in) :: measure                 !! One of those above
-      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
       real(wp) :: value, greatest
       integer :: index, tile, p
 
@@ -196,7 +196,7 @@ contains
       integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
       integer, intent(in) :: measure                 !! One of those above
-      real(wp), intent(in) :: least_energy           !! Carried energies count from here [J/kg]
+      real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
 
       value = -huge(1.0_wp)
       associate (state => store%state, v => store%velocity)
@@ -236,7 +236,7 @@ contains
    !> Distances of neighbours, volumes, pressures. Collective.
    subroutine examine_shapes(simulation, look)
       type(simulation_t), intent(in) :: simulation   !! Between two steps
-      type(shapes_look_t), intent(out) :: look       !! Measured values
+      type(shapes_sample_t), intent(out) :: look       !! Measured values
       real(wp), allocatable :: found(:, :)
       integer(int64), allocatable :: who(:, :)
       type(exact_sum_t) :: sum

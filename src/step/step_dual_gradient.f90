@@ -16,7 +16,7 @@ module step_dual_gradient
    implicit none
    private
 
-   public :: calm_tile, apply_dual_gradient, find_volumes, node_gradient, store_gradient
+   public :: limit_tile_gains, apply_dual_gradient, find_volumes, node_gradient, store_gradient
 
    real(wp), parameter :: small = 3.0e-3_wp          !! Ignored cell fraction
 
@@ -223,7 +223,7 @@ contains
    end subroutine add_star
 
    !> Bound the gain of nodes of small mass of a tile in the velocity that strains.
-   pure subroutine calm_tile(simulation, field, tile, slot, dt)
+   pure subroutine limit_tile_gains(simulation, field, tile, slot, dt)
       type(simulation_t), intent(inout) :: simulation
       type(velocity_field_t), intent(inout) :: field
       integer, intent(in) :: tile
@@ -236,11 +236,11 @@ contains
          if (.not. light_may_gain(simulation%space%grid, dt, nodes%motion%acceleration(:, :, &
             slot))) return
          if (nodes%motion%lean) call find_volumes(simulation, field, tile, slot)
-         call calm_light_nodes(simulation%space%grid, simulation%space%tiles%coordinate(:, tile), &
+         call limit_node_gains(simulation%space%grid, simulation%space%tiles%coordinate(:, tile), &
             nodes%dual%volume(1, :, slot), dt, nodes%motion%velocity(:, :, slot), &
             nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
       end associate
-   end subroutine calm_tile
+   end subroutine limit_tile_gains
 
    !> Contribution of the cells of a tile to the node gradient of a velocity.
    pure subroutine store_gradient(space, scheme, field, tile, velocity, gradient)
@@ -301,7 +301,7 @@ contains
    !! volumes count with the weights of cells, so they measure the small mass of a node and its
    !! cells. Gains that move a node by less than a small fraction of a cell are not changed.
    !! Equation (M.17) of doc/theory/method.md.
-   pure subroutine calm_light_nodes(grid, coordinate, volume, dt, velocity, acceleration, strain)
+   pure subroutine limit_node_gains(grid, coordinate, volume, dt, velocity, acceleration, strain)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! The tile, counted from 0
       real(wp), intent(in) :: volume(:)              !! (node) With the weights of cells [m3]
@@ -322,5 +322,5 @@ contains
          share = max(volume(node)/(light*around(node)), small*grid%spacing/gain)
          if (share < 1.0_wp) strain(:, node) = velocity(:, node) + share*dt*acceleration(:, node)
       end do
-   end subroutine calm_light_nodes
+   end subroutine limit_node_gains
 end module step_dual_gradient

@@ -71,7 +71,7 @@ contains
       class(exact_t), intent(in) :: solution
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
-      real(wp), intent(in) :: times(errors)          !! Of position, velocity, stress [s]
+      real(wp), intent(in) :: times(errors)          !! Times of position, velocity, stress [s]
       real(wp), intent(out) :: sums(:)               !! Mass times squares, and mass
       real(wp), intent(inout) :: farthest            !! Greatest displacement of the solution [m]
       real(wp) :: point(3), position(3), velocity(3), gradient(3, 3), stress(6), square(errors)

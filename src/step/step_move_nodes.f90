@@ -7,7 +7,7 @@ module step_move_nodes
    use mesh_patch, only: add_field, assemble, clear_patch, combine, ensure_patch
    use omp_lib, only: omp_get_thread_num
    use step_dissipation, only: damps
-   use step_dual_gradient, only: calm_tile, find_volumes, store_gradient
+   use step_dual_gradient, only: limit_tile_gains, find_volumes, store_gradient
    use step_node_displacement, only: examine_tile, worse
    use step_node_fields, only: empty_mass
    use step_node_sums, only: divide, divide_motion, ensure_sums, find_sums, slots
@@ -132,7 +132,7 @@ contains
          ! with the same numbers as before, so to the same bits where particles need it
          call combine(1.0_wp, nodes%motion%velocity(:, :, slot), nodes%motion%acting, &
             nodes%motion%acceleration(:, :, slot), nodes%motion%strain(:, :, slot))
-         call calm_tile(simulation, field, tile, slot, nodes%motion%acting)
+         call limit_tile_gains(simulation, field, tile, slot, nodes%motion%acting)
       end associate
    end subroutine restore_velocities
 
@@ -298,10 +298,10 @@ contains
 
       if (.not. simulation%scheme%method%dual) return
       slot = field%nodes%slot(tile)
-      call calm_tile(simulation, field, tile, slot, dt)
+      call limit_tile_gains(simulation, field, tile, slot, dt)
       associate (nodes => field%nodes)
          if (simulation%scheme%method%averages()) then
-            ! the velocity that strains at the end of the step is mapped later
+            ! the strain velocity at the end of the step is mapped later
             call store_gradient(simulation%space, simulation%scheme, field, tile, &
                nodes%motion%velocity(:, &
                :, slot), nodes%dual%earlier)

@@ -61,7 +61,7 @@ module step_node_fields
       procedure, private :: add_weights => tally_weights
    end type node_tally_t
 
-   !> Sums over the particles, and how the nodes move.
+   !> Sums over particles at the nodes, and the motion of the nodes.
    type :: motion_nodes_t
       type(node_boxes_t) :: touched                  !! Nodes to which the particles of tiles add
       !> Packed patches of mass, momentum, force, with the dual gradient volume; and of stress times
@@ -120,8 +120,8 @@ module step_node_fields
 
    !> Normalised sums.
    type :: normalised_nodes_t
-      !> Patch (5 or 6): mass, volume, volume times 1 - alpha of three directions, volume beyond the
-      !! scope
+      !> Patch (5 or 6): mass, volume, volume times 1 - alpha for the three directions, volume of
+      !! materials without normalised sums
       real(wp), allocatable :: counted(:, :, :)
       real(wp), allocatable :: covered(:, :, :)      !! Patch (1): volume of full cells [m3]
       !> (7) Factors of the three directions [1/m3], fill of the cells around [1], and of the three

@@ -152,7 +152,7 @@ contains
       end do
    end subroutine multiply_tensors
 
-   !> Multiply the components of nodes by a factor of each node.
+   !> Multiply the values of each node by a factor of this node.
    pure subroutine multiply_nodes(components, nodes, factor, values)
       integer, intent(in) :: components              !! Numbers per node
       integer, intent(in) :: nodes                   !! Nodes of the tile

@@ -30,7 +30,7 @@ module step_nodes_to_particles
    use transfer_basis, only: expand_spin
    use transfer_bbar, only: average_dilatation
    use transfer_shape_data, only: shape_data_t, spare
-   use transfer_shock_compression, only: bound_jump, find_jump
+   use transfer_shock_compression, only: limit_compression, find_jump
    implicit none
    private
 
@@ -471,7 +471,7 @@ contains
          if (method%limited) call find_jump(simulation%space%grid, store%cell_start(:, tile), &
             field%nodes%motion%strain(:, :, view%slot), view%gradient, deformation%gradient, &
             deformation%jump)
-         if (normalised(simulation, index)) call bound_jump(simulation%space%grid, &
+         if (normalised(simulation, index)) call limit_compression(simulation%space%grid, &
             store%cell_start(:, tile), field%nodes%motion%strain(:, :, view%slot), dt, &
             deformation%gradient, deformation%jump)
          call scratch%laps%update(simulation%materials(index), store%state, deformation, &

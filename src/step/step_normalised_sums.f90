@@ -37,18 +37,18 @@ module step_normalised_sums
    public :: choose_normalised, counted_columns, find_edge_factors, find_full, normal_columns
 
    !> Columns of the sums: mass, volume, volume times 1 - alpha of three directions, volume of
-   !! material beyond the scope
+   !! materials without normalised sums
    integer, parameter :: mass = 1, volume = 2, unblended = 2, foreign = 6
    integer, parameter :: rows = 7                    !! Columns of node stress, and moments - 1
-   real(wp), parameter :: least = 0.02_wp            !! Of a factor [1]
-   real(wp), parameter :: greatest = 50.0_wp         !! Of a factor [1]
+   real(wp), parameter :: least = 0.02_wp            !! Smallest factor [1]
+   real(wp), parameter :: greatest = 50.0_wp         !! Largest factor [1]
    !> Bound on the mean of the factors of a direction. A few particles that represent a whole cell
    !! are stiffer by this factor, and a step of 0.4 h/c is stable up to 1/0.4^2 [1]
    real(wp), parameter :: stiffest = 6.0_wp
    !> Weight of the fill of nodes on closed boundaries. Half as many particles surround such a node,
    !! so random fluctuations bring its fill below a bound more often [1]
    real(wp), parameter :: beside = 1.5_wp
-   real(wp), parameter :: clear = 4.0_wp !! Over the accepted fraction of other material [1]
+   real(wp), parameter :: clear = 4.0_wp !! Ratio to the accepted fraction of other material [1]
 
 contains
 

@@ -194,7 +194,7 @@ contains
       if (fastest < machine%communicator%maximum(fastest)) found = found_t()
    end subroutine find_fastest
 
-   !> Speed of waves in a particle without artificial viscosity, and its own.
+   !> Wave speed of a particle without artificial viscosity, and the speed of its motion.
    pure subroutine find_speeds(materials, stores, index, p, signal, speed)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(in) :: stores(:)

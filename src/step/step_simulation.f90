@@ -138,8 +138,8 @@ module step_simulation
       integer :: cuts = 0                            !! Number of repartitions of the curve
       integer(int64) :: sent = 0                     !! Tiles that this rank sent then
       integer(int64) :: listed = 0                   !! Longest list of tiles here at the start
-      real(wp) :: last = 1.0_wp                      !! At the last look [1]
-      real(wp) :: total = 0.0_wp                     !! Sum over the looks [1]
+      real(wp) :: last = 1.0_wp                      !! At the last measured step [1]
+      real(wp) :: total = 0.0_wp                     !! Sum over the measured steps [1]
       real(wp) :: greatest = 1.0_wp                  !! After the first hundred steps [1]
    contains
       procedure :: look => load_look                 !! Note a measured step
@@ -149,7 +149,7 @@ module step_simulation
    type :: phases_t
       integer :: sort = 0, scatter = 0, exchange = 0, wait = 0, grid = 0, gather = 0, &
          ledger = 0, output = 0, checkpoint = 0, conduction = 0, contact = 0 !! One each
-      integer :: effect(effect_count) = 0           !! Of those of material, 0 = off
+      integer :: effect(effect_count) = 0           !! In the material update, 0 = off
    end type phases_t
 
    !> The domain: the grid, its boundaries and rigid regions, and its tiles.

@@ -14,8 +14,8 @@ module step_trust
    use particle_body, only: body_t
    use particle_neighbours, only: lattice_t
    use particle_store, only: store_t
-   use step_diagnostics, only: bounds_look_t, examine_bounds, examine_shapes, find_greatest, &
-      measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_look_t
+   use step_diagnostics, only: bounds_sample_t, examine_bounds, examine_shapes, find_greatest, &
+      measure_cold, measure_energy, measure_heat, measure_speed, measure_volume, shapes_sample_t
    use step_ledger, only: balance_t, external_work, internal, mass, retired_mass
    use step_method, only: method_t
    use step_offending_particle, only: name_particle, step_text
@@ -72,7 +72,7 @@ contains
    !> Record speeds and energies at the start of a run, the reference for later ones. Collective.
    subroutine begin_trust(simulation)
       type(simulation_t), intent(inout) :: simulation !! In its first state
-      type(bounds_look_t) :: look
+      type(bounds_sample_t) :: look
 
       if (simulation%balance%trust%begun) return
       call examine_bounds(simulation%space, simulation%stores, simulation%machine, 0.0_wp, look)
@@ -115,8 +115,8 @@ contains
       type(simulation_t), intent(inout) :: simulation !! After a step
       type(log_t), intent(inout) :: log              !! Gets each warning once
       type(error_t), allocatable, intent(out) :: error !! A number is impossible
-      type(bounds_look_t) :: bounds
-      type(shapes_look_t) :: shapes
+      type(bounds_sample_t) :: bounds
+      type(shapes_sample_t) :: shapes
 
       if (mod(simulation%clock%step, work_every) == 0) call note_work(simulation%balance, &
          simulation%machine, simulation%balance%trust)
@@ -143,8 +143,8 @@ contains
       integer, intent(in) :: code                    !! Exit code
       type(balance_t), intent(in) :: now             !! Its balance
       type(trust_t), intent(out) :: trust            !! Measures of trust
-      type(bounds_look_t) :: bounds
-      type(shapes_look_t) :: shapes
+      type(bounds_sample_t) :: bounds
+      type(shapes_sample_t) :: shapes
 
       trust = simulation%balance%trust
       trust%failed = code == exit_physics
@@ -170,7 +170,7 @@ contains
 
    !> Update the worst values of distances, volumes and pressures.
    pure subroutine note_shapes(look, trust)
-      type(shapes_look_t), intent(in) :: look        !! Measured values
+      type(shapes_sample_t), intent(in) :: look        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The worst so far
 
       trust%longest = max(trust%longest, look%longest)
@@ -182,12 +182,12 @@ contains
       if (trust%pressure > 0.0_wp) trust%worst(trust_noise) = trust%difference/trust%pressure
    end subroutine note_shapes
 
-   !> Update the worst values of speeds and energies, relative to those that can be explained.
+   !> Update the worst values of speeds and energies, relative to the greatest plausible ones.
    !! Equations (L.10) and (L.11) of doc/theory/ledger.md. Manufactured solutions have no such
    !! limits.
    pure subroutine note_bounds(simulation, look, trust)
       type(simulation_t), intent(in) :: simulation
-      type(bounds_look_t), intent(in) :: look        !! Measured values
+      type(bounds_sample_t), intent(in) :: look        !! Measured values
       type(trust_t), intent(inout) :: trust          !! The worst so far
       real(wp) :: square, scale
 
@@ -291,7 +291,7 @@ contains
    !! Collective.
    subroutine warn_of_bounds(simulation, look, log)
       type(simulation_t), intent(inout) :: simulation !! Set after the warning
-      type(bounds_look_t), intent(in) :: look        !! Measured values
+      type(bounds_sample_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=160) :: text
 
@@ -328,7 +328,7 @@ contains
    !> Warn of large gaps between neighbours, overlapping volumes, and noise. Collective.
    subroutine warn_of_shapes(simulation, look, log)
       type(simulation_t), intent(inout) :: simulation !! Set after the warning
-      type(shapes_look_t), intent(in) :: look        !! Measured values
+      type(shapes_sample_t), intent(in) :: look        !! Measured values
       type(log_t), intent(inout) :: log              !! Gets the warnings
       character(len=200) :: text
 
@@ -456,7 +456,7 @@ contains
    !! Collective.
    subroutine refuse_impossible(simulation, look, error)
       type(simulation_t), intent(in) :: simulation
-      type(bounds_look_t), intent(in) :: look        !! Measured values
+      type(bounds_sample_t), intent(in) :: look        !! Measured values
       type(error_t), allocatable, intent(out) :: error !! If so
       real(wp), parameter :: margin = 2.0_wp
       real(wp) :: available

@@ -13,7 +13,7 @@ module step_velocity_remap
    use step_particles_to_nodes, only: locate_particles, nodes_seen
    use step_simulation, only: scheme_t, scratch_t, simulation_t, space_t, velocity_field_t
    use step_tile_cost, only: cost_clock, record_cost
-   use step_walls, only: record_push, record_walls, take_held, walls_touch
+   use step_walls, only: record_push, record_walls, remove_wall_components, walls_touch
    use transfer_affine, only: turn_only
    use transfer_basis, only: expand_spin
    use transfer_shape_data, only: shape_data_t, spare
@@ -143,12 +143,14 @@ contains
             ended = nodes%motion%velocity(:, :, tile) + dt*nodes%motion%acceleration(:, :, tile)
             free = again
             if (allocated(scratch%ledger%walls%total)) then
-               call take_held(simulation, tile, nodes%motion%velocity(:, :, tile), again, each)
+               call remove_wall_components(simulation, tile, &
+                  nodes%motion%velocity(:, :, tile), again, each)
                ! the push below is recorded with the velocity at the end of the step
                each%dt = 2.0_wp*dt
                call record_walls(simulation%space, field, scratch%ledger, tile, each)
             else
-               call take_held(simulation, tile, nodes%motion%velocity(:, :, tile), again)
+               call remove_wall_components(simulation, tile, &
+                  nodes%motion%velocity(:, :, tile), again)
             end if
             free = again - free
             call record_push(simulation%space, field, scratch%ledger, tile, free, ended)

@@ -14,8 +14,8 @@ module step_walls
    private
 
    public :: apply_walls, constrain_tile, hold_at_walls, number_of_walls, record_push, &
-      record_stopped, record_unbalanced, record_walls, start_walls, stop_at_walls, take_held, &
-      walls_touch
+      record_stopped, record_unbalanced, record_walls, remove_wall_components, start_walls, &
+      stop_at_walls, walls_touch
 
    !> Stages of the action of walls on nodes, in this order: forces, prescribed velocities,
    !! friction.
@@ -369,10 +369,10 @@ contains
    !> Remove from a change of node velocities the components that walls prescribed or changed before
    !! the forces act: an orthogonal projection. A wall that prescribes the velocity of a node in a
    !! step does so from the start of the step.
-   pure subroutine take_held(simulation, tile, velocity, change, each)
+   pure subroutine remove_wall_components(simulation, tile, velocity, change, each)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) With walls, before [m/s]
+      real(wp), contiguous, intent(in) :: velocity(:, :)  !! (3, node) Before forces act [m/s]
       real(wp), contiguous, intent(inout) :: change(:, :) !! (3, node) [m/s]
       type(wall_push_t), intent(inout), optional :: each !! Change by each wall, if requested
       real(wp) :: moved(3, size(change, 2)), open(3, size(change, 2))
@@ -399,13 +399,13 @@ contains
          number_of_walls(simulation%space) - size(simulation%space%rigid%wall), &
          simulation%space%rigid%held(tile)%node, simulation%space%rigid%held(tile)%wall, moved, &
          change)
-   end subroutine take_held
+   end subroutine remove_wall_components
 
    !> Clear the mask of velocity components that boundaries prescribe, all boundaries or one.
    pure subroutine close_components(space, tile, velocity, moved, open, only)
       type(space_t), intent(in) :: space
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) With walls, before [m/s]
+      real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) Before forces act [m/s]
       real(wp), contiguous, intent(inout) :: moved(:, :) !! (3, node) The same, with walls [m/s]
       real(wp), contiguous, intent(inout) :: open(:, :)  !! (3, node) Set to 0 where prescribed
       integer, intent(in), optional :: only          !! Wall that acts; default: all

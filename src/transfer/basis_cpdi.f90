@@ -187,7 +187,7 @@ contains
    end subroutine corner_functions
 
    !> Position of a corner relative to its particle [cells].
-   pure function corner_way(grid, shape, p, corner) result(way)
+   pure function corner_offset(grid, shape, p, corner) result(way)
       type(grid_t), intent(in) :: grid
       type(shape_data_t), intent(in) :: shape
       integer, intent(in) :: p                               !! Index of the particle
@@ -201,7 +201,7 @@ contains
             way(k) = way(k) + grid%lane_slope(corner, a)*shape%corner%edge(k + 3*(a - 1), p)
          end do
       end do
-   end function corner_way
+   end function corner_offset
 
    !> Position of a node of the cell of a corner relative to the particle; zero along a missing
    !! direction [cells].
@@ -213,7 +213,7 @@ contains
       integer, intent(in) :: lane                            !! Lane of the node
       real(wp) :: way(3)
 
-      way = corner_way(grid, shape, p, corner) + (1.0_wp - grid%lane_constant(lane, :) &
+      way = corner_offset(grid, shape, p, corner) + (1.0_wp - grid%lane_constant(lane, :) &
          - shape%corner%local(corner, :, p))
       where (.not. grid%active) way = 0.0_wp
    end function node_way

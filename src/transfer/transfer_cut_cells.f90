@@ -37,8 +37,8 @@ contains
       integer, intent(in) :: tile                    !! Index of the tile
       logical, intent(in) :: smooth                  !! Do positions enter smoothly?
       real(wp), intent(inout) :: shares(:, 0:)       !! (edge, cell) [1]
-      !> (lane in a plane, cell) Of the hoop terms of nodes beyond the surface: with it the flux
-      !! through the end of the cell becomes that through the surface, at its radius [1]
+      !> (lane in a plane, cell) Factor of the hoop terms of nodes beyond the surface. With it the
+      !! flux through the end of the cell is replaced by that through the surface at its radius [1]
       real(wp), intent(inout) :: ring(:, 0:)
       integer :: owner(grid%tile_nodes), ends(lanes), cell, n
 

@@ -302,8 +302,8 @@ contains
       end do
    end subroutine find_offsets
 
-   !> Heat of particles that carry a rotation: the spin times the angular momentum of the vector
-   !! about the particle.
+   !> Subtract from the heat of particles that carry a rotation: the spin times the angular momentum
+   !! of the gathered vector field about the particle.
    pure subroutine turn(self, shape, first, spin, heat)
       class(increments_t), intent(in) :: self
       type(shape_data_t), intent(in) :: shape                !! With offsets and vectors

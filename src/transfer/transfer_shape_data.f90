@@ -50,8 +50,8 @@ module transfer_shape_data
    type :: corner_data_t
       real(wp), allocatable :: local(:, :, :)        !! (corner, direction, particle) In its cell
       integer, allocatable :: node(:, :)             !! (corner, particle) First node of that cell
-      real(wp), allocatable :: edge(:, :)            !! (9, particle) Half edges, one after another
-      real(wp), allocatable :: inverse(:, :)         !! (9, particle) The inverse of their matrix
+      real(wp), allocatable :: edge(:, :)            !! (9, particle) Matrix of half edges
+      real(wp), allocatable :: inverse(:, :)         !! (9, particle) Inverse matrix
    contains
       procedure :: reserve => corner_reserve
    end type corner_data_t

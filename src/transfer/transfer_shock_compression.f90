@@ -15,7 +15,7 @@ module transfer_shock_compression
    implicit none
    private
 
-   public :: bound_jump, find_jump
+   public :: limit_compression, find_jump
 
    !> Ratio of the least compression of a neighbour to that of the cell above which the flow counts
    !! as smooth; at a ratio of 1 viscosity resists nothing.
@@ -39,7 +39,7 @@ contains
 
       do cell = 0, grid%tile_cells - 1
          if (start(cell + 1) == start(cell)) cycle
-         left = share_left(grid, grid%first_node(cell), velocity, gradient)
+         left = shock_fraction(grid, grid%first_node(cell), velocity, gradient)
          do p = start(cell) + 1, start(cell + 1)
             jump(p) = left*(strain(p, 1) + strain(p, 9))
          end do
@@ -54,7 +54,7 @@ contains
    !! particles of a tile: at most the compression of the edges of the cell, but at least a fourth
    !! of the strain. Particles that represent more than their own volume are strained more than
    !! their surroundings, and viscosity depends on the square of that. Hoop strains are not limited.
-   pure subroutine bound_jump(grid, start, velocity, dt, strain, jump)
+   pure subroutine limit_compression(grid, start, velocity, dt, strain, jump)
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) That strains [m/s]
@@ -74,7 +74,7 @@ contains
             jump(p) = max(whole, min(least + hoop, kept*whole))
          end do
       end do
-   end subroutine bound_jump
+   end subroutine limit_compression
 
    !> Rate at which the edges of a cell are compressed, the greatest along each direction [1/s].
    pure real(wp) function edge_compression(grid, base, velocity) result(rate)
@@ -118,7 +118,7 @@ contains
 
    !> Fraction of the compression of a cell that is not smooth: 0 to 1. A node without cells of
    !! weight has no gradient, so for isolated particles the fraction is 1.
-   pure real(wp) function share_left(grid, base, velocity, gradient) result(left)
+   pure real(wp) function shock_fraction(grid, base, velocity, gradient) result(left)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: base                            !! First node of the cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) [m/s]
@@ -136,5 +136,5 @@ contains
       if (.not. own > 0.0_wp) return
       ratio = 2.0_wp*least/own - 1.0_wp
       left = min(1.0_wp, max(0.0_wp, (1.0_wp - ratio)/(1.0_wp - onset)))
-   end function share_left
+   end function shock_fraction
 end module transfer_shock_compression

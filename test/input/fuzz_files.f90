@@ -3,8 +3,8 @@
 !! process.
 !!
 !! Usage: fuzz_files FOLDER FIRST COUNT DECK FILE...
-!! The deck names the files without their folder. Mutation number n is the same in every call. FOLDER
-!! holds copies of all files; what a crash leaves there are the files that caused it.
+!! The deck names the files without their folder. Mutation number n is the same in every call.
+!! FOLDER holds copies of all files; what a crash leaves there are the files that caused it.
 !! What must hold: the deck is accepted, or refused with a message and exit code 2 or 3.
 program fuzz_files
    use base_error, only: error_t, exit_file, exit_input
@@ -68,7 +68,7 @@ contains
       character(len=:), allocatable, intent(out) :: folder !! Where to write
       integer, intent(out) :: first                  !! Number of the first mutation
       integer, intent(out) :: mutations              !! How many
-      type(text_t), allocatable, intent(out) :: names(:) !! Of the deck and the files, without folder
+      type(text_t), allocatable, intent(out) :: names(:) !! Of deck and files, without folder
       type(text_t), allocatable, intent(out) :: whole(:) !! Their bytes
       type(error_t), allocatable :: error
       character(len=1000) :: word

@@ -91,8 +91,8 @@ contains
       end do
    end subroutine mutate
 
-   !> Change the bytes of a file that is not text: bits, a number of 1, 2, 4 or 8 bytes with an extreme
-   !! value, bytes that are missing or repeated, a lost end.
+   !> Change the bytes of a file that is not text: bits, a number of 1, 2, 4 or 8 bytes with an
+   !! extreme value, bytes that are missing or repeated, a lost end.
    subroutine damage(choice, text)
       type(choice_t), intent(inout) :: choice        !! Random choices
       character(len=:), allocatable, intent(inout) :: text !! The file

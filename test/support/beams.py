@@ -13,6 +13,7 @@ the beam of Timoshenko. The modes of that beam, with its stiffness scaled so tha
 import numpy as np
 
 import bodies
+import measured
 
 LENGTH, HEIGHT, YOUNG, DENSITY, GRAVITY = 5.0, 1.0, 1.0e6, 1000.0, 0.1
 DECK = """
@@ -114,6 +115,7 @@ def expected(poisson, parts=200):
     return {"fall": float(swing[most]), "when": float(times[most]), "rest": rest}
 
 
+@measured.recorded
 def bend(options, name, poisson, spacing, words="", method="ddmp", ppc=2):
     """One beam: greatest fall of the middle of the end, when, and how pressure jumps between cells then."""
     end = 1.15 * expected(poisson)["when"]

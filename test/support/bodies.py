@@ -15,6 +15,7 @@ import subprocess
 import numpy as np
 
 import case
+import measured
 
 END = """
 &output  name='h'  kind='history'  every={every} /
@@ -127,6 +128,7 @@ SPIN = """
 """
 
 
+@measured.recorded
 def spin(options, name, method="ddmp", words="", spacing=0.1, ppc=2, speed=10.0, turns=1.0, strained=True,
          may_fail=False):
     """An elastic disc turns; per turn: change of angular momentum and of energy."""
@@ -168,6 +170,7 @@ FLIGHT = """
 DRY = "artificial_viscosity=.false."
 
 
+@measured.recorded
 def free_bar(options, name, method="ddmp", words="", spacing=0.5, ppc=2, effects=DRY, may_fail=False):
     """A bar without supports vibrates and flies through 36 cells of half a metre; energy of the vibration."""
     deck = FLIGHT.format(method=method, words=words, spacing=spacing, ppc=ppc, effects=effects)
@@ -202,6 +205,7 @@ HELD = """
 """
 
 
+@measured.recorded
 def held_bar(options, name, method="ddmp", words="", cells=26, ppc=4, speed=0.1, periods=10, may_fail=False):
     """A bar held at one end vibrates for ten periods."""
     extra = 2 + int(np.ceil(0.08 * cells))
@@ -246,6 +250,7 @@ DISCS = """
 CONTACT = 1.585786                     # discs of radius 0.2 m touch [s]
 
 
+@measured.recorded
 def two_discs(options, name, method="ddmp", words="", spacing=0.025, ppc=2, cfl=0.4, effects=DRY, count=1,
               may_fail=False):
     """Two elastic discs meet and rebound."""
@@ -281,6 +286,7 @@ COLUMN = """
 COLUMN_END = 1.8                       # [s], one and a half periods: pressed together for the second time
 
 
+@measured.recorded
 def column(options, name, method="ddmp", words="", cells=40, ppc=4, may_fail=False):
     """An elastic column feels gravity from one moment to the next; its foot is strained by a fifth."""
     deck = COLUMN.format(method=method, words=words, spacing=10.0 / cells, ppc=ppc, end=COLUMN_END)
@@ -325,6 +331,7 @@ CANTILEVER = """
 """
 
 
+@measured.recorded
 def cantilever(options, name, method="ddmp", words="", spacing=0.25, ppc=3, end=1.3, count=65, may_fail=False):
     """A soft beam bends under its weight; displacement of the lower corner of its tip."""
     deck = CANTILEVER.format(method=method, words=words, spacing=spacing, ppc=ppc, end=end)
@@ -378,6 +385,7 @@ def shear_stress(time, relaxation, rate=SHEAR_RATE):
             scale * (w - fade * (w * np.cos(angle) + np.sin(angle))))
 
 
+@measured.recorded
 def shear(options, name, method="ddmp", words="", cells=8, ppc=2, density=1.0e-4, relaxation=0.35,
           started=False, rate=SHEAR_RATE, survival=None, may_fail=False):
     """Plane shear between two faces that move along themselves.

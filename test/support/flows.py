@@ -11,6 +11,7 @@ As in bodies.py a result is a dict, and a run that fails is a failed test.
 import numpy as np
 
 import bodies
+import measured
 
 GRAVITY = 9.81                         # [m/s2]
 
@@ -63,6 +64,7 @@ def slope_reference(angle, height, end, layers=40):
     return np.linspace(0.0, end, steps + 1), np.array(means)
 
 
+@measured.recorded
 def incline(options, name, method="ddmp", words="flip=0.9999", angle=24.0, height=0.01, cells=10, ppc=2, end=4.0,
             start=0.0, start_angle=None, softness=1000.0, count=4):
     """A layer of grains on a slope, one cell long and periodic, with a base that sticks and a free surface.
@@ -113,6 +115,7 @@ BLOCK = """
 """
 
 
+@measured.recorded
 def block(options, name, method="ddmp", words="", angle=24.0, friction=float(np.tan(np.radians(15.0))),
           spacing=0.25, ppc=2, end=1.0):
     """A block of 1 m slides down a slope with friction; mean way and speed by time, in the direction of the slope.
@@ -192,6 +195,7 @@ def front(snap, aspect, axisymmetric):
     return middle[j - 1] + share * (middle[j] - middle[j - 1]) - 1.0
 
 
+@measured.recorded
 def collapse(options, name, method="ddmp", words="", aspect=1.0, axisymmetric=False, cells=None,
              ppc=2, law=SAND, softness=100.0, ends=1.6, count=48):
     """A column of dry sand, `aspect` times as high as half of it is wide, is let go on a rough plane.
@@ -260,6 +264,7 @@ def fading(time, relaxation):
     return speed.real, stress.real
 
 
+@measured.recorded
 def wave(options, name, method="ddmp", words="", cells=64, ppc=2, relaxation=0.2, end=0.6):
     """A standing wave of shear in grains whose stress relaxes; amplitudes by time."""
     spacing, layers = 1.0 / cells, cells * ppc

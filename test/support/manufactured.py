@@ -24,6 +24,7 @@ import math
 import numpy as np
 
 import case
+import measured
 
 WAVES = """
 &run  dimension='{dimension}'  method='{method}' /
@@ -120,7 +121,10 @@ class Series:
         return -np.polyfit(*zip(*pairs), 1)[0]
 
     def show(self):
-        """Print errors and the orders between neighbours."""
+        """Record and print errors and the orders between neighbours."""
+        measured.record(self.name, dict(zip(self.cells, self.errors)))
+        if len(self.cells) > 1 and math.isfinite(self.errors[0] * self.errors[-1]):
+            measured.record(self.name, {"order": self.order(self.cells[0], self.cells[-1])})
         line = [f"{self.errors[0]:.2e}"]
         for n in range(1, len(self.cells)):
             line.append(f"{self.errors[n]:.2e} "
@@ -142,6 +146,7 @@ def waves(options, name, method="ddmp", words="", amplitude=0.1, cells=(16, 32, 
         label = "".join(sign if sign.isalnum() else "_" for sign in f"{name}_{amplitude:g}_{ppc}")
         run = case.Case(options, f"waves_{dimension}_{label}_{number}", deck)
         series.add(number, run.run("-q", expect=None if may_fail else 0, timeout=3000))
+    series.name += f" {dimension} {amplitude:g} {ppc}"
     return series.show()
 
 
@@ -156,4 +161,5 @@ def vortex(options, name, method="ddmp", words="", twist=0.1, cells=(10, 20), pp
         label = "".join(sign if sign.isalnum() else "_" for sign in f"{name}_{twist:g}_{ppc}")
         run = case.Case(options, f"vortex_{label}_{number}", deck)
         series.add(number, run.run("-q", expect=None if may_fail else 0, timeout=3000))
+    series.name += f" twist {twist:g} {ppc}"
     return series.show()

@@ -17,6 +17,8 @@ pytest.skip(why), whose line is printed as well.
 import contextlib
 import math
 
+import measured
+
 NOT_RUN = 77    # exit code of a test that was skipped whole
 
 
@@ -33,15 +35,19 @@ class Report:
 
     def below(self, name, value, limit):
         """The size of a number must not exceed its limit."""
+        measured.record(name, value, limit)
         self._line(name, value, f"<= {limit:.3g}", abs(value) <= limit)
 
     def above(self, name, value, limit):
         """A number must reach its limit."""
+        measured.record(name, value, limit)
         self._line(name, value, f">= {limit:.6g}", value >= limit)
 
     def near(self, name, value, expected, share):
         """A number must equal another one within a share of that."""
         error = value / expected - 1.0
+        measured.record(name, value)
+        measured.record(f"{name}.error", error, share)
         self._line(name, value, f"= {expected:.6g} within {share:.2g}, off by {error:+.2e}",
                    abs(error) <= share)
 
@@ -58,6 +64,7 @@ class Report:
         A value that meets the target fails too: replace the row by `below(name, value, target)`. The limit keeps a
         known miss from growing and has a reason like any other limit.
         """
+        measured.record(name, value, limit)
         self.checks += 1
         missed = math.isfinite(value) and target < abs(value) <= limit
         if not missed:
@@ -75,6 +82,7 @@ class Report:
 
     def note(self, name, value):
         """A number that is reported only."""
+        measured.record(name, value)
         print(f"         {name}: {value:.6g}" if isinstance(value, float)
               else f"         {name}: {value}", flush=True)
 

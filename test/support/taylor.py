@@ -15,6 +15,7 @@ import dataclasses
 import numpy as np
 
 import case
+import measured
 
 FOLDER = case.ROOT / "input" / "taylor_copper"
 MILLIMETRE = 1.0e-3
@@ -61,6 +62,7 @@ def measure(bar, first, last):
             "waist": 2.0 * waist, "shape": shape}
 
 
+@measured.recorded
 def strike(options, name, bar, spacing=None, words="", method="ddmp", settings=(), timeout=250):
     """Run a deck with cells of another size [mm] and other words of &method; sizes, strain and books."""
     deck = (FOLDER / bar.deck).read_text(encoding="utf-8")
@@ -77,6 +79,8 @@ def strike(options, name, bar, spacing=None, words="", method="ddmp", settings=(
         kinetic=table["kinetic"][-1] / table["kinetic"][0], steps=run.summary["steps"],
         particles=run.summary["particles"], energy=books["energy_error"], momentum=books["momentum_error"],
         mass=books["mass_error"], seconds=run.summary["wall_s"])
+    if bar is MEASURED:
+        result["mean error"] = difference(result)
     print(f"{name:24s} L {1e3 * result['length']:.3f}  R {1e3 * result['foot']:.3f}  "
           f"W {1e3 * result['waist']:.3f} mm  strain {result['strain']:.2f}  kinetic {result['kinetic']:.1e}  "
           f"energy {result['energy']:+.1e}  momentum {result['momentum']:.1e}  {result['steps']} steps  "

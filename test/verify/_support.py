@@ -11,7 +11,7 @@ HERE = Path(__file__).resolve().parent
 TEST = HERE.parent
 
 sys.path[:0] = [str(place) for place in (TEST / "support", HERE / "crack", HERE / "shocks", HERE / "taylor",
-                                         TEST.parent / "python/src")]
+                                         TEST.parent / "scripts", TEST.parent / "python/src")]
 
 FIGURES = TEST.parent / "doc/theory/figures"
 WIDTH = 1800.0                           # of a figure [pixels]

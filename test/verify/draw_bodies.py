@@ -76,8 +76,8 @@ def free_bar(options):
                                 ("mpm", "mpm", "")):
         result = bodies.free_bar(options, "bar", method, words)
         left.plot(result["time"], result["energies"] / result["energies"][0], label=name)
-    left.set(xlabel="t [s]", ylabel="energy of the vibration / first", ylim=(0.95, 1.1),
-             title="flight through 36 cells")
+    left.set(xlabel="t [s]", ylabel="energy of the vibration / initial energy", ylim=(0.95, 1.1),
+             title="translation through 36 cells")
     left.legend()
     spacings = (2.0, 1.0, 0.5, 0.25)
     runs = [bodies.free_bar(options, "bar", spacing=spacing) for spacing in spacings]
@@ -85,7 +85,7 @@ def free_bar(options):
         errors = [result[key] for result in runs]
         right.loglog(spacings, errors, "o-", label=key)
     slope(right, spacings, errors, 2)
-    right.set(xlabel="cell [m]", ylabel="error over amplitude", title="ddmp")
+    right.set(xlabel="cell size [m]", ylabel="error / amplitude", title="ddmp")
     right.legend()
     save(figure, "free_bar")
 
@@ -98,7 +98,7 @@ def held_bar(options):
     for name, method in (("ddmp", "ddmp"), ("mpm", "mpm")):
         result = bodies.held_bar(options, "held", method, cells=26, speed=0.75)
         left.plot(result["time"], result["velocity"], label=name)
-    left.set(xlabel="t [s]", ylabel="mean velocity [m/s]", xlim=(60.0, 100.0), title="first speed 0.75 m/s")
+    left.set(xlabel="t [s]", ylabel="mean velocity [m/s]", xlim=(60.0, 100.0), title="initial speed 0.75 m/s")
     left.legend(loc="upper left")
     cells = (13, 26, 52, 104)
     for speed in (0.1, 0.75):
@@ -106,7 +106,7 @@ def held_bar(options):
         errors = [abs(bodies.held_bar(options, "held", cells=n, speed=speed)["period"] / period - 1.0) for n in cells]
         right.loglog([25.0 / n for n in cells], errors, "o-", label=f"{speed} m/s")
     slope(right, [25.0 / n for n in cells], errors, 2)
-    right.set(xlabel="cell [m]", ylabel="error of the period", title="ddmp")
+    right.set(xlabel="cell size [m]", ylabel="error of the period", title="ddmp")
     right.legend()
     save(figure, "held_bar")
 
@@ -128,7 +128,7 @@ def two_discs(options):
     coarse = bodies.two_discs(options, "discs")
     last.plot(coarse["time"], coarse["totals"], "--", label="total, 16 cells")
     last.axvline(bodies.CONTACT, color="k", linestyle=":")
-    last.set(xlabel="t [s]", ylabel="energy over first kinetic", ylim=(0.0, 1.1))
+    last.set(xlabel="t [s]", ylabel="energy / initial kinetic energy", ylim=(0.0, 1.1))
     last.legend()
     save(figure, "two_discs")
 
@@ -141,7 +141,7 @@ def column(options):
         result = bodies.column(options, "column", method, words, cells=40)
         left.plot(result["rest"], result["stresses"] / 1e3, ".", markersize=3, label=name)
     left.plot(exact["middle"], exact["stress"] / 1e3, "k", label="finite elements")
-    left.set(xlabel="place at rest [m]", ylabel="stress [kPa]", ylim=(-250.0, 50.0), title="t = 1.8 s")
+    left.set(xlabel="initial position [m]", ylabel="stress [kPa]", ylim=(-250.0, 50.0), title="t = 1.8 s")
     left.legend()
     cells = (20, 40, 80, 160)
     runs = [bodies.column(options, "column", cells=n) for n in cells]
@@ -149,7 +149,7 @@ def column(options):
         errors = [result[key] * scale for result in runs]
         right.loglog([10.0 / n for n in cells], errors, "o-", label=key)
     slope(right, [10.0 / n for n in cells], [result["stress"] for result in runs], 1)
-    right.set(xlabel="cell [m]", ylabel="error", title="ddmp")
+    right.set(xlabel="cell size [m]", ylabel="error", title="ddmp")
     right.legend()
     save(figure, "column")
 
@@ -183,7 +183,7 @@ def shear(options):
         curve = result["curve"]
         axes.plot(curve[:, 0], curve[:, 1], "o", markersize=3, label="$\\sigma_{xz}$")
         axes.plot(curve[:, 0], curve[:, 2], "s", markersize=3, label="$\\sigma_{xx}$")
-        begin = "moving from the start" if more.get("started") else "driven by the faces"
+        begin = "initially in uniform shear" if more.get("started") else "driven by the boundaries"
         axes.set(xlabel="t [s]", ylabel="stress [Pa]", title=f"$\\tau$ = {relaxation} s, {begin}")
         axes.legend()
     save(figure, "shear")

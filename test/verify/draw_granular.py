@@ -37,9 +37,9 @@ def incline(options):
         right.plot(result["time"], result["means"], color="C3" if angle > 30.0 else "C4", label=f"{angle:.0f} degrees")
     time, exact = flows.slope_reference(34.0, 0.01, 0.6)
     right.plot(time, exact, "k:", label="finite volumes")
-    left.set(xlabel="speed [m/s]", ylabel="height above the base [mm]", title="steady flow, lines closed form")
+    left.set(xlabel="speed [m/s]", ylabel="height above the base [mm]", title="steady flow, lines: closed form")
     right.set(xlabel="t [s]", ylabel="mean speed [m/s]", xlim=(0.0, 2.5), ylim=(0.0, 0.6),
-              title="from other beginnings")
+              title="approach to the steady flow")
     left.legend()
     right.legend()
     _support.save(figure, "granular_incline")
@@ -55,14 +55,14 @@ def contacts(options):
         curve = bodies.shear(options, "shear", density=density, survival=0.3, rate=rate)["curve"]
         left.plot(rate * curve[:, 0], curve[:, 1], mark, markersize=4, label=f"$\\sigma_{{xz}}$, {rate:g} /s")
         left.plot(rate * curve[:, 0], curve[:, 2], mark, markersize=4, label=f"$\\sigma_{{xx}}$, {rate:g} /s")
-    left.set(xlabel="shear strain", ylabel="stress [Pa]", title="$\\gamma_c$ = 0.3, driven by the faces")
+    left.set(xlabel="shear strain", ylabel="stress [Pa]", title="$\\gamma_c$ = 0.3, driven by the boundaries")
     left.legend(loc="center right")
     time = np.linspace(0.0, 0.6, 300)
     for relaxation in (0.2, 0.04):
         result = flows.wave(options, "wave", relaxation=relaxation)
         right.plot(time, flows.fading(time, relaxation)[0], "k", linewidth=0.8)
         right.plot(result["curve"][:, 0], result["curve"][:, 1], "o", markersize=3, label=f"$\\tau$ = {relaxation} s")
-    right.set(xlabel="t [s]", ylabel="speed over the first", title="standing wave of shear")
+    right.set(xlabel="t [s]", ylabel="speed / initial speed", title="standing wave of shear")
     right.legend()
     _support.save(figure, "granular_contacts")
 

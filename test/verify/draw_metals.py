@@ -75,7 +75,7 @@ def waves(options):
         level = ahead["stress"] / after["stress"]
         left.plot([0.0, fronts[0], fronts[0], fronts[1], fronts[1], 40.0], [1.0, 1.0, level, level, 0.0, 0.0], "--",
                   color=line.get_color(), lw=0.8)
-    left.set(xlabel="x [mm]", ylabel="stress over that of the plastic wave", ylim=(-0.05, 1.2))
+    left.set(xlabel="x [mm]", ylabel="stress / stress of the plastic wave", ylim=(-0.05, 1.2))
     left.legend()
     result = test_flyer.flyer(options, 40)
     middle.plot(result["time"], result["surface"], label="flyer, no strength")
@@ -84,7 +84,7 @@ def waves(options):
         result = test_flyer.spall(options, cells, 0.6)
         middle.plot(result["time"], result["surface"], label=f"pulse that breaks, {cells} cells")
     middle.axhline(0.4, color="r", lw=0.8, ls=":")
-    middle.set(xlabel="time c/h", ylabel="velocity of the free surface over V", xlim=(1.5, 5.5))
+    middle.set(xlabel="time c/h", ylabel="velocity of the free surface / V", xlim=(1.5, 5.5))
     middle.legend(fontsize=6)
     for ratio in (1.0e6, 10.0, 1.0e-6):
         test_flyer.contrast(options, ratio)
@@ -94,7 +94,7 @@ def waves(options):
         right.plot(1e3 * snap.points[order, 0], -snap.fields["stress"][order, 0] / (2703.0 * 6400.0 * 5.0),
                    label=f"Z2/Z1 = {ratio:g}")
         right.plot([6.0, 9.99], [2.0 * ratio / (1.0 + ratio)] * 2, "k--", lw=0.8)
-    right.set(xlabel="x [mm]", ylabel="stress over that of the wave", xlim=(0.0, 15.0), ylim=(-0.2, 2.4))
+    right.set(xlabel="x [mm]", ylabel="stress / stress of the incoming wave", xlim=(0.0, 15.0), ylim=(-0.2, 2.4))
     right.legend(fontsize=6)
     _support.save(figure, "metals_waves")
 

@@ -22,6 +22,7 @@ import math
 import numpy as np
 
 import case
+import measured
 
 DENSITY, BULK, SHEAR = 2000.0, 1.0e9, 0.6e9
 P_SPEED, S_SPEED = math.sqrt((BULK + 4.0 / 3.0 * SHEAR) / DENSITY), math.sqrt(SHEAR / DENSITY)
@@ -134,7 +135,7 @@ def returned(options, name, kind, component=0, along=0, cells=20, dimension="1d"
     pulse(box.folder, component, width)
     states = [snap.fields["velocity"][:, component] for _, snap in box.run("-q").snapshots()]
     came, back = np.abs(states[0]).max(), states[-1][np.abs(states[-1]).argmax()]
-    print(f"         {name}: came {came:.5f} m/s, comes back {back / came:+.4f}", flush=True)
+    measured.show(name, {"came": came, "comes back": back / came})
     if not 0.005 < came < 0.011:
         raise AssertionError(f"{name}: no pulse came")
     return back / came
@@ -205,7 +206,7 @@ def test_askew(options, sheet):
         (box.folder / "dots.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
         states = [waves(snap) for _, snap in box.run("-q").snapshots()]
         energy[kind] = states[-1] / states[0]
-        print(f"         askew, {kind}: {energy[kind]:.4f} of the kinetic energy of the start is left", flush=True)
+        measured.show(f"askew, {kind}", {"left": energy[kind]})
     normal = slope * np.linspace(0.2, 3.0, 1401)
     weight = (normal ** 2 + slope ** 2) * np.exp(-(depth * (normal - slope)) ** 2)
     wanted = sum(weight * [thrown_back(math.atan2(slope, part)) for part in normal]) / sum(weight)
@@ -234,7 +235,7 @@ def test_books(options, sheet):
             sheet.below(f"{name}: momentum error", ledger["momentum_error"], 1.0e-13)
         sheet.below(f"{name}: energy error", ledger["energy_error"], 1.0e-13)
     left = [run.history["kinetic"][-1] / run.history["kinetic"].max() for run in (rod["absorbing"], rod["outflow"])]
-    print(f"         rod: {left[0]:.4f} of the greatest kinetic energy is left, {left[1]:.4f} with a free face")
+    measured.show("rod", {"left": left[0], "left with a free face": left[1]})
     sheet.below("rod: kinetic energy against that with a free face", left[0] / left[1], 0.2)
     work = runs[0].history["external_work"][-1]
     sheet.below("ball: work of the faces over the energy of motion", work / runs[0].history["kinetic"][0], 1.0)

@@ -19,6 +19,7 @@ known miss, held at twice the target.
 import pytest
 
 import bodies
+import measured
 
 FALL, WHEN = -3.27, 1.045              # [m], [s]
 
@@ -34,8 +35,7 @@ FALL, WHEN = -3.27, 1.045              # [m], [s]
 def test_bend(options, sheet, name, words):
     """One beam and its limits."""
     result = bodies.cantilever(options, name, *words)
-    print(f"         {name}: deflection {result['fall']:.4f} m at {result['when']:.3f} s, energy "
-          f"{result['energy']:.2e}, {result['steps']} steps", flush=True)
+    measured.show(name, {key: result[key] for key in ("fall", "when", "energy", "steps")})
     sheet.near(f"{name}: first minimum of the tip [m]", result["fall"], FALL, 0.015)
     sheet.near(f"{name}: its time [s]", result["when"], WHEN, 0.05)
     if name == "mpm":

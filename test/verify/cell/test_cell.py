@@ -25,6 +25,7 @@ import pytest
 
 import case
 import cells
+import measured
 
 
 @pytest.mark.parametrize("dimension", [
@@ -96,6 +97,7 @@ def test_wave(options, sheet, method, transfer):
         sheet.require(np.any(np.diff(found["edge_xz"]) < -0.5),
                       f"wave, {method}, {transfer}, {number} cells: the cell has flipped")
         errors.append(np.abs(np.sqrt(4.0 * found["kinetic"] / found["mass"]) - exact).max() / 0.1)
+    measured.show(f"wave {method} {transfer}", dict(zip((8, 16, 32), errors)))
     sheet.below(f"wave, {method}, {transfer}: error with 32 cells", errors[-1], 0.01)
     sheet.above(f"wave, {method}, {transfer}: order", np.log2(errors[-2] / errors[-1]), 1.9)
 

@@ -30,6 +30,7 @@ import numpy as np
 import pytest
 
 import flows
+import measured
 
 SCATTER, LATE = 0.15, 0.1              # of measured prefactors; target of the time
 IN_TIME = {("plane", 2.0), ("round", 0.5)}
@@ -49,13 +50,16 @@ def judge(sheet, name, label, value, exact, target, limit, missed):
         sheet.near(f"{name}: {label}", value, exact, target)
 
 
-def study(options, sheet, word, aspects, **more):
-    """Columns of several aspect ratios; their run-outs."""
+def study(options, sheet, word, aspects, label="", **more):
+    """Columns of several aspect ratios; their run-outs. A label distinguishes runs that end earlier."""
     axisymmetric, runs = word == "round", []
     for aspect in aspects:
         name = f"{word}, {aspect:g} times as high"
-        result = flows.collapse(options, f"{word}_{aspect:g}", aspect=aspect, axisymmetric=axisymmetric, **more)
+        result = flows.collapse(options, f"{word}_{aspect:g}{label}", aspect=aspect, axisymmetric=axisymmetric, **more)
         sheet.near(f"{name}: run-out", result["runout"], flows.measured_runout(aspect, axisymmetric), SCATTER)
+        measured.record(f"{word}_{aspect:g}{label}", {
+            "runout over measured": result["runout"] / flows.measured_runout(aspect, axisymmetric),
+            "time over measured": result["arrived"] / result["time"]})
         key = word, aspect
         judge(sheet, name, "height", result["height"], flows.measured_height(aspect, axisymmetric), SCATTER, 0.5,
               key in TOO_LOW)
@@ -88,9 +92,9 @@ def test_range_of_sand(options, sheet):
 def test_low_columns(options, sheet):
     """What the tier full has time for."""
     options.timeout = 600
-    runs = study(options, sheet, "plane", LOW["plane"], ends=1.3)
+    runs = study(options, sheet, "plane", LOW["plane"], "_short", ends=1.3)
     sheet.near("plane: exponent", exponent(LOW["plane"], runs, LOW["plane"]), 1.0, 0.1)
-    study(options, sheet, "round", (1.0,), ends=1.3)
+    study(options, sheet, "round", (1.0,), "_short", ends=1.3)
 
 
 @pytest.mark.tiers("smoke", "long")
@@ -99,6 +103,8 @@ def test_all_columns(options, sheet, word, low):
     options.timeout = 600
     aspects = low + TALL[word]
     runs = study(options, sheet, word, aspects)
+    measured.record(f"{word} exponent", {"low": exponent(aspects, runs, low),
+                                         "tall": exponent(aspects, runs, TALL[word])})
     sheet.below(f"{word}: exponent of low columns, less 1", exponent(aspects, runs, low) - 1.0, 0.1)
     sheet.below(f"{word}: exponent of tall columns, less {STEEP[word]:.3f}",
                 exponent(aspects, runs, TALL[word]) - STEEP[word], 0.07)

@@ -22,6 +22,7 @@ than that tenth, or nothing crosses.
 import numpy as np
 
 import bodies
+import measured
 import tier
 
 NOISY = ("gimp", "quadratic")
@@ -33,8 +34,7 @@ OTHERS = {"mpm": ("mpm", ""), "gimp": ("mpm", "basis='gimp'"), "quadratic": ("mp
 def fall(options, name, *words, cells=40):
     """One column, shown."""
     result = bodies.column(options, name, *words, cells=cells)
-    print(f"         {name}: " + ", ".join(f"{key} {result[key]:.2e}" for key in
-                                           ("displacement", "stress", "velocity", "crossed")), flush=True)
+    measured.show(name, {key: result[key] for key in ("displacement", "stress", "velocity", "crossed")})
     return result
 
 
@@ -58,6 +58,8 @@ def test_crossing(options, sheet):
     sheet.below("chain: mean velocity, small gravity", bodies.rms(small["mean"] - right) / np.abs(right).max(), 1.0e-3)
     runs = [fall(options, f"cells_{cells}", cells=cells) for cells in tier.choose((20, 40, 80), smoke=(20, 40))]
     judge(sheet, "default", runs[1])
+    measured.record("order", {key: float(np.log(runs[0][key] / runs[-1][key]) / np.log(2.0) / (len(runs) - 1))
+                              for key in ("displacement", "stress", "velocity")})
     for key, least in (("stress", 0.8), ("displacement", 1.2)):
         for rate in bodies.rates([result[key] for result in runs]):
             sheet.above(f"rate of {key}", rate, least)

@@ -18,6 +18,7 @@ import math
 import numpy as np
 
 import case
+import measured
 
 # soft matter, so that sound does not limit the step much
 DENSITY, HEAT, BULK = 1000.0, 500.0, 1000.0
@@ -100,7 +101,7 @@ def test_fading(options, sheet):
                         heat_of(last) / heat_of(first) - 1.0, 1.0e-13)
             sheet.require(np.abs(last.points - first.points).max() < 1.0e-12, "nothing moves")
         order = math.log2(errors[1] / errors[2])
-        print(f"{name}: errors {', '.join(f'{error:.2e}' for error in errors)}")
+        measured.show(f"{name}, errors", dict(enumerate(errors)))
         sheet.above(f"{name}: order", order, 1.8)
         sheet.below(f"{name}: error on the finest grid", errors[2], 3.0e-3)
 
@@ -148,7 +149,7 @@ def test_cylinder(options, sheet):
             errors.append(np.sqrt(np.average((last.fields["temperature"] - exact) ** 2,
                                              weights=last.fields["mass"])) / WAVE)
             sheet.below(f"cylinder {name} {cells}: change of the heat", heat_of(last) / heat_of(first) - 1.0, 1.0e-13)
-        print(f"cylinder {name}: errors {errors[0]:.2e}, {errors[1]:.2e}")
+        measured.show(f"cylinder {name}, errors", dict(enumerate(errors[:2])))
         sheet.below(f"cylinder {name}: error", errors[1], 2.0e-3)
         sheet.above(f"cylinder {name}: order", math.log2(errors[0] / errors[1]), 1.5)
 

@@ -27,6 +27,7 @@ import pytest
 
 import bars
 import case
+import measured
 import tier
 
 TARGET = 0.1                           # of the energy of a crack
@@ -69,8 +70,7 @@ def test_cells(options, sheet):
             energies.append(result["energy"] / bars.ENERGY - 1.0)
             way, load = bars.load(result)
             loads.append(np.abs(load - np.array(bars.exact(way))).mean() / bars.WEAK)
-            print(f"         {label}, {count} cells: energy of the crack {energies[-1]:+.4f}, load {loads[-1]:.4f}",
-                  flush=True)
+            measured.show(f"{label}, {count} cells", {"energy": result["energy"], "load": loads[-1]})
             sheet.below(f"{label}, {count} cells: energy that is in no books", result["ledger"]["energy_error"], 0.01)
             sheet.require(result["failed"] == ppc, f"{label}, {count} cells: one cell breaks")
         worst = max(energies, key=abs)

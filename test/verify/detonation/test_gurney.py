@@ -19,6 +19,7 @@ axis. Convergence: velocities of half the cell size differ by less than 1 %.
 import numpy as np
 
 import case
+import measured
 
 PLATE = """
 &run  dimension='1d' /
@@ -81,6 +82,7 @@ def drive(options, name, deck, cell):
         expansion.append(DENSITY * look.fields["volume"][~metal].sum() / mass[~metal].sum())
     middle = np.interp(EXPANSION, expansion, velocity)
     energy = abs(run.summary["ledger"]["energy_error"])
+    measured.record(name, {"ratio": ratio, "middle": middle, "end": velocity[-1]})
     print(f"{name}: M/C {ratio:.4f}, {middle:.1f} m/s at 7 volumes, {velocity[-1]:.1f} m/s at the end, "
           f"{max(expansion):.1f} volumes, energy {energy:.1e}")
     return ratio, middle, velocity[-1], energy

@@ -20,6 +20,7 @@ import numpy as np
 
 import case
 import detonation
+import measured
 
 DECK = """
 &run  dimension='1d' /
@@ -69,7 +70,7 @@ def burn(options, cells):
         "chemical": (first.fields["energy"] * first.fields["mass"]).sum() / (6.993e9 * 0.1),
         "still": abs(first.fields["pressure"]).max(), "energy": abs(run.summary["ledger"]["energy_error"]),
         "digest": run.summary["digest"]}
-    print(cells, result)
+    measured.show(f"{cells} cells", {key: value for key, value in result.items() if key != "digest"})
     return result
 
 

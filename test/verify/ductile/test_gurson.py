@@ -22,6 +22,7 @@ bits depend on its neighbours, failure that does not come or is undone, books th
 import numpy as np
 
 import case
+import measured
 
 BULK, SHEAR, YIELD = 75.0e9, 27.0e9, 0.1e9
 ELASTIC = f"density=2700  bulk={BULK}  shear={SHEAR}"
@@ -210,7 +211,7 @@ def test_uniaxial(options, sheet):
     sheet.require(exact["porosity"] > 0.031, f"pores join: {exact['porosity']}")
     for name, found in errors.items():
         order = np.log2(found[0] / found[2]) / 2.0
-        print(f"         uniaxial: {name} errors {found[0]:.2e} {found[1]:.2e} {found[2]:.2e}")
+        measured.show(f"uniaxial: {name}", dict(enumerate(found)))
         sheet.below(f"uniaxial: {name}", found[2], 1.0e-3)
         sheet.above(f"uniaxial: order of {name}", order, 0.8)
 
@@ -257,7 +258,7 @@ def test_impact(options, sheet):
                 "material": f"{ELASTIC}  strength_model='{law}'  yield={YIELD}  hardening=2e8  {more}"})).run("-q")
             books[law, cfl] = abs(run.summary["ledger"]["energy_error"])
             sheet.require(law != "gurson" or run.snapshots()[-1][1].fields["porosity"].max() > 0.05, "pores grow")
-    print("         books:", *[f"{law} {cfl}: {value:.2e}" for (law, cfl), value in books.items()])
+    measured.show("books", {f"{law} {cfl}": value for (law, cfl), value in books.items()})
     for cfl in (0.4, 0.2):
         sheet.below(f"books beyond those of von_mises, cfl = {cfl}", max(0.0, books["gurson", cfl]
                     - books["von_mises", cfl]), 1.0e-3)
@@ -279,7 +280,7 @@ def test_work(options, sheet):
         stored = (np.sum(0.5 * (volume[1:] + volume[:-1]) * np.diff(rows["mises"] ** 2)) / (6.0 * SHEAR)
                   + BULK * (matrix - 1.0 - np.log(matrix)))
         errors.append((done - flow - stored) / done)
-    print("         work:", *[f"{error:.2e}" for error in errors])
+    measured.show("work", dict(enumerate(errors)))
     sheet.below("work", errors[-1], 1.0e-6)
     sheet.above("work: order", np.log2(abs(errors[0] / errors[2])) / 2.0, 1.0)
 

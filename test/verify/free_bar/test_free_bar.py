@@ -27,6 +27,7 @@ import numpy as np
 import pytest
 
 import bodies
+import measured
 import tier
 
 TURN, WAVE, SPEED, LENGTH, END = np.pi * 10.0 / 25.0, np.pi / 25.0, 10.0, 25.0, 9.0
@@ -42,7 +43,7 @@ def fly(options, sheet, name, method="ddmp", words="", **more):
     """One flight, whose momentum and energy are judged."""
     result = bodies.free_bar(options, name, method, words, **more)
     figures = ("energy", "books", "greatest", "velocity", "displacement", "stress", "momentum")
-    print(f"         {name}: " + ", ".join(f"{key} {result[key]:+.2e}" for key in figures), flush=True)
+    measured.show(name, {key: result[key] for key in figures})
     sheet.near(f"{name}: cells flown", result["flown"], 36.0, 1.0e-3)
     sheet.near(f"{name}: energy at the start over that of the mode", result["start"], 1.0, 2.0e-4)
     sheet.below(f"{name}: momentum", result["momentum"], 1.0e-13)
@@ -79,6 +80,8 @@ def test_usual(options, sheet):
     judge(sheet, "usual", usual)
     if tier.NAME != "smoke":
         coarse = fly(options, sheet, "coarse", spacing=1.0)
+        measured.record("rate", {key: bodies.rates([coarse[key], usual[key]])[0]
+                                 for key in ("velocity", "displacement", "stress")})
         for key in ("velocity", "stress"):
             sheet.above(f"rate of {key}", bodies.rates([coarse[key], usual[key]])[0], 1.3)
 

@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 
 import bodies
+import measured
 import tier
 
 
@@ -28,8 +29,7 @@ def swing(options, name, right, **words):
     """One bar, shown; its error of the period."""
     result = bodies.held_bar(options, name, **words)
     result["lag"] = result["period"] / right - 1.0
-    print(f"         {name}: period {result['lag']:+.2e}, energy {result['energy']:+.2e}, "
-          f"wavers by {result['waver']:.3f}, {result['steps']} steps", flush=True)
+    measured.show(name, {key: result[key] for key in ("lag", "energy", "waver", "steps")})
     return result
 
 

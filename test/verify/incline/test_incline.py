@@ -87,3 +87,22 @@ def test_thick(options, sheet):
         sheet.below(f"{name}: speed over that of the surface, worst particle", result["profile"], limit)
         sheet.below(f"{name}: mean speed", result["mean"], limit)
         sheet.above(f"{name}: change of the mean speed", result["means"][-1] / result["means"][0] - 1.0, 0.05)
+
+
+TRANSFERS = {"flip 0.999": ("flip=0.999", {}), "flip 0.999, 20 cells": ("flip=0.999", {"cells": 20}),
+             "flip 0.9999": ("flip=0.9999", {}), "flip 1": ("flip=1", {}), "apic": ("transfer='apic'", {}),
+             "aflip 0.999": ("transfer='aflip' flip=0.999", {}), "fmpm": ("transfer='fmpm'", {}),
+             "soft": ("flip=0.9999", {"softness": 300.0})}
+
+
+@pytest.mark.tiers("long")
+def test_transfers(options, sheet):
+    """Viscosity of the transfers: error of the mean speed after 1.2 s, from the steady profile."""
+    found = {}
+    for name, (words, more) in TRANSFERS.items():
+        result = flows.incline(options, f"transfer {name}".replace(" ", "_"), words=words, start=1.0, end=1.2, count=1,
+                               **more)
+        found[name] = result["mean"]
+    sheet.below("flip 0.9999: mean speed", found["flip 0.9999"], 0.01)
+    sheet.below("error of the mean speed, 20 cells over 10, flip = 0.999",
+                found["flip 0.999, 20 cells"] / found["flip 0.999"], 0.7)

@@ -24,6 +24,7 @@ import pytest
 
 import beams
 import bodies
+import measured
 
 RATIOS = (0.3, 0.49, 0.499, 0.4999)
 SIZES = (0.5, 0.25, 0.125)
@@ -36,6 +37,7 @@ def judge(sheet, options, name, poisson, spacing, far=None, words=CURE, method="
     expected, finer = beams.expected(poisson), spacing / 0.125
     result = beams.bend(options, name, poisson, spacing, words, method)
     error = result["fall"] / expected["fall"] - 1.0
+    measured.record(name, {"fall of the tip": error})
     print(f"         {name}: fall of the tip {error:+.4f}, jumps {result['jump']:.3f}, pressures within a cell "
           f"{result['spread']:.3f}, {result['steps']} steps", flush=True)
     sheet.below(f"{name}: momentum", result["momentum"], 1.0e-12)

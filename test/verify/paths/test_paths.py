@@ -20,6 +20,7 @@ import subprocess
 
 import numpy as np
 
+import measured
 import shocks
 
 COPPER = {"a": 90.0e6, "b": 292.0e6, "n": 0.31, "c": 0.025, "m": 1.09, "melt": 1356.0, "room": 293.0, "heat": 383.0,
@@ -267,8 +268,7 @@ def compare(options, sheet, name, deck, path, right, counts, limit, least=0.9, f
         table = drive(options, name, deck, path, steps)
         rows = table[::(len(table) - 1) // keep]
         found.append([float(np.abs(rows[key] - right[key]).max() / np.abs(right[key]).max()) for key in columns])
-        print(f"         {name}, {steps} steps: " + ", ".join(f"{key} {error:.1e}" for key, error
-                                                          in zip(columns, found[-1])), flush=True)
+        measured.show(f"{name}, {steps} steps", dict(zip(columns, found[-1])))
     for key, coarse, fine in zip(columns, found[0], found[-1]):
         sheet.below(f"{name}: {key}", fine, limit)
         if fine > floor:

@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 
 import case
+import measured
 
 DENSITY, SOUND, SLOPE, GAMMA = 2785.0, 5328.0, 1.338, 2.0
 SHEAR, YIELD = 27.6e9, 0.3e9
@@ -159,10 +160,8 @@ def fluid(options, sheet, name, speed, end, words=SMOOTH, method="ddmp", cfl=0.4
     free = abs(fields["velocity"][-1, 0] / -speed - 1.0)
     heat = fields["energy"][:4].mean() / (0.5 * speed ** 2) - 1.0
     drift = run.summary["ledger"]["energy_error"]
-    print(f"         {name}: pressure {got[0] / stress - 1.0:+.4f}, density "
-          f"{got[2] / density - 1.0:+.4f}, shock speed {pace / shock - 1.0:+.4f}, "
-          f"energy {drift:+.4f}, scatter {got[1]:.3f}, heat of the wall {heat:+.2f}, "
-          f"{run.summary['steps']} steps")
+    measured.show(name, {"pressure": got[0] / stress - 1.0, "density": got[2] / density - 1.0, "energy": drift,
+                         "shock speed": pace / shock - 1.0, "scatter": got[1], "heat of the wall": heat})
     sheet.require(got[3] > 100, f"{name}: the plateau has {got[3]} particles")
     compare(sheet, name, "pressure", got[0], stress, 0.01)
     compare(sheet, name, "density", got[2], density, 0.003)
@@ -191,9 +190,8 @@ def solid(options, sheet, name, words=SMOOTH, method="ddmp"):
               ("plastic density", got[2], after["density"], 0.003),
               ("plastic speed", pace[1], after["speed"], 0.01))
     drift = run.summary["ledger"]["energy_error"]
-    print(f"         {name}: " + ", ".join(f"{label} {value / exact - 1.0:+.4f}"
-                                          for label, value, exact, _ in values)
-          + f", energy {drift:+.4f}, scatter {elastic[1]:.3f} {got[1]:.3f}")
+    measured.show(name, {**{label: value / exact - 1.0 for label, value, exact, _ in values}, "energy": drift,
+                         "scatter ahead": elastic[1], "scatter behind": got[1]})
     for label, value, exact, limit in values:
         compare(sheet, name, label, value, exact, limit)
     sheet.require(elastic[3] > 20 and got[3] > 100, f"{name}: both plateaus have particles")

@@ -25,6 +25,7 @@ import numpy as np
 import pytest
 
 import case
+import measured
 import test_piston
 import tier
 
@@ -70,9 +71,11 @@ def test_rate(options, sheet, name, solid, words):
     errors = []
     for spacing in tier.choose((0.2, 0.1, 0.05), smoke=(0.2, 0.1)):
         errors.append(strike(options, f"rate_{round(1000 * spacing)}", spacing, solid, words))
-        print(f"         {name}, cells of {spacing} mm: error of density {errors[-1][0]:.4f}, "
-              f"of single particles {errors[-1][1]:.4f}", flush=True)
+        measured.show(f"{name}, {spacing} mm", dict(zip(("cells", "particles"), errors[-1])))
     ratios = [fine[0] / coarse[0] for coarse, fine in zip(errors, errors[1:])]
+    for key, column in (("cells", 0), ("particles", 1)):
+        measured.record(f"{name}.order of {key}", float(np.log2(errors[0][column] / errors[-1][column])) / len(ratios))
+    measured.record(f"{name}.order", dict(enumerate(-np.log2(ratios))))
     sheet.below(f"{name}: first ratio of the errors of the density", ratios[0], ORDER_HALF)
     worst = max(one / two for one, two in errors)
     if name == "fluid":     # pressures in a cell are brought together: its mean has nothing to average

@@ -16,6 +16,7 @@ time that a wave takes through it, L/c = 0.2 m/42 m/s, over the time of the run.
 import numpy as np
 
 import case
+import measured
 import test_piston
 
 END = """
@@ -99,6 +100,7 @@ def test_hammer(options, sheet):
         pace = (fronts[1] - fronts[0]) / (states[1][0] - states[0][0]) + (0.0 if start else 400.0)
         plates[name] = got
         ahead = (fields["velocity"][:, 0] - (400.0 if start else 0.0))[:40].max()
+        measured.record(name, {"pressure": got[0] / stress - 1.0, "density": got[2] / density - 1.0})
         print(f"         {name}: pressure {got[0] / stress - 1.0:+.4f}, density {got[2] / density - 1.0:+.4f}, "
               f"speed of the shock {pace / shock - 1.0:+.4f}, first particle at {places[0] - begin:.2e} m, "
               f"velocity beside the wall {ahead:+.2f} m/s, scatter {got[1]:.4f}")

@@ -24,13 +24,13 @@ the greatest stress; with `usl` it does not.
 import pytest
 
 import bodies
+import measured
 
 
 def flow(options, name, *words, **more):
     """One flow, shown."""
     result = bodies.shear(options, name, *words, **more)
-    print(f"         {name}: " + ", ".join(f"{key} {result[key]:.2e}" for key in ("across", "along", "mean"))
-          + f", {result['steps']} steps", flush=True)
+    measured.show(name, {key: result[key] for key in ("across", "along", "mean", "steps")})
     return result
 
 

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 import case
+import measured
 import shocks
 
 METALS = {metal.name: metal for metal in (
@@ -114,8 +115,7 @@ def test_bar(options, sheet, name, speed):
     for key, column in (("speed", "shock_speed"), ("pressure", "pressure"), ("density", "density")):
         sheet.near(f"{name} at {speed} m/s, point: {key}", float(row[column]), exact[key], 1.0e-10)
     found = strike(options, metal, speed)
-    print(f"         {name} {speed}: pressure {found['pressure']:+.2e}, density {found['density']:+.2e}, speed "
-          f"{found['speed']:+.2e}, free surface {found['free']:+.2e}, {found['steps']} steps", flush=True)
+    measured.show(f"{name} {speed}", found)
     strong = speed > 1000
     for key, limit in (("pressure", 0.01 if strong else 0.003), ("density", 0.003 if strong else 0.001),
                        ("speed", 0.01), ("free", 0.01), ("energy", 1.0e-12), ("momentum", 1.0e-13)):

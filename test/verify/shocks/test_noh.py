@@ -23,6 +23,7 @@ import numpy as np
 import pytest
 
 import case
+import measured
 
 DECK = """
 &run  dimension='{dimension}' /
@@ -96,10 +97,7 @@ def noh(options, shape, cells=100, words="", per_cell=2, name=None):
               "peak": density.max() / 4.0 ** d - 1.0,
               "volume": (mass[r < 0.8 * SHOCK].sum() / space(shape, 0.8 * SHOCK, cells)) / 4.0 ** d - 1.0,
               "energy": run.summary["ledger"]["energy_error"], "steps": run.summary["steps"]}
-    print(f"         {shape} {cells} {words}: behind {result['behind']:+.4f}, spread {result['spread']:.3f}, by mass "
-          f"{result['volume']:+.4f}, centre {result['centre']:+.3f}, peak {result['peak']:+.3f}, ahead "
-          f"{result['ahead']:+.4f}, heat ahead {result['heat']:.1e}, energy {result['energy']:+.1e}, "
-          f"{result['steps']} steps", flush=True)
+    measured.show(name or shape, result)
     return result
 
 

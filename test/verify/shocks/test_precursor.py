@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import case
+import measured
 import shocks
 import test_hugoniot
 
@@ -69,11 +70,8 @@ def test_precursor(options, sheet, metal, speed, known):
         sheet.near(f"{name}: closed solution", value, right, 2.0e-5)
     for label, words in (("smooth", SMOOTH), ("default", "")):
         found = strike(options, metal, speed, words)
-        print(f"         {name}, {label}: elastic limit {found['elastic']:+.4f}, speed "
-              f"{found['elastic speed']:+.4f}, "
-              f"plastic stress {found['plastic']:+.4f}, speed {found['plastic speed']:+.4f}, density "
-              f"{found['density']:+.5f}, scatter {found['scatter'][0]:.3f} {found['scatter'][1]:.3f}, "
-              f"{found['steps']} steps", flush=True)
+        measured.show(f"{name}, {label}", {key: found[key] for key in (
+            "elastic", "elastic speed", "plastic", "plastic speed", "density", "steps")})
         if label == "default":
             continue
         sheet.require(min(found["counts"]) > 40, f"{name}: both plateaus have particles")

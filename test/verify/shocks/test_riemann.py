@@ -27,6 +27,7 @@ import numpy as np
 import pytest
 
 import case
+import measured
 import shocks
 import tier
 
@@ -95,9 +96,7 @@ def burst(options, name, cells, words="", cfl=0.4):
               "contact": snap.fields["density"].max() / max(exact.densities + [left.density, right.density]) - 1.0,
               "least": snap.fields["energy"].min(), "energy": books["energy_error"],
               "momentum": books["momentum_error"], "steps": run.summary["steps"]}
-    print(f"         {name} {cells} {words}: density {result['density']:.5f}, pressure {result['pressure']:+.4f}, "
-          f"velocity {result['velocity']:+.5f}, peak {result['contact']:+.3f}, {result['count']} between, energy "
-          f"{result['energy']:+.1e}, {result['steps']} steps", flush=True)
+    measured.show(f"{name} {cells} {words}", result)
     return result
 
 
@@ -119,9 +118,7 @@ def noh(options, cells, words="", cfl=0.4, ppc=4):
               "first": density[place < 1.0 / cells].mean() / 4.0 - 1.0, "least": snap.fields["energy"].min(),
               "energy": run.summary["ledger"]["energy_error"],
               "momentum": run.summary["ledger"]["momentum_error"], "steps": run.summary["steps"]}
-    print(f"         noh {cells} {words}: density {error:.5f}, plateau {result['plateau']:+.4f}, pressure "
-          f"{result['pressure']:+.4f}, at the wall {result['wall']:+.3f}, energy {result['energy']:+.1e}, "
-          f"{result['steps']} steps", flush=True)
+    measured.show(f"noh {cells} {words}", result)
     return result
 
 
@@ -140,8 +137,7 @@ def fans(options, cells):
     velocity = np.sign(speed) * np.minimum(abs(speed) - sound, 2.0)     # u + c = x/t in the fan on the right
     error = abs(snap.fields["velocity"][:, 0] - velocity)[seen].max() / 2.0
     density = (abs(snap.fields["density"] - right_density) * snap.fields["volume"])[seen].sum() / (2.0 * 2.4 * end)
-    print(f"         apart {cells}: fans, density {density:.5f}, greatest velocity {error:.5f}, {seen.sum()} particles",
-          flush=True)
+    measured.show(f"apart {cells}", {"density": density, "greatest velocity": error, "particles": int(seen.sum())})
     return density, error, int(seen.sum())
 
 

@@ -19,6 +19,7 @@ Pressure and velocity between fan and shock: target 1 %. Total energy: rounding,
 import numpy as np
 
 import case
+import measured
 
 DECK = """
 &run  dimension='1d' /
@@ -64,9 +65,7 @@ def burst(options, cells):
               "energy": run.summary["ledger"]["energy_error"],
               "begin": np.unique(first.fields["pressure"].round(12)), "first_dt": run.history["dt"][1],
               "steps": run.summary["steps"]}
-    print(f"{cells:4d} cells: error of density {error:.5f}, pressure {result['pressure']:.5f}, "
-          f"velocity {result['velocity']:.5f}, energy {result['energy']:.1e}, "
-          f"{result['steps']} steps, first {result['first_dt']:.3e} s")
+    measured.show(f"{cells} cells", {key: result[key] for key in ("error", "pressure", "velocity", "energy", "steps")})
     return result
 
 
@@ -77,6 +76,7 @@ def test_sod(options, sheet):
     sheet.near("first step", fine["first_dt"], 0.4 / 200 / -HEAD, 1.0e-6)
     for cells, result in ((100, coarse), (200, fine)):
         sheet.below(f"error of density with {cells} cells", result["error"], 0.011 * 0.6 ** np.log2(cells / 128))
+    measured.record("order", float(np.log2(coarse["error"] / fine["error"])))
     sheet.below("ratio of errors", fine["error"] / coarse["error"], 0.6)
     sheet.near("pressure between fan and shock", fine["pressure"], STAR, 0.01)
     sheet.near("velocity between fan and shock", fine["velocity"], CONTACT, 0.01)

@@ -32,6 +32,7 @@ import numpy as np
 import pytest
 
 import bodies
+import measured
 import tier
 
 TARGET = 1.0e-3                        # angular momentum and energy a turn, ten cells on the radius
@@ -53,7 +54,7 @@ def turn(options, name, **words):
     """One run, shown."""
     result = bodies.spin(options, name, **words)
     figures = ("drift", "energy", "displacement", "velocity", "stress", "momentum")
-    print(f"         {name}: " + ", ".join(f"{key} {result[key]:+.2e}" for key in figures if key in result), flush=True)
+    measured.show(name, {key: result[key] for key in figures if key in result})
     return result
 
 
@@ -91,6 +92,17 @@ def test_transfers(options, sheet):
         sheet.below(f"{transfer}, five cells: stress", result["stress"], rim(0.2))
     result = turn(options, "flip", words="transfer='flip'", spacing=0.2)
     sheet.known("flip, five cells: angular momentum in a turn", result["drift"], limit=0.1, target=COARSE)
+
+
+@pytest.mark.tiers("long")
+def test_transfer_table(options, sheet):
+    """The transfers that lose angular momentum, with ten cells on the radius: each loses more than the one before."""
+    drifts = [turn(options, f"transfer_{name}", words=f"transfer='{name}'")["drift"]
+              for name in ("apic", "aflip", "flip", "fmpm", "xpic")]
+    for name, drift in zip(("apic", "aflip"), drifts):
+        sheet.below(f"{name}: angular momentum in a turn", drift, TARGET)
+    sheet.require(abs(drifts[1]) < abs(drifts[2]) < abs(drifts[3]) < abs(drifts[4]) < 1.0,
+                  "flip, fmpm and xpic lose more and more angular momentum")
 
 
 def radius(snap):

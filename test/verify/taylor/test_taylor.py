@@ -26,6 +26,7 @@ catch results that change with the cells without end, and a method that locks or
 
 import pytest
 
+import measured
 import taylor
 import tier
 
@@ -63,6 +64,7 @@ def test_fine(options, sheet):
         runs = [found[name, "classic.nml", spacing] for spacing in (0.8, 0.4, 0.2)]
         classic(sheet, name, runs[-1])
         changes = [abs(two["foot"] - one["foot"]) for one, two in zip(runs, runs[1:])]
+        measured.record(f"{name}.change of the foot", dict(zip(("first", "last"), changes)))
         sheet.below(f"{name}: last change of the foot over the first", changes[1] / changes[0], 1.0)
         for spacing in (1.27, 0.635, 0.3175):
             result = found[name, "scene.nml", spacing]

@@ -22,6 +22,7 @@ import numpy as np
 import pytest
 
 import bodies
+import measured
 import tier
 
 TARGET = 0.02                          # of the energy at the start
@@ -36,7 +37,7 @@ def collide(options, sheet, name, method="ddmp", words="", target=TARGET, **more
     """One rebound; momentum, symmetry and energy are judged."""
     result = bodies.two_discs(options, name, method, words, **more)
     figures = ("kinetic", "least", "energy", "books", "greatest", "early", "momentum")
-    print(f"         {name}: " + ", ".join(f"{key} {result[key]:+.2e}" for key in figures), flush=True)
+    measured.show(name, {key: result[key] for key in figures})
     _, last = result["run"].snapshots()[-1]
     left, right = (last.points[last.fields["body"] == number][:, [0, 2]] for number in (1, 2))
     sheet.require(len(left) == len(right) > 700, f"{name}: both discs have their particles")

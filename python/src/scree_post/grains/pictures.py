@@ -72,7 +72,7 @@ def curves(axes: Axes, chosen: Sequence[Memory], scale: float = 1.0) -> None:
 
 
 def draw_survival(axes: Axes, chosen: Sequence[Memory]) -> None:
-    """Share of living contacts older than a strain."""
+    """Fraction of existing contacts older than a strain."""
     for number, one in enumerate(chosen):
         tint = look.COLOURS[number % len(look.COLOURS)]
         ages, share, _ = one.curve
@@ -81,7 +81,7 @@ def draw_survival(axes: Axes, chosen: Sequence[Memory]) -> None:
         axes.plot(ages, np.exp(-ages / one.strain), color=tint, linewidth=0.8, linestyle="--")
     axes.set_yscale("log")
     axes.set_ylim(1.0e-3, 1.1)
-    dress(axes, "strain since the contact began", "share of older contacts")
+    dress(axes, "strain since the contact began", "fraction of contacts older than the strain")
 
 
 def memory(memories: Sequence[Memory], title: str) -> Figure:

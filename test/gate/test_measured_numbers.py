@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""Numbers of the pages are those of their tables, and the script that writes them reads marks as meant.
+
+Would catch: a number that was changed by hand in a page, a mark whose number has no source, a number in a table that
+no page shows, a mark that is read as other numbers, a comparison that takes different numbers for equal, a table that
+names a test that is not there.
+"""
+
+from pathlib import Path
+
+import document_numbers
+import measured
+from sources import ROOT
+
+PAGE = Path("page.md")
+TEXT = """It ends with <!--=bar.energy*100-->93<!--=--> times, within <!--=bar.{a,b}-->0.3 and 1.5<!--=--> %.
+
+| error <!--=bar.cells_{20,40} - abs:bar.low--> | +4.3e-3 | +1.5e-3 (limit 2) | -0.2 % |
+| tried in 2-D <!--=record.tried--> | 12 | 0.5 %, exit code 4 |
+"""
+VALUES = {"bar.energy": 0.9341, "bar.a": 0.00312, "bar.b": 0.0148, "bar.cells_20": 4.26e-3, "bar.cells_40": 1.54e-3,
+          "bar.low": -0.0019}
+
+
+def places():
+    """The places of the sample."""
+    return document_numbers.places_of(PAGE, TEXT)
+
+
+def test_marks():
+    """Names, texts and factors of a page."""
+    found = {place.name: (place.text, place.factor, place.size_only) for place in places()}
+    assert found == {
+        "bar.energy": ("93", 100.0, False), "bar.a": ("0.3", 100.0, False), "bar.b": ("1.5", 100.0, False),
+        "bar.cells_20": ("+4.3e-3", 1.0, False), "bar.cells_40": ("+1.5e-3", 1.0, False),
+        "bar.low": ("-0.2", 100.0, True), "record.tried.1": ("12", 1.0, False), "record.tried.2": ("0.5", 1.0, False),
+        "record.tried.3": ("4", 1.0, False)}
+
+
+def test_rewritten():
+    """New values have the form of the old ones, and the rest of the page stays."""
+    assert document_numbers.rewritten(TEXT, places(), VALUES) == TEXT.replace("-0.2 %", "0.2 %")
+    new = document_numbers.rewritten(TEXT, places(), {**VALUES, "bar.energy": 1.058, "bar.cells_40": -0.013})
+    assert ">106<" in new and "| -1.3e-2 (limit 2) |" in new
+
+
+def test_differences():
+    """One unit of the last digit is allowed, and round-off may differ."""
+    by_name = {place.name: place for place in places()}
+    for name, value, different in (("bar.energy", 0.9399, False), ("bar.energy", 0.9401, True),
+                                   ("bar.cells_40", 1.601e-3, True), ("bar.cells_40", 1.4e-3, False),
+                                   ("bar.cells_20", float("nan"), True), ("bar.low", 0.004, True)):
+        assert by_name[name].differs(value) == different, (name, value)
+    small = document_numbers.places_of(PAGE, "to <!--=bar.momentum-->6e-16<!--=-->")[0]
+    assert not small.differs(3.0e-15) and small.differs(1.0e-9)
+
+
+def test_wrong_marks():
+    """A mark whose names do not fit its numbers is an error that names the line."""
+    try:
+        document_numbers.places_of(PAGE, "\n| error <!--=bar.cells_{20,40}--> | 4.3e-3 |\n")
+    except ValueError as error:
+        assert "page.md:2: 2 names for 1 numbers" in str(error)
+    else:
+        raise AssertionError("two names for one number are accepted")
+
+
+def test_names():
+    """Names of what tests record."""
+    assert measured.slug("ddmp: first minimum of the tip [m].error") == "ddmp_first_minimum_of_the_tip_m.error"
+    assert measured.slug("tillotson -0.3, 800 steps") == "tillotson_-0.3_800_steps"
+
+
+def test_comparison_in_a_run(monkeypatch, tmp_path):
+    """What a test measures is compared with the pages, and what it no longer measures is found."""
+    right = document_numbers.places_of(PAGE, TEXT.replace("-0.2 %", "0.2 %"))
+    monkeypatch.setattr(measured, "shown", lambda: {place.name: [place] for place in right})
+    rows = [{"name": name, "value": value} for name, value in VALUES.items()]
+    monkeypatch.setattr(measured.tier, "NAME", "full")
+    assert measured.differences(rows) == []
+    assert len(measured.differences([{"name": "bar.energy", "value": 0.95}])) == 1
+    assert "measured twice" in measured.differences([*rows, {"name": "bar.a", "value": 0.0031}])[0]
+    table = tmp_path / "measured.csv"
+    table.write_text("name,value,limit,test,tier\nbar.a,1,,test_bar.py,full\nbar.b,1,,test_bar.py,long\n",
+                     encoding="utf-8")
+    monkeypatch.setattr(document_numbers, "MEASURED", table)
+    assert [measured.compared(name) for name in ("bar.a", "bar.b", "bar.low")] == [True, False, True]
+    assert measured.missing(set(), "test_bar.py") == ["bar.a"]
+    assert measured.missing({"bar.a"}, "test_bar.py") == [] == measured.missing(set(), "test_other.py")
+
+
+def test_pages():
+    """Pages and tables agree: run scripts/document_numbers.py."""
+    assert len(document_numbers.all_places()) > 1000
+    assert document_numbers.faults() == []
+
+
+def test_tables():
+    """Tests of the table are there and have the tier; records have their conditions, version and date."""
+    for name, row in document_numbers.table(document_numbers.MEASURED).items():
+        path = ROOT / row["test"]
+        assert path.is_file() and name.split(".")[0] == path.stem.removeprefix("test_"), name
+        assert row["tier"] in ("full", "long", "page"), name
+    for name, row in document_numbers.table(document_numbers.RECORDS).items():
+        assert all(row[key] for key in ("conditions", "version", "date")), name

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Record what a test measures, and compare it with the pages that show it.
+
+    import measured
+    measured.record("default, 10 cells", {"energy": -4.2e-4, "displacement": 5.9e-4})
+    measured.record("run-out", 1.36, limit=1.5)
+
+All checks of a sheet (report.py) are recorded as well. The name of a number is that of the test file, the text, and the
+key: spin.default_10_cells.energy. At the end of a test its numbers are written to measured.jsonl in the folder of the
+tests, and those that a page of doc/ names (scripts/document_numbers.py) must be what the page says, to one unit of its
+last digit.
+"""
+
+import functools
+import json
+import math
+import numbers
+import re
+
+import document_numbers
+import tier
+
+ROWS, STEM = [], [""]
+
+
+def begin(stem):
+    """A test of another file begins."""
+    STEM[0] = stem.removeprefix("test_")
+
+
+def slug(text):
+    """A text as a name."""
+    words = re.sub(r"-{2,}", "-", re.sub(r"[^a-z0-9.+-]+", "_", text.lower()))
+    return re.sub(r"_*\._*", ".", words).strip("_")
+
+
+def record(what, value, limit=None):
+    """A number, or several by key; those that are no finite numbers are left out."""
+    if isinstance(value, dict):
+        for key, number in value.items():
+            record(f"{what}.{slug(str(key))}", number, limit)
+        return
+    try:
+        value = float(value)
+    except (TypeError, ValueError):
+        return
+    if math.isfinite(value):
+        ROWS.append({"name": f"{STEM[0]}.{slug(what)}", "value": value,
+                     "limit": None if limit is None else float(limit), "tier": tier.NAME})
+
+
+def recorded(run):
+    """A function run(options, name, ...) that returns a dictionary, whose numbers are recorded under that name."""
+    @functools.wraps(run)
+    def wrapped(options, name, *words, **more):
+        result = run(options, name, *words, **more)
+        record(name, result)
+        return result
+    return wrapped
+
+
+def show(what, values):
+    """Record numbers by key and print them in a line."""
+    record(what, values)
+    print(f"         {what}: " + ", ".join(f"{key} {float(value):+.3g}" for key, value in values.items()
+                                           if isinstance(value, numbers.Real)), flush=True)
+
+
+def taken():
+    """The numbers recorded since the last call."""
+    rows, ROWS[:] = ROWS[:], []
+    return rows
+
+
+def save(rows, path, test):
+    """Append numbers to a file."""
+    with path.open("a", encoding="utf-8") as file:
+        file.writelines(json.dumps({**row, "test": test}) + "\n" for row in rows)
+
+
+@functools.lru_cache(maxsize=None)
+def shown():
+    """Where pages show a number, by its name."""
+    found = {}
+    for place in document_numbers.all_places():
+        found.setdefault(place.name, []).append(place)
+    return found
+
+
+def compared(name):
+    """Whether a number of this tier is that of the page; runs of another tier may differ."""
+    row = document_numbers.table(document_numbers.MEASURED).get(name, {"tier": "page"})
+    return tier.NAME == row["tier"] or row["tier"] == "page" and tier.NAME != "smoke"
+
+
+def differences(rows):
+    """What pages say otherwise. A name that a page shows must not be used for two values."""
+    wrong = []
+    for name in filter(compared, sorted({row["name"] for row in rows} & set(shown()))):
+        values = [row["value"] for row in rows if row["name"] == name]
+        if max(values) != min(values):
+            wrong.append(f"{name} is measured twice: {min(values):.6g} and {max(values):.6g}")
+        wrong += [f"{place.path.name} says {place.text} for {name}, which is {place.shown(value):.6g}"
+                  for place in shown()[name] for value in values[-1:] if place.differs(value)]
+    return wrong
+
+
+def missing(names, test):
+    """Numbers that pages show as measured by a test in this tier, and that it did not measure."""
+    return sorted(name for name, row in document_numbers.table(document_numbers.MEASURED).items()
+                  if row["test"] == test and row["tier"] == tier.NAME and name not in names)
