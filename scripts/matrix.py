@@ -10,11 +10,11 @@
 
 Each system is a folder FOLDER/SUITE that mmdebstrap fills (Debian package mmdebstrap), with a clone of the committed
 state of this repository in it; the system of the machine itself is not changed. Needs root, for chroot. The results are
-FOLDER/results/CELL.json, what the commands print is FOLDER/logs/CELL.STEP.log. doc/developer/platforms.md is the table of
-the results with their reading.
+FOLDER/results/CELL.json, what the commands print is FOLDER/logs/CELL.STEP.log. The table of the results, with their
+reading, is doc/developer/platforms.md.
 
-Steps: prepare (system, packages, Python environment, HDF5 for flang), build, digests (of three scenes, on one rank and two),
-smoke (tests of the tier smoke), package (installation, and a program that finds it with CMake).
+Steps: prepare (system, packages, Python environment, HDF5 for flang), build, digests (of three scenes, on one rank and
+on two), smoke (tests of the tier smoke), package (installation, and a program that finds it with CMake).
 """
 
 import argparse
@@ -225,7 +225,8 @@ def build(place, cell):
     said = place.inside(cell, "build", f"cmake --build /opt/scree/build/{cell.name} --parallel {place.jobs}")
     warnings = len(re.findall("warning:", said, re.I))
     version = place.inside(cell, "version", f"/opt/scree/build/{cell.name}/bin/scree --version")
-    place.note(cell, built=True, warnings=warnings, version=version.splitlines(), build_seconds=round(time.time() - begin))
+    place.note(cell, built=True, warnings=warnings, version=version.splitlines(),
+               build_seconds=round(time.time() - begin))
 
 
 def digests(place, cell):
@@ -251,8 +252,9 @@ def smoke(place, cell):
     """Tests of the tier smoke, one label after the other."""
     renew_clone(place, cell)
     for label in place.labels:
-        said = place.inside(cell, f"smoke.{label}", f"cd /opt/scree && /opt/venv/bin/python scripts/run_tests.py --smoke "
-                            f"--folder build/{cell.name} --jobs {place.test_jobs} -L '^{label}$'", may_fail=True)
+        words = f"--smoke --folder build/{cell.name} --jobs {place.test_jobs} -L '^{label}$'"
+        said = place.inside(cell, f"smoke.{label}", "cd /opt/scree && /opt/venv/bin/python scripts/run_tests.py " +
+                            words, may_fail=True)
         ended = re.search(r"^(\d+) passed, (\d+) failed, (\d+) skipped$", said, re.M)
         if not ended:
             raise Failure("the tests did not end:\n" + "\n".join(said.splitlines()[-15:]))
