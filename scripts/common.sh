@@ -33,12 +33,23 @@ stop_with() {
    exit "${code}"
 }
 
-# A gfortran of version 12 or newer, or nothing.
+# The main version of a Fortran compiler, or nothing.
+generation_of() {
+   local told
+   command -v "$1" > /dev/null 2>&1 || return 0
+   told="$("$1" --version 2> /dev/null)" || return 0
+   if [[ "${told}" =~ flang[^[:digit:]]*\ version\ ([0-9]+) ]]; then
+      printf '%s\n' "${BASH_REMATCH[1]}"
+   else
+      "$1" -dumpversion 2> /dev/null | cut -d. -f1
+   fi
+}
+
+# The compiler of FC, a gfortran of version 12 or newer, or nothing.
 find_compiler() {
    local candidate version
-   for candidate in ${FC:+"${FC}"} gfortran gfortran-12 gfortran-13 gfortran-14; do
-      command -v "${candidate}" > /dev/null 2>&1 || continue
-      version="$("${candidate}" -dumpversion 2> /dev/null | cut -d. -f1)" || continue
+   for candidate in ${FC:+"${FC}"} gfortran gfortran-12 gfortran-13 gfortran-14 gfortran-15; do
+      version="$(generation_of "${candidate}")" || continue
       if [[ "${version}" =~ ^[0-9]+$ ]] && ((version >= 12)); then
          printf '%s\n' "${candidate}"
          return
