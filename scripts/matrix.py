@@ -141,7 +141,7 @@ class Place:
 
     def __init__(self, folder, choice):
         self.folder, self.jobs, self.test_jobs = folder, choice.jobs, choice.test_jobs
-        self.labels = choice.labels.split(",")
+        self.labels = [word for word in choice.labels.split(",") if word != "none"]
         for name in ("results", "logs"):
             (folder / name).mkdir(parents=True, exist_ok=True)
 
@@ -186,17 +186,24 @@ def prepare(place, cell):
                  f"for one in {wanted}; do dpkg -s $one > /dev/null 2>&1 || missing=\"$missing $one\"; done\n"
                  'test -z "$missing" && exit 0\napt-get update -qq\n'
                  "apt-get install -y -qq --no-install-recommends $missing")
-    requirements = (ROOT / "scripts/requirements.txt").read_text(encoding="utf-8")
-    (system / "opt/requirements.txt").write_text(requirements, encoding="utf-8")
-    place.inside(cell, "python", "set -e\ncmp -s /opt/requirements.txt /opt/venv/requirements.stamp && exit 0\n"
-                 "python3 -m venv /opt/venv\n/opt/venv/bin/pip install --quiet -r /opt/requirements.txt\n"
-                 "cp /opt/requirements.txt /opt/venv/requirements.stamp")
+    if place.labels:
+        prepare_python(place, cell)
     if cell.is_flang:
         place.inside(cell, "hdf5", HDF5_FLANG.format(flang=cell.compiler, mirror=MIRROR, suite=cell.suite,
                                                      jobs=place.jobs))
     packages = place.inside(cell, "versions", "dpkg-query -W -f='${Package} ${Version}\\n' " +
                             shlex.join(cell.packages))
     place.note(cell, packages=dict(line.split() for line in packages.splitlines() if len(line.split()) == 2))
+
+
+def prepare_python(place, cell):
+    """The Python environment of the tests."""
+    system = place.folder / cell.suite
+    requirements = (ROOT / "scripts/requirements.txt").read_text(encoding="utf-8")
+    (system / "opt/requirements.txt").write_text(requirements, encoding="utf-8")
+    place.inside(cell, "python", "set -e\ncmp -s /opt/requirements.txt /opt/venv/requirements.stamp && exit 0\n"
+                 "python3 -m venv /opt/venv\n/opt/venv/bin/pip install --quiet -r /opt/requirements.txt\n"
+                 "cp /opt/requirements.txt /opt/venv/requirements.stamp")
 
 
 def renew_clone(place, cell):
@@ -216,13 +223,14 @@ def renew_clone(place, cell):
 
 
 def build(place, cell):
-    """Program and tests; warnings stop the build."""
+    """Program and, where they are to be run, unit tests; warnings stop the build."""
     commit = renew_clone(place, cell)
     begin = time.time()
     place.note(cell, commit=commit, built=False)
     place.inside(cell, "configure", f"cd /opt/scree && cmake -S . -B build/{cell.name} -G Ninja " +
                  shlex.join(cell.options))
-    said = place.inside(cell, "build", f"cmake --build /opt/scree/build/{cell.name} --parallel {place.jobs}")
+    said = place.inside(cell, "build", f"cmake --build /opt/scree/build/{cell.name} --parallel {place.jobs}" +
+                        ("" if "unit" in place.labels else " --target scree"))
     warnings = len(re.findall("warning:", said, re.I))
     version = place.inside(cell, "version", f"/opt/scree/build/{cell.name}/bin/scree --version")
     place.note(cell, built=True, warnings=warnings, version=version.splitlines(),
@@ -333,7 +341,8 @@ def main():
     parser.add_argument("folder", nargs="?", type=Path, help="where the systems are")
     parser.add_argument("cells", nargs="*", help="names or patterns; default: all")
     parser.add_argument("--steps", default=",".join(STEPS), help="some of %(default)s")
-    parser.add_argument("--labels", default=",".join(LABELS), help="labels of the tests of smoke: some of %(default)s")
+    parser.add_argument("--labels", default=",".join(LABELS), help="labels of the tests of smoke: some of %(default)s, or none; "
+                        "without unit the unit tests are not built, without any no Python environment is needed")
     parser.add_argument("--jobs", type=int, default=2, help="compilations at a time")
     parser.add_argument("--test-jobs", type=int, default=1, help="tests at a time")
     parser.add_argument("--list", action="store_true", help="print the names of the cells")
