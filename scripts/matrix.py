@@ -20,6 +20,7 @@ on two), smoke (tests of the tier smoke), package (installation, and a program t
 import argparse
 import fnmatch
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -36,6 +37,7 @@ PACKAGES = ("ca-certificates", "cmake", "git", "ninja-build", "python3-venv", "z
             "libegl1", "libgl1", "libxrender1")
 MPI_PACKAGES = {"openmpi": ("openmpi-bin", "libopenmpi-dev", "libhdf5-openmpi-dev"),
                 "mpich": ("mpich", "libmpich-dev", "libhdf5-mpich-dev"), "none": ("libhdf5-dev",)}
+NETWORK = ("http_proxy", "https_proxy", "no_proxy", "PIP_CERT", "PIP_INDEX_URL", "SSL_CERT_FILE")
 MIRROR = "http://deb.debian.org/debian"
 # Scenes whose digests are compared, with the settings that make them short: elastic bodies in contact, plasticity with
 # heat, and equation of state with failure.
@@ -142,6 +144,8 @@ class Place:
     def __init__(self, folder, choice):
         self.folder, self.jobs, self.test_jobs = folder, choice.jobs, choice.test_jobs
         self.labels = [word for word in choice.labels.split(",") if word != "none"]
+        # how packages are reached
+        self.network = [f"{name}={value}" for name, value in os.environ.items() if name in NETWORK]
         for name in ("results", "logs"):
             (folder / name).mkdir(parents=True, exist_ok=True)
 
@@ -162,7 +166,7 @@ class Place:
                   "mount --rbind /sys sys && mount --rbind /dev dev && mount -t tmpfs tmpfs dev/shm && "
                   "mount --bind /etc/ssl etc/ssl && cp /etc/resolv.conf etc/resolv.conf && "
                   'exec chroot . env -i HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive '
-                  'PATH=/usr/sbin:/usr/bin:/sbin:/bin bash -c "$1"')
+                  f'PATH=/usr/sbin:/usr/bin:/sbin:/bin {shlex.join(self.network)} bash -c "$1"')
         answer = subprocess.run(["unshare", "--mount", "--propagation", "private", "bash", "-c", mounts, "_", script],
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
                                 check=False)
@@ -341,8 +345,8 @@ def main():
     parser.add_argument("folder", nargs="?", type=Path, help="where the systems are")
     parser.add_argument("cells", nargs="*", help="names or patterns; default: all")
     parser.add_argument("--steps", default=",".join(STEPS), help="some of %(default)s")
-    parser.add_argument("--labels", default=",".join(LABELS), help="labels of the tests of smoke: some of %(default)s, or none; "
-                        "without unit the unit tests are not built, without any no Python environment is needed")
+    parser.add_argument("--labels", default=",".join(LABELS), help="labels of the tests of smoke, or none: "
+                        "without unit no unit tests are built, with none no Python is set up; default %(default)s")
     parser.add_argument("--jobs", type=int, default=2, help="compilations at a time")
     parser.add_argument("--test-jobs", type=int, default=1, help="tests at a time")
     parser.add_argument("--list", action="store_true", help="print the names of the cells")
