@@ -7,7 +7,7 @@
 #   scree_inline_flags     long functions are inlined into loops
 #   scree_stack_flags      arrays of variable size lie on the stack
 #   scree_line_flags       lines of any length, for tests that a program wrote
-# and scree_compiler, its name in reports. gfortran and LLVM flang are tested; doc/developer/platforms.md has the table.
+# and scree_compiler, its name in reports. doc/developer/platforms.md says which compilers were tried.
 include(CheckFortranCompilerFlag)
 
 set(scree_id "${CMAKE_Fortran_COMPILER_ID}")
@@ -39,9 +39,6 @@ if(scree_id STREQUAL "GNU")
    set(scree_line_flags -ffree-line-length-none)
 elseif(scree_id STREQUAL "LLVMFlang")
    set(scree_compiler "flang")
-   if(scree_generation VERSION_LESS 19)
-      message(WARNING "flang ${scree_generation} is older than 19 and untried.")
-   endif()
    # flang knows no older standard by name, and takes lines of any length.
    set(scree_language_flags -std=f2018 -ffp-contract=off)
    set(scree_warning_flags -pedantic)
@@ -56,8 +53,6 @@ elseif(scree_id STREQUAL "LLVMFlang")
 else()
    # Flags for arithmetic without contraction, from the manuals of these compilers.
    set(scree_compiler "${scree_id}")
-   message(WARNING "Scree is tested with gfortran and LLVM flang; the compiler ${scree_id} is untried. "
-      "FC=gfortran and a new build folder choose gfortran.")
    set(scree_release_flags -O3)
    set(scree_debug_flags -O0 -g)
    if(scree_id MATCHES "^Intel")
@@ -69,6 +64,10 @@ else()
    endif()
 endif()
 
+if(NOT scree_id STREQUAL "GNU")
+   message(WARNING "Scree is tested with gfortran; ${scree_compiler} ${scree_generation} is untried. "
+      "FC=gfortran and a new build folder choose gfortran.")
+endif()
 if(CMAKE_BUILD_TYPE STREQUAL "Sanitize" AND NOT scree_sanitize_flags)
    message(FATAL_ERROR "The build type Sanitize needs gfortran, and this compiler is ${scree_compiler}.")
 endif()
