@@ -234,7 +234,7 @@ def build(place, cell):
     place.inside(cell, "configure", f"cd /opt/scree && cmake -S . -B build/{cell.name} -G Ninja " +
                  shlex.join(cell.options))
     said = place.inside(cell, "build", f"cmake --build /opt/scree/build/{cell.name} --parallel {place.jobs}" +
-                        ("" if "unit" in place.labels else " --target scree fuzz_decks"))
+                        ("" if "unit" in place.labels else " --target scree fuzz_decks") + " -- -k 0")
     warnings = len(re.findall("warning:", said, re.I))
     version = place.inside(cell, "version", f"/opt/scree/build/{cell.name}/bin/scree --version")
     place.note(cell, built=True, warnings=warnings, version=version.splitlines(),
