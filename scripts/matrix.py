@@ -84,7 +84,7 @@ class Cell:
     """One combination of system, compiler and libraries."""
 
     suite: str                  # of Debian
-    compiler: str               # command
+    compiler: str               # Debian package
     mpi: str                    # openmpi, mpich or none
 
     @property
@@ -98,6 +98,11 @@ class Cell:
         return self.compiler.startswith("flang")
 
     @property
+    def command(self):
+        """The compiler as it is called: until version 19 flang had another name."""
+        return "flang-new-19" if self.compiler == "flang-19" else self.compiler
+
+    @property
     def packages(self):
         """Debian packages of the compiler and the libraries."""
         more = (f"libomp-{self.compiler.split('-')[1]}-dev",) if self.is_flang else ()
@@ -106,13 +111,13 @@ class Cell:
     @property
     def options(self):
         """Options of the configuration."""
-        words = [f"-DCMAKE_Fortran_COMPILER={self.compiler}"]
+        words = [f"-DCMAKE_Fortran_COMPILER={self.command}"]
         if self.mpi == "none":
             words.append("-DSCREE_MPI=OFF")
         else:
             words.append(f"-DMPI_Fortran_COMPILER=mpifort.{self.mpi}")
         if self.is_flang:
-            words.append(f"-DHDF5_ROOT=/opt/hdf5-{self.compiler}")
+            words.append(f"-DHDF5_ROOT=/opt/hdf5-{self.command}")
         return words
 
 
@@ -193,7 +198,7 @@ def prepare(place, cell):
     if place.labels:
         prepare_python(place, cell)
     if cell.is_flang:
-        place.inside(cell, "hdf5", HDF5_FLANG.format(flang=cell.compiler, mirror=MIRROR, suite=cell.suite,
+        place.inside(cell, "hdf5", HDF5_FLANG.format(flang=cell.command, mirror=MIRROR, suite=cell.suite,
                                                      jobs=place.jobs))
     packages = place.inside(cell, "versions", "dpkg-query -W -f='${Package} ${Version}\\n' " +
                             shlex.join(cell.packages))
@@ -288,7 +293,7 @@ def package(place, cell):
         said = place.inside(cell, "package", "set -e\ncd /tmp/user\nrm -rf prefix build\n"
                             f"cmake --install /opt/scree/build/{cell.name} --prefix /tmp/user/prefix > /dev/null\n"
                             f"cmake -S {name} -B build -DCMAKE_PREFIX_PATH=/tmp/user/prefix "
-                            f"-DCMAKE_Fortran_COMPILER={cell.compiler}\ncmake --build build\nOMPI_ALLOW_RUN_AS_ROOT=1 "
+                            f"-DCMAKE_Fortran_COMPILER={cell.command}\ncmake --build build\nOMPI_ALLOW_RUN_AS_ROOT=1 "
                             "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 build/user")
         if "status and ranks 0 1" not in said:
             raise Failure(f"the program of the package said {said[-200:]}")
