@@ -7,6 +7,10 @@ add_library(scree_mpi INTERFACE)
 set_target_properties(scree_mpi PROPERTIES EXPORT_NAME mpi)
 if(SCREE_MPI)
    set(scree_variant parallel)
+   # Beside a wrapper with the name of its MPI, such as mpifort.mpich of Debian, is a command that starts its ranks.
+   if(MPI_Fortran_COMPILER MATCHES "[.](mpich|openmpi)$")
+      find_program(MPIEXEC_EXECUTABLE mpiexec.${CMAKE_MATCH_1} DOC "Command that starts the ranks")
+   endif()
    find_package(MPI REQUIRED COMPONENTS Fortran)
    if(NOT MPI_Fortran_HAVE_F08_MODULE)
       message(FATAL_ERROR "The MPI library has no module mpi_f08 for this compiler; "

@@ -8,14 +8,14 @@ get_property(layers GLOBAL PROPERTY scree_layers)
 install(TARGETS ${layers} scree_mpi scree_hdf5 EXPORT scree
    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree")
 set(scree_package "${CMAKE_INSTALL_LIBDIR}/cmake/scree")
-install(EXPORT scree NAMESPACE scree:: FILE screeTargets.cmake DESTINATION "${scree_package}")
+install(EXPORT scree NAMESPACE scree:: FILE scree-targets.cmake DESTINATION "${scree_package}")
 string(REGEX MATCH "^[0-9]+" scree_compiler_generation "${CMAKE_Fortran_COMPILER_VERSION}")
-configure_file("${CMAKE_CURRENT_LIST_DIR}/screeConfig.cmake.in"
-   "${PROJECT_BINARY_DIR}/cmake/screeConfig.cmake" @ONLY)
-write_basic_package_version_file("${PROJECT_BINARY_DIR}/cmake/screeConfigVersion.cmake"
+configure_file("${CMAKE_CURRENT_LIST_DIR}/scree-config.cmake.in"
+   "${PROJECT_BINARY_DIR}/cmake/scree-config.cmake" @ONLY)
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/cmake/scree-config-version.cmake"
    COMPATIBILITY SameMinorVersion)
-install(FILES "${PROJECT_BINARY_DIR}/cmake/screeConfig.cmake"
-   "${PROJECT_BINARY_DIR}/cmake/screeConfigVersion.cmake" DESTINATION "${scree_package}")
+install(FILES "${PROJECT_BINARY_DIR}/cmake/scree-config.cmake"
+   "${PROJECT_BINARY_DIR}/cmake/scree-config-version.cmake" DESTINATION "${scree_package}")
 if(TARGET scree)
    install(TARGETS scree RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
@@ -29,7 +29,7 @@ foreach(name scree scree-bench)
    install(FILES "${PROJECT_SOURCE_DIR}/scripts/completion/_${name}"
       DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions")
 endforeach()
-# Modules of gfortran fit one generation of compilers, hence beside the libraries.
+# Modules fit one compiler, hence beside the libraries.
 install(DIRECTORY "${PROJECT_BINARY_DIR}/modules/" DESTINATION "${CMAKE_INSTALL_LIBDIR}/scree/modules"
    FILES_MATCHING PATTERN "*.mod"
    PATTERN pfunit EXCLUDE PATTERN main EXCLUDE)

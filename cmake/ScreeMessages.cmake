@@ -50,5 +50,5 @@ function(scree_messages)
       message_codes "${message_codes}")
    configure_file("${messages_TEMPLATE}" "${messages_OUTPUT}" @ONLY)
    # Doubled quotes can make lines long; the texts need no optimisation.
-   set_property(SOURCE "${messages_OUTPUT}" PROPERTY COMPILE_OPTIONS -ffree-line-length-none -O0)
+   set_property(SOURCE "${messages_OUTPUT}" PROPERTY COMPILE_OPTIONS ${scree_line_flags} -O0)
 endfunction()

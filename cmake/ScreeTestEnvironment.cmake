@@ -6,8 +6,19 @@ set(scree_test_environment
    OMP_NUM_THREADS=2 OMP_PROC_BIND=false
    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
    OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
-   OMPI_MCA_hwloc_base_binding_policy=none PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe)
+   OMPI_MCA_hwloc_base_binding_policy=none
+   PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe PRTE_MCA_hwloc_default_binding_policy=none)
 set(scree_mpiexec "${MPIEXEC_EXECUTABLE}" ${MPIEXEC_PREFLAGS} ${MPIEXEC_NUMPROC_FLAG})
+# Tests in Python call mpiexec and mpirun: that of the MPI of this build comes first in their path.
+if(SCREE_MPI)
+   set(scree_starters "${PROJECT_BINARY_DIR}/test/starters")
+   foreach(name mpiexec mpirun)
+      file(WRITE "${PROJECT_BINARY_DIR}/CMakeFiles/${name}" "#!/bin/sh\nexec '${MPIEXEC_EXECUTABLE}' \"$@\"\n")
+      file(COPY "${PROJECT_BINARY_DIR}/CMakeFiles/${name}" DESTINATION "${scree_starters}"
+         FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+   endforeach()
+   list(APPEND scree_test_environment "PATH=${scree_starters}:$ENV{PATH}")
+endif()
 
 # Tests in Python need pytest, and those of whole runs numpy and h5py, which scripts/setup.sh puts in build/venv; the
 # translator of unit tests needs the standard library only.

@@ -21,7 +21,7 @@ set(scree_version_file "${PROJECT_BINARY_DIR}/generated/base/base_version.f90")
 set(half_done "${PROJECT_BINARY_DIR}/generated/base/base_version.f90.in")
 set(git_commit "@git_commit@") # filled in at build time
 scree_fortran_text("${PROJECT_VERSION}" version_text)
-scree_fortran_text("gfortran" compiler)
+scree_fortran_text("${scree_compiler}" compiler)
 scree_fortran_text("${CMAKE_Fortran_COMPILER_VERSION}" compiler_version)
 scree_fortran_text("${scree_flags}" flags)
 scree_fortran_text("${CMAKE_BUILD_TYPE}" build_type)

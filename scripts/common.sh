@@ -12,6 +12,10 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_MCA_rmaps_base_oversubscribe="${OMPI_MCA_rmaps_base_oversubscribe:-1}"
 export OMPI_MCA_hwloc_base_binding_policy="${OMPI_MCA_hwloc_base_binding_policy:-none}"
 export OMPI_MCA_btl_vader_single_copy_mechanism="${OMPI_MCA_btl_vader_single_copy_mechanism:-none}"
+# The same for Open MPI 5.
+: "${PRTE_MCA_rmaps_default_mapping_policy:=:oversubscribe}"
+: "${PRTE_MCA_hwloc_default_binding_policy:=none}"
+export PRTE_MCA_rmaps_default_mapping_policy PRTE_MCA_hwloc_default_binding_policy
 
 # Print the comment block at the head of a script, without its first two lines.
 show_help() {
@@ -30,12 +34,23 @@ stop_with() {
    exit "${code}"
 }
 
-# A gfortran of version 12 or newer, or nothing.
+# The main version of a Fortran compiler, or nothing.
+generation_of() {
+   local told
+   command -v "$1" > /dev/null 2>&1 || return 0
+   told="$("$1" --version 2> /dev/null)" || return 0
+   if [[ "${told}" =~ flang[^[:digit:]]*\ version\ ([0-9]+) ]]; then
+      printf '%s\n' "${BASH_REMATCH[1]}"
+   else
+      "$1" -dumpversion 2> /dev/null | cut -d. -f1
+   fi
+}
+
+# The compiler of FC, a gfortran of version 12 or newer, or nothing.
 find_compiler() {
    local candidate version
-   for candidate in ${FC:+"${FC}"} gfortran gfortran-12 gfortran-13 gfortran-14; do
-      command -v "${candidate}" > /dev/null 2>&1 || continue
-      version="$("${candidate}" -dumpversion 2> /dev/null | cut -d. -f1)" || continue
+   for candidate in ${FC:+"${FC}"} gfortran gfortran-12 gfortran-13 gfortran-14 gfortran-15; do
+      version="$(generation_of "${candidate}")" || continue
       if [[ "${version}" =~ ^[0-9]+$ ]] && ((version >= 12)); then
          printf '%s\n' "${candidate}"
          return

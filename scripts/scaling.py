@@ -63,6 +63,7 @@ def run(options, method, ranks, threads, length, name):
         command = ["mpiexec", "-n", ranks, "--bind-to", "none", *command]
     environment = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMP_WAIT_POLICY": "passive",
                    "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+                   "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
                    **os.environ, "OMP_NUM_THREADS": str(threads)}
     if os.geteuid() == 0:
         environment.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")

@@ -18,7 +18,9 @@ VERSION = re.compile(r"^scree (\S+) \(git ([^)]*)\)\s+(\S+ \S+) (\S+) (.*?)\s{2,
 # Open MPI refuses root and more ranks than cores by default, and would bind the threads of a rank to one core.
 DEFAULTS = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
             "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
-            "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OMP_WAIT_POLICY": "passive"}
+            "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+            "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+            "PRTE_MCA_hwloc_default_binding_policy": "none", "OMP_WAIT_POLICY": "passive"}
 
 
 def environment(threads):

@@ -321,11 +321,12 @@ contains
    logical function schema_extend_owner(self, group, name, word) result(declared)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group, name, word  !! Group and key; the further word
+      integer :: rule, key
 
-      associate (rule => self%groups(self%find(group)))
-         declared = rule%find(name) > 0
-         if (declared) call append(rule%keys(rule%find(name))%owners(1)%words, word)
-      end associate
+      rule = self%find(group)
+      key = self%groups(rule)%find(name)
+      declared = key > 0
+      if (declared) call append(self%groups(rule)%keys(key)%owners(1)%words, word)
    end function schema_extend_owner
 
    !> True if a word is in a list.
@@ -346,7 +347,7 @@ contains
       character(len=*), intent(in) :: group              !! Name of the group
       character(len=*), intent(in) :: lines(:)           !! See base_preset
       type(preset_t), allocatable :: read(:), longer(:)
-      integer :: i, known, place
+      integer :: i, known, place(2)
 
       call read_presets(group, lines, read)
       known = 0
@@ -358,12 +359,10 @@ contains
       do i = 1, size(read)
          longer(known + i) = read(i)
          call self%words(group, "preset", [read(i)%name])
-         place = self%find(group)
-         associate (rule => self%groups(place))
-            associate (key => rule%keys(rule%find("preset")))
-               if (.not. allocated(key%meanings)) allocate (key%meanings(0))
-               call append(key%meanings, read(i)%name//" "//read(i)%title)
-            end associate
+         place = self%locate(group, "preset")
+         associate (key => self%groups(place(1))%keys(place(2)))
+            if (.not. allocated(key%meanings)) allocate (key%meanings(0))
+            call append(key%meanings, read(i)%name//" "//read(i)%title)
          end associate
       end do
       call move_alloc(longer, self%presets)

@@ -14,6 +14,7 @@ import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import case
 from sources import project_files
 
 FOLDERS = ("mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer", "contact",
@@ -23,12 +24,6 @@ MESSAGE = re.compile(
     r"Warning: Creating array temporary at \(1\)", re.M)
 SLICE = re.compile(r"[\s(,=]*[\w%]+(?:\([^()]*\)%\w+)*\((?=[^()]*:)")
 
-
-
-def compiler(options):
-    """The compiler of the build."""
-    cache = (options.scree.parents[1] / "CMakeCache.txt").read_text(encoding="utf-8")
-    return re.search(r"^CMAKE_Fortran_COMPILER:\w+=(.*)$", cache, re.M).group(1)
 
 
 def slices(text):
@@ -53,7 +48,7 @@ class TestHiddenCopies:
         work = options.work / path.stem
         work.mkdir(parents=True, exist_ok=True)
         answer = subprocess.run(
-            [compiler(options), "-c", "-std=f2008", "-O1", "-fopenmp", "-Warray-temporaries",
+            [case.gfortran_of(options), "-c", "-std=f2008", "-O1", "-fopenmp", "-Warray-temporaries",
              "-fdiagnostics-color=never", *modules, f"-J{work}", "-o", work / "object.o", path],
             capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
         assert answer.returncode == 0, answer.stderr[-2000:]

@@ -11,8 +11,6 @@ import re
 import shutil
 import subprocess
 
-import pytest
-
 import case
 
 SRC = case.ROOT / "src"
@@ -35,9 +33,7 @@ def test_settings_of_files():
 
 def test_communicator_without_mpi(options):
     """base_communicator and the test harness compile with the module mpi_f08 for one rank."""
-    compiler = shutil.which("gfortran")
-    if not compiler:
-        pytest.skip("there is no gfortran")
+    compiler = case.gfortran_of(options)
     work = options.work / "modules"
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)

@@ -13,6 +13,8 @@ import re
 import subprocess
 from pathlib import Path
 
+import case
+
 LAYERS = ("base", "mesh", "constitutive", "explosive", "tabulated", "ductile", "material", "particle", "transfer",
           "contact", "io", "ddmp", "exact", "step", "scene", "output", "program")
 PARTICLES = ("constitutive", "explosive", "tabulated", "ductile", "material", "transfer", "ddmp", "step")
@@ -60,9 +62,8 @@ class TestVectorFunctions:
         work.mkdir(parents=True, exist_ok=True)
         source = work / "sample.f90"
         source.write_text(SAMPLE.format(mark=mark), encoding="utf-8")
-        subprocess.run([cached(options, "CMAKE_Fortran_COMPILER"), "-c", "-O3", "-march=native", "-o",
-                        work / "sample.o",
-                        source], check=True)
+        subprocess.run([case.gfortran_of(options), "-c", "-O3", "-march=native", "-o", work / "sample.o", source],
+                       check=True)
         return {symbol for _, symbol in undefined(options, work / "sample.o")}
 
     def test_the_mark_helps(self, options):

@@ -13,6 +13,7 @@ import argparse
 import functools
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -29,6 +30,8 @@ OPEN_MPI = {
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_hwloc_base_binding_policy": "none",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+    "PRTE_MCA_hwloc_default_binding_policy": "none",
 }
 
 
@@ -48,10 +51,22 @@ def arguments(description=None):
 
 
 @functools.lru_cache(maxsize=None)
+def version(scree):
+    """What the program says of its version, compiler and MPI."""
+    return subprocess.run([str(scree), "--version"], stdout=subprocess.PIPE, text=True, check=True).stdout
+
+
 def has_ranks(scree):
     """False if the program was built without MPI."""
-    told = subprocess.run([str(scree), "--version"], stdout=subprocess.PIPE, text=True, check=True).stdout
-    return "without MPI" not in told
+    return "without MPI" not in version(scree)
+
+
+def gfortran_of(options):
+    """The gfortran of the build around the program; the test is skipped if another compiler built it."""
+    if "gfortran" not in version(options.scree):
+        pytest.skip("this program was not built with gfortran")
+    cache = (options.scree.parents[1] / "CMakeCache.txt").read_text(encoding="utf-8")
+    return re.search(r"^CMAKE_Fortran_COMPILER:\w+=(.*)$", cache, re.M).group(1)
 
 
 def need_ranks(scree):
