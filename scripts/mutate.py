@@ -23,7 +23,7 @@ so an endless loop ends. A row of the table has one of these outcomes:
     timed out         a test did not end; counted as killed
     does not compile  not counted
     equivalent        the compiler makes the same code; not counted
-    survived          the note says whether the digest of a deck of input/ differs after 40 steps
+    survived          the note says whether the digests of some decks of input/ differ after 40 steps
 
 The table is written after each mutant, so an interrupted run continues. Several runs may work on one table.
 """
@@ -33,12 +33,13 @@ import fcntl
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
 from collections import Counter, defaultdict
 from pathlib import Path
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "scripts")]
@@ -47,7 +48,7 @@ from mutants.places import Mutant  # noqa: E402
 from mutants.workshop import PROGRAMS, Test, Workshop  # noqa: E402
 
 COLUMNS = ("place", "before", "after", "kind", "outcome", "by", "seconds", "tests", "note")
-LONGEST = 19.0              # recorded seconds of a test in Python that is used
+LONGEST = {"unit": 0.0, "smoke": 19.0, "full": 31.5}     # recorded seconds of a test in Python that is used
 #: Tests of the package in Python and of the installation.
 NOT_OF_PROGRAM = re.compile(r"python|install|speed_bench|test_post_|damaged_series|message_codes")
 CPU = (20.0, 10.0)          # processor time of a test [s]: constant part, and factor of its recorded cost
@@ -66,20 +67,24 @@ class Coverage:
             for number in numbers:
                 self.tests[file, number].append(test)
 
-    def of(self, mutant: Mutant, lines: Sequence[str]) -> List[str]:
-        """Tests that execute the statement of a mutant."""
+    def of(self, mutant: Mutant, lines: Sequence[str], counted: Set[int]) -> List[str]:
+        """Tests that execute the statement of a mutant. The compiler counts no line for some assignments of constants;
+        these have the tests of the next lines that it counts."""
         first = last = mutant.line
         while lines[first - 2].rstrip().endswith("&"):
             first -= 1
         while lines[last - 1].rstrip().endswith("&"):
             last += 1
+        if not counted & set(range(first, last + 1)):
+            first = max((number for number in counted if number < first), default=first)
+            last = min((number for number in counted if number > last), default=last)
         return sorted({test for number in range(first, last + 1) for test in self.tests.get((mutant.file, number), ())})
 
 
-def used_tests(shop: Workshop) -> List[Test]:
-    """Unit tests, and those of the tier smoke that take a short time."""
-    return [test for test in shop.tests.values()
-            if test.is_unit or "smoke" in test.labels and test.cost <= LONGEST and not NOT_OF_PROGRAM.search(test.name)]
+def used_tests(shop: Workshop, tier: str) -> List[Test]:
+    """Unit tests, and those of a tier that take a short time."""
+    return [test for test in shop.tests.values() if test.is_unit or test.labels & {"smoke", tier}
+            and test.cost <= LONGEST[tier] and not NOT_OF_PROGRAM.search(test.name)]
 
 
 def layer_of(shop: Workshop, test: Test) -> str:
@@ -107,8 +112,8 @@ def cpu_limit(test: Test) -> float:
 class Trial:
     """Tries mutants, and knows which tests pass without a change."""
 
-    def __init__(self, shop: Workshop, coverage: Coverage, budget: float) -> None:
-        self.shop, self.coverage, self.budget = shop, coverage, budget
+    def __init__(self, shop: Workshop, coverage: Coverage, options: argparse.Namespace) -> None:
+        self.shop, self.coverage, self.budget, self.closer = shop, coverage, options.budget, not options.quick
         self.sound: Dict[str, bool] = {}
         self.digests: Dict[str, str] = {}
 
@@ -117,7 +122,7 @@ class Trial:
         if test.name not in self.sound:
             folder = self.shop.scratch / "sound"
             for program in ([Path(test.command[-1]).name] if test.is_unit else PROGRAMS):
-                self.shop.link(program, folder, [])
+                self.shop.link(program, folder)
             self.sound[test.name] = self.shop.try_test(test, folder, cpu_limit(test)).code in (0, 77)
             if not self.sound[test.name]:
                 print(f"    {test.name} fails without a change and is left out", flush=True)
@@ -137,14 +142,14 @@ class Trial:
                                                               if line.startswith(("Error", "Fatal"))), ""))
         else:
             self.try_tests(mutant, made, lines, row)
-            if row["outcome"] == "survived":
+            if row["outcome"] == "survived" and row["tests"] != "0" and self.closer:
                 self.look_closer(mutant, made, lines, row)
         row["seconds"] = f"{time.time() - begin:.1f}"
         return row
 
     def try_tests(self, mutant: Mutant, made: Path, lines: Sequence[str], row: Row) -> None:
         """Run tests until one fails; complete the row."""
-        tests = in_order(self.shop, mutant, self.coverage.of(mutant, lines))
+        tests = in_order(self.shop, mutant, self.coverage.of(mutant, lines, self.shop.counted_lines(mutant.file)))
         spent, linked, number = 0.0, set(), 0
         row["outcome"] = "survived"
         folder = self.shop.scratch / "bin"
@@ -156,7 +161,7 @@ class Trial:
                     break
             for program in ([Path(test.command[-1]).name] if test.is_unit else PROGRAMS):
                 if program not in linked:
-                    self.shop.link(program, folder, [str(made)])
+                    self.shop.link(program, folder, made, mutant.file)
                     linked.add(program)
             ended = self.shop.try_test(test, folder, cpu_limit(test))
             number += 1
@@ -167,7 +172,7 @@ class Trial:
                 break
         row["tests"] = str(number)
         if not tests:
-            row["note"] = "no test that was tried executes the line; "
+            row["note"] = "no test executes the line"
 
     def look_closer(self, mutant: Mutant, made: Path, lines: Sequence[str], row: Row) -> None:
         """Compare the code and the digests of a mutant that no test found with those of the program."""
@@ -176,12 +181,12 @@ class Trial:
         if same is not None and same.read_bytes() == changed.read_bytes():
             row.update(outcome="equivalent", note="the compiler makes the same code")
             return
-        decks = sorted(self.shop.source.glob("input/*/scene.nml"))
+        decks = sorted(self.shop.source.glob("input/*/scene.nml"))[::2]
         if not self.digests:
             for program in PROGRAMS:
-                self.shop.link(program, self.shop.scratch / "sound", [])
+                self.shop.link(program, self.shop.scratch / "sound")
             self.digests = self.shop.digests(self.shop.scratch / "sound", decks)
-        self.shop.link("scree", self.shop.scratch / "bin", [str(changed)])
+        self.shop.link("scree", self.shop.scratch / "bin", changed, mutant.file)
         now = self.shop.digests(self.shop.scratch / "bin", decks)
         differ = [name.split("/")[1] for name in now if now[name] != self.digests[name]]
         row["note"] += "digest differs: " + " ".join(differ) if differ else "digests are the same"
@@ -257,7 +262,7 @@ def prepare(shop: Workshop, options: argparse.Namespace) -> None:
     shop.load()
     shop.make_coverage()
     end = time.time() + 60.0 * options.minutes
-    for test in sorted(used_tests(shop), key=lambda test: (not test.is_unit, test.cost)):
+    for test in sorted(used_tests(shop, options.tier), key=lambda test: (not test.is_unit, test.cost)):
         if time.time() > end:
             sys.exit("the time is over; call `prepare` again")
         try:
@@ -278,12 +283,12 @@ def run(shop: Workshop, options: argparse.Namespace) -> None:
     """Try the mutants that have no row."""
     shop.load()
     coverage = Coverage()
-    names = {test.name for test in used_tests(shop)}
+    names = {test.name for test in used_tests(shop, options.tier)}
     for file in (shop.cover / "lines").glob("*.json"):
         kept = json.loads(file.read_text(encoding="utf-8"))
         if kept["test"] in names:
             coverage.add(kept["test"], kept["lines"])
-    trial, table = Trial(shop, coverage, options.budget), Table(options.table)
+    trial, table = Trial(shop, coverage, options), Table(options.table)
     before = table.lines()
     done = {key_of(row) for row in table.rows() if row["outcome"] != options.again}
     mutants, end = chosen(options, shop.source), time.time() + 60.0 * options.minutes
@@ -311,10 +316,12 @@ def arguments(words: Optional[Sequence[str]] = None) -> argparse.Namespace:
     parser.add_argument("--count", type=int, default=220, help="number of mutants, more by the least of folders")
     parser.add_argument("--least", type=int, default=4, help="least number in each folder of src/")
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
+    parser.add_argument("--quick", action="store_true", help="do not look for equal code and digests")
     parser.add_argument("--again", help="try again the mutants with this outcome")
     parser.add_argument("--only", default="", help="try only mutants with this text in their place")
     parser.add_argument("--budget", type=float, default=200.0,
                         help="recorded seconds of tests beyond those of the folder, for one mutant")
+    parser.add_argument("--tier", choices=tuple(LONGEST), default="smoke", help="which tests in Python are used")
     parser.add_argument("--minutes", type=float, default=1.0e6, help="begin nothing after this time")
     parser.add_argument("--jobs", type=int, default=1, help="compilations at a time in `prepare`")
     options = parser.parse_args(words)
@@ -333,6 +340,8 @@ def main() -> None:
     if options.what == "summary":
         print(summary(Table(options.table).rows()))
         return
+    # a run that is stopped removes its scratch files
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     shop = Workshop(ROOT, options.folder.resolve(), options.jobs)
     try:
         (prepare if options.what == "prepare" else run)(shop, options)

@@ -17,12 +17,12 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, FrozenSet, List, Optional, Sequence, Tuple
+from typing import Dict, FrozenSet, List, Optional, Sequence, Set, Tuple
 
 from mutants.places import Mutant
 from mutants.process import Ended, run
 
-PROGRAMS = ("scree", "fuzz_decks")
+PROGRAMS = ("scree", "fuzz_decks", "libscree.so")
 #: The copy is compiled in half the time with this level, and its tests pass.
 LEVEL = ("-O3 -fno-trapping-math", "-O1 -fno-trapping-math")
 #: Tests of these labels never show a wrong result of the program.
@@ -105,7 +105,7 @@ class Workshop:
             library = re.search(r"/ar qc (\S+) (.*?) &&", line)
             if library:
                 self.libraries[library[1]] = library[2].split()
-            elif line.startswith(": && ") and " -o " in line and " -shared " not in line:
+            elif line.startswith(": && ") and " -o " in line:
                 words = shlex.split(line)[2:-2]
                 self.links[Path(words[words.index("-o") + 1]).name] = words
         listed = subprocess.run(["ctest", "--show-only=json-v1"], cwd=self.build, check=True, capture_output=True,
@@ -131,18 +131,26 @@ class Workshop:
         ended = run(words, self.build, {}, 300.0)
         return (made if ended.code == 0 and made.is_file() else None), ended.output
 
-    def link(self, program: str, folder: Path, more: Sequence[str], covered: bool = False) -> Path:
-        """Link a program with other objects before the libraries."""
+    def link(self, program: str, folder: Path, changed: Optional[Path] = None, file: str = "") -> Path:
+        """Link a program with the changed object of a file."""
         words = list(self.links[program])
         made = folder / program
         folder.mkdir(parents=True, exist_ok=True)
         at = words.index("-o")
-        words[at:at + 2] = ["-o", str(made), *more]
-        if covered:
-            words = [str(self.cover / word) if word in self.libraries and (self.cover / word).is_file() else word
-                     for word in words]
+        words[at + 1] = str(made)
+        if changed is not None and self.objects[file] in words:
+            words[words.index(self.objects[file])] = str(changed)
+        elif changed is not None:
+            words.insert(at + 2, str(changed))
         subprocess.run(words, cwd=self.build, check=True, capture_output=True)
         return made
+
+    def link_covered(self, program: str, folder: Path) -> None:
+        """Link a program whose libraries count lines."""
+        words = [str(self.cover / word) if (self.cover / word).is_file() else word for word in self.links[program]]
+        folder.mkdir(parents=True, exist_ok=True)
+        words[words.index("-o") + 1] = str(folder / program)
+        subprocess.run([*words, "--coverage"], cwd=self.build, check=True, capture_output=True)
 
     def try_test(self, test: Test, folder: Path, cpu: float) -> Ended:
         """Run one test with the programs in a folder."""
@@ -155,7 +163,8 @@ class Workshop:
             words[words.index("--work") + 1] = str(work / "case")
         environment = dict(line.split("=", 1) for line in test.environment)
         try:
-            return run(words, Path(test.folder), {**environment, "TMPDIR": str(work)}, cpu)
+            return run(words, Path(test.folder), {**environment, "TMPDIR": str(work),
+                                                  "SCREE_LIBRARY": str(folder / "libscree.so")}, cpu)
         finally:
             shutil.rmtree(work, ignore_errors=True)
 
@@ -205,7 +214,7 @@ class Workshop:
         folder = self.cover / "bin"
         for program in ([Path(test.command[-1]).name] if test.is_unit else PROGRAMS):
             if test.is_unit or not (folder / program).is_file():
-                self.link(program, folder, ["--coverage"], covered=True)
+                self.link_covered(program, folder)
         for path in self.cover.rglob("*.gcda"):
             path.unlink()
         self.try_test(test, folder, 60.0 + 30.0 * test.cost)
@@ -220,10 +229,20 @@ class Workshop:
 
     def counted(self) -> Dict[str, List[int]]:
         """Lines of src/ that were executed, from the counts of the compiler."""
-        lines: Dict[str, List[int]] = {}
         files = [str(path) for path in self.cover.rglob("*.gcda")]
+        return {file: sorted(line for line, count in counts.items() if count)
+                for file, counts in self.counts(files).items() if any(counts.values())}
+
+    def counted_lines(self, file: str) -> Set[int]:
+        """Lines of a file for which the compiler counts."""
+        found = self.counts([str((self.cover / self.objects[file]).with_suffix(".gcno"))])
+        return set(found.get(file, {}))
+
+    def counts(self, files: Sequence[str]) -> Dict[str, Dict[int, int]]:
+        """How often each line was executed, by file of src/."""
+        found: Dict[str, Dict[int, int]] = {}
         if not files:
-            return lines
+            return found
         answer = subprocess.run(["gcov", "--json-format", "--stdout", *files], cwd=self.scratch, capture_output=True,
                                 text=True, check=False)
         for line in answer.stdout.splitlines():
@@ -231,11 +250,11 @@ class Workshop:
                 for file in json.loads(line)["files"]:
                     path = self.build / file["file"]
                     if path.is_relative_to(self.source):
-                        name = path.relative_to(self.source).as_posix()
-                        seen = {entry["line_number"] for entry in file["lines"] if entry["count"]}
-                        if seen:
-                            lines[name] = sorted(seen | set(lines.get(name, ())))
-        return lines
+                        counts = found.setdefault(path.relative_to(self.source).as_posix(), {})
+                        for entry in file["lines"]:
+                            number = entry["line_number"]
+                            counts[number] = counts.get(number, 0) + entry["count"]
+        return found
 
     def state(self, test: Test) -> str:
         """Changes with the sources, and with the file of the test."""
