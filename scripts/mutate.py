@@ -50,7 +50,7 @@ from mutants.workshop import PROGRAMS, Test, Workshop  # noqa: E402
 COLUMNS = ("place", "before", "after", "kind", "outcome", "by", "seconds", "tests", "note")
 LONGEST = {"unit": 0.0, "smoke": 19.0, "full": 31.5}     # recorded seconds of a test in Python that is used
 #: Tests of the package in Python and of the installation.
-NOT_OF_PROGRAM = re.compile(r"python|install|speed_bench|test_post_|damaged_series|message_codes")
+NOT_OF_PROGRAM = re.compile(r"install|speed_bench|test_post_|damaged_series|message_codes")
 CPU = (20.0, 10.0)          # processor time of a test [s]: constant part, and factor of its recorded cost
 Row = Dict[str, str]
 
