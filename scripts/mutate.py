@@ -286,7 +286,7 @@ def run(shop: Workshop, options: argparse.Namespace) -> None:
     names = {test.name for test in used_tests(shop, options.tier)}
     for file in (shop.cover / "lines").glob("*.json"):
         kept = json.loads(file.read_text(encoding="utf-8"))
-        if kept["test"] in names:
+        if kept["test"] in names and not (options.no_unit and shop.tests[kept["test"]].is_unit):
             coverage.add(kept["test"], kept["lines"])
     trial, table = Trial(shop, coverage, options), Table(options.table)
     before = table.lines()
@@ -296,7 +296,7 @@ def run(shop: Workshop, options: argparse.Namespace) -> None:
         if time.time() > end:
             sys.exit("the time is over; call `run` again")
         key = (mutant.place, mutant.after.strip())
-        if options.only not in mutant.place or key in done or not table.claim(mutant):
+        if not any(text in mutant.place for text in options.only) or key in done or not table.claim(mutant):
             continue
         if key in map(key_of, table.lines()[len(before):]):
             continue
@@ -318,7 +318,8 @@ def arguments(words: Optional[Sequence[str]] = None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
     parser.add_argument("--quick", action="store_true", help="do not look for equal code and digests")
     parser.add_argument("--again", help="try again the mutants with this outcome")
-    parser.add_argument("--only", default="", help="try only mutants with this text in their place")
+    parser.add_argument("--only", nargs="+", default=[""], help="try only mutants whose place has one of these texts")
+    parser.add_argument("--no-unit", action="store_true", help="leave out unit tests, which passed before")
     parser.add_argument("--budget", type=float, default=200.0,
                         help="recorded seconds of tests beyond those of the folder, for one mutant")
     parser.add_argument("--tier", choices=tuple(LONGEST), default="smoke", help="which tests in Python are used")
