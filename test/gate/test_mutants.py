@@ -7,6 +7,7 @@ comments, of texts or of declarations, which no test can find.
 """
 
 import pytest
+
 from mutants import places
 from sources import ROOT
 
