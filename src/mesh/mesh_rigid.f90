@@ -41,7 +41,7 @@ module mesh_rigid
 contains
 
    !> Add a region.
-   pure subroutine rigid_add(self, wall)
+   subroutine rigid_add(self, wall)
       class(rigid_t), intent(inout) :: self
       type(wall_t), intent(in) :: wall
       type(wall_t), allocatable :: longer(:)

@@ -172,10 +172,11 @@ contains
       integer, intent(in) :: field                   !! Index of the velocity field of the side
       real(wp), intent(inout) :: inward(:, :)        !! (3, node) The areas, inward [m2]
       real(wp) :: area(3, size(inward, 2))
-      integer :: n, node, side
+      integer :: first, n, node, side
 
       side = side_of(simulation%fields, field)
-      associate (sides => simulation%fields(first_side(simulation%fields, field))%sides)
+      first = first_side(simulation%fields, field)
+      associate (sides => simulation%fields(first)%sides)
          if (.not. sides%cut(tile)) return
          area = 0.0_wp
          do n = 1, size(sides%store)
@@ -369,14 +370,15 @@ contains
       real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]
       real(wp), contiguous, intent(inout) :: reach(:)  !! (node) [m]
       real(wp) :: joint(3, size(reach))
-      integer :: node
+      integer :: first, node
 
       if (simulation%fields(field)%other == 0) then
          call reach_of_field(simulation%space, simulation%stores, simulation%fields, scratch, &
             tile, field, normal, reach)
          return
       end if
-      associate (sides => simulation%fields(first_side(simulation%fields, field))%sides)
+      first = first_side(simulation%fields, field)
+      associate (sides => simulation%fields(first)%sides)
          joint = normal
          do node = 1, size(reach)
             if (sides%split(node, tile)) joint(:, node) = 0.0_wp
