@@ -1,183 +1,171 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measure the speedup with ranks and threads, and compare the communication volume with a model.
+"""Measure how a run scales with its ranks, and write the report.
 
-    build/venv/bin/python scripts/scaling.py --work /tmp/scaling --cells 48 --steps 30
+    build/venv/bin/python scripts/scaling.py --work scaling                      # 1 to 512 ranks on this machine
+    build/venv/bin/python scripts/scaling.py --work scaling --quick              # 1 to 32 ranks, a minute
+    build/venv/bin/python scripts/scaling.py --work scaling --launcher 'srun -n {ranks} -c {threads}' \\
+        --layouts 1x16,8x16,64x16,512x16 --edge 12 --ppc 2 --steps 100 --repeat 3
 
-A block of elastic material is run on layouts "ranks x threads". Strong scaling: the same block for all
-layouts. Weak scaling: the length of the block is proportional to ranks times threads. All layouts are
-run alternately, several times, and the medians of ratios are reported, because the load of a machine
-varies. Output: scaling.csv, scaling.md (a table) and scaling.png in the work folder.
+Weak scaling: a periodic elastic block with the same number of tiles for each rank. Strong scaling: a ball that flies
+and spins, the same for all ranks; its digest must not depend on them. Work, messages, bytes, collective calls and
+memory of the ranks are counted by the program, so they can be compared on fewer cores than ranks; times are compared
+where every thread has a core, or a launcher starts the ranks. Output in the work folder: scaling.md, scaling.csv and
+figures.
 """
 import argparse
-import csv
 import json
+import math
 import os
-import statistics
 import subprocess
 import sys
 from pathlib import Path
 
+import scaling_report
+from scaling_model import TILE_CELLS
+
 ROOT = Path(__file__).resolve().parents[1]
-LAYOUTS = "1x1,2x1,1x2,4x1,2x2,1x4"
-TILE_CELLS, TILE_NODES = 6, 7           # along an edge of a tile, three dimensions
-# numbers on a node in each exchange of a step with the default method
-EXCHANGES = {"mpm": (7, 3), "ddmp": (17,)}
-DECK = """
+LAYOUTS = "1x1,2x1,4x1,8x1,16x1,32x1,64x1,128x1,256x1,512x1"
+QUICK = "1x1,2x1,8x1,32x1"
+# Open MPI refuses root and more ranks than cores unless told otherwise, and would bind all threads of a rank to one
+# core.
+OPEN_MPI = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+            "OMPI_MCA_hwloc_base_binding_policy": "none",
+            "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OMPI_MCA_mpi_yield_when_idle": "1",
+            "OMP_WAIT_POLICY": "passive"}
+HEAD = """
 &run  dimension='3d'  method='{method}' /
-&grid  lo=0,0,0  hi={length},{cells},{cells}  dx=1 /
 &time  t_end=1.0e9  max_steps={steps} /
 &method  {words} /
 &material  name='rubber'  density=1000  young=1.0e6  poisson=0.3 /
-&region  name='box'  shape='box'  lo=0,0,0  hi={length},{cells},{cells} /
-&body  name='block'  region='box'  material='rubber'  velocity=0.3,-0.2,0.1 /
 &boundary  face='all'  type='periodic' /
-&output  name='p'  kind='particles'  times=0 /
 &output  name='h'  kind='history'  every=1000000 /
 &checkpoint  at_end=.false. /
 &log  progress_seconds=1000 /
 """
+BLOCK = HEAD + """
+&grid  lo=0,0,0  hi={cells[0]},{cells[1]},{cells[2]}  dx=1 /
+&region  name='box'  shape='box'  lo=0,0,0  hi={cells[0]},{cells[1]},{cells[2]} /
+&body  name='block'  region='box'  material='rubber'  velocity=3,-2,1  ppc={ppc},{ppc},{ppc} /
+"""
+BALL = HEAD + """
+&grid  lo=0,0,0  hi={box},{box},{box}  dx=1 /
+&region  name='ball'  shape='sphere'  centre={centre},{centre},{centre}  radius={radius} /
+&body  name='ball'  region='ball'  material='rubber'  velocity=3,-2,1  spin=0.5,0.2,0.1  ppc={ppc},{ppc},{ppc} /
+"""
 
 
-def model(method, cells, ranks):
-    """Predicted messages and bytes of patches a step and rank. A piece of the curve is taken for a
-    cube of e tiles along an edge among other such cubes: each of 6 of them sees e^2 of its tiles,
-    each of 12 e, each of 8 one. Few ranks see each of its tiles at most once each."""
-    tiles = cells / TILE_CELLS ** 3 / ranks
-    edge = tiles ** (1.0 / 3.0)
-    copies = min(6 * edge ** 2 + 12 * edge + 8, tiles * (ranks - 1))
-    words = sum(1 + columns * TILE_NODES ** 3 for columns in EXCHANGES[method])
-    return len(EXCHANGES[method]) * min(26, ranks - 1), 8 * copies * words
+def factors(number):
+    """Three factors of a number, descending, that differ as little as possible."""
+    best = (number, 1, 1)
+    for least in range(1, round(number ** (1.0 / 3.0)) + 1):
+        for middle in range(least, math.isqrt(number // least) + 1):
+            if number % (least * middle) == 0:
+                best = min(best, (number // (least * middle), middle, least))
+    return best
 
 
-def run(options, method, ranks, threads, length, name):
-    """One run; the summary of it."""
+def block_deck(options, method, cells):
+    """Deck of the periodic block with numbers of cells along its edges."""
+    return BLOCK.format(method=method, cells=cells, steps=options.steps, words=options.method_words, ppc=options.ppc)
+
+
+def weak_deck(options, method, workers):
+    """A block that gives each worker a cube of `edge` tiles along its edges."""
+    return block_deck(options, method, [TILE_CELLS * options.edge * n for n in factors(workers)])
+
+
+def ball_deck(options, method):
+    """A ball in the middle of a box."""
+    box = TILE_CELLS * math.ceil((2 * options.radius + 8) / TILE_CELLS)
+    return BALL.format(method=method, box=box, centre=box / 2, radius=options.radius, steps=options.steps,
+                       words=options.method_words, ppc=options.ppc)
+
+
+def launcher(options, ranks, threads):
+    """The words that start a number of ranks."""
+    if options.launcher:
+        words = options.launcher.format(ranks=ranks, threads=threads).split()
+        return words if "{ranks}" in options.launcher else [*words, "-n", str(ranks)]
+    return ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+
+
+def run(options, deck, ranks, threads, name):
+    """One run in a folder of this name; its summary."""
     folder = options.work / name
     folder.mkdir(parents=True, exist_ok=True)
-    deck = folder / "block.nml"
-    deck.write_text(DECK.format(method=method, length=length, cells=options.cells,
-                                steps=options.steps, words=options.method_words),
-                    encoding="utf-8")
-    command = [options.scree, "-q", "--overwrite", "--case", "block", "--outdir", folder, deck]
-    if ranks > 1:
-        command = ["mpiexec", "-n", ranks, "--bind-to", "none", *command]
-    environment = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMP_WAIT_POLICY": "passive",
-                   "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
-                   "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-                   **os.environ, "OMP_NUM_THREADS": str(threads)}
+    path, result = folder / "case.nml", folder / "case.summary.json"
+    if options.resume and result.exists() and path.read_text(encoding="utf-8") == deck:
+        return json.loads(result.read_text(encoding="utf-8"))
+    path.write_text(deck, encoding="utf-8")
+    command = [*launcher(options, ranks, threads), str(options.scree), "-q", "--overwrite", "--case", "case",
+               "--outdir", str(folder), str(path)]
+    environment = {**OPEN_MPI, **os.environ, "OMP_NUM_THREADS": str(threads)}
     if os.geteuid() == 0:
         environment.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
-    answer = subprocess.run([str(word) for word in command], env=environment, text=True,
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    answer = subprocess.run(command, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if answer.returncode != 0:
-        sys.exit(f"scaling: {' '.join(map(str, command))} ended with exit code "
-                 f"{answer.returncode}:\n{answer.stdout[-2000:]}")
-    return json.loads((folder / "block.summary.json").read_text(encoding="utf-8"))
+        sys.exit(f"scaling: {' '.join(command)} ended with exit code {answer.returncode}:\n{answer.stdout[-2000:]}")
+    return json.loads(result.read_text(encoding="utf-8"))
+
+
+def has_cores(options, ranks, threads):
+    """True if times can be compared: every thread has a core, or a launcher places the ranks."""
+    return bool(options.launcher) or ranks * threads <= os.cpu_count()
 
 
 def measure(options, method, kind, layouts):
-    """Rows of the table for one kind of scaling."""
-    rates = {layout: [] for layout in layouts}
-    waits, seen = {}, {}
+    """Rows of the report for one kind of scaling; times are medians of alternating runs."""
+    found, rates = {}, {layout: [] for layout in layouts}
     for repeat in range(options.repeat):
         for ranks, threads in layouts:
-            length = options.cells * (ranks * threads if kind == "weak" else 1)
-            if sys.stderr.isatty() or options.verbose:
-                print(f"  {method} {kind} {ranks} x {threads}, {repeat + 1} of {options.repeat}",
-                      file=sys.stderr, flush=True)
-            summary = run(options, method, ranks, threads, length, f"{method}_{kind}")
-            rates[ranks, threads].append(summary["particle_updates_per_s"])
-            timers = summary["timers"]
-            waits[ranks, threads] = timers["waiting for ranks"]["avg"] / max(
-                sum(entry["avg"] for entry in timers.values()), 1e-30)
-            seen[ranks, threads] = summary
-    base = layouts[0]
-    rows = []
-    for ranks, threads in layouts:
-        speedup = statistics.median(
-            rate / first for rate, first in zip(rates[ranks, threads], rates[base]))
-        summary = seen[ranks, threads]
-        steps = summary["steps"] * ranks
-        traffic = summary.get("traffic", {"patch_messages": 0, "patch_bytes": 0})
-        length = options.cells * (ranks * threads if kind == "weak" else 1)
-        messages, sent = model(method, length * options.cells ** 2, ranks)
-        rows.append({
-            "method": method, "kind": kind, "ranks": ranks, "threads": threads,
-            "particles": summary["particles"],
-            "updates_per_s": statistics.median(rates[ranks, threads]), "speedup": speedup,
-            "efficiency": speedup * base[0] * base[1] / (ranks * threads),
-            "waiting_share": waits[ranks, threads],
-            "messages": traffic["patch_messages"] / steps, "messages_model": messages,
-            "bytes": traffic["patch_bytes"] / steps, "bytes_model": sent})
-    return rows
+            if repeat > 0 and not has_cores(options, ranks, threads):
+                continue
+            print(f"scaling: {method} {kind}, {ranks} x {threads}, run {repeat + 1}", file=sys.stderr, flush=True)
+            deck = weak_deck(options, method, ranks * threads) if kind == "weak" else ball_deck(options, method)
+            found[ranks, threads] = run(options, deck, ranks, threads, f"{method}_{kind}_{ranks}x{threads}")
+            if has_cores(options, ranks, threads):
+                rates[ranks, threads].append(found[ranks, threads]["particle_updates_per_s"])
+    return [scaling_report.row(method, kind, found[layout], rates[layout], options.edge ** 3 * layout[1])
+            for layout in layouts]
 
 
-def table(rows):
-    """The rows in Markdown."""
-    lines = ["| method | scaling | ranks x threads | particles | million updates/s | speed-up | "
-             "efficiency | waiting | messages, model | MB, model |",
-             "|---|---|---|---|---|---|---|---|---|---|"]
-    for row in rows:
-        lines.append(
-            f"| {row['method']} | {row['kind']} | {row['ranks']} x {row['threads']} | "
-            f"{row['particles']} | {row['updates_per_s'] / 1e6:.2f} | {row['speedup']:.2f} | "
-            f"{row['efficiency']:.2f} | {100 * row['waiting_share']:.0f} % | "
-            f"{row['messages']:.1f}, {row['messages_model']:.0f} | "
-            f"{row['bytes'] / 1e6:.2f}, {row['bytes_model'] / 1e6:.2f} |")
-    return "\n".join(lines) + "\n"
-
-
-def draw(rows, path):
-    """Speed-up against the number of threads on all ranks, pure and hybrid layouts apart."""
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    kinds = sorted({(row["method"], row["kind"]) for row in rows})
-    figure, panels = plt.subplots(1, len(kinds), figsize=(3.6 * len(kinds), 3.4), squeeze=False)
-    modes = (("ranks", "o-", "#1f5a93", lambda row: row["threads"] == 1),
-             ("threads", "s-", "#b3311b", lambda row: row["ranks"] == 1),
-             ("both", "^", "#2f7d3b", lambda row: row["ranks"] > 1 and row["threads"] > 1))
-    for panel, (method, kind) in zip(panels[0], kinds):
-        for label, mark, colour, chosen in modes:
-            points = sorted((row["ranks"] * row["threads"], row["speedup"]) for row in rows
-                            if (row["method"], row["kind"]) == (method, kind) and chosen(row))
-            if points:
-                panel.plot(*zip(*points), mark, color=colour, label=label)
-        most = max(row["ranks"] * row["threads"] for row in rows)
-        panel.plot([1, most], [1, most], color="#8a8a8a", lw=0.8, ls="--", label="ideal")
-        panel.axvline(os.cpu_count(), color="#cccccc", lw=0.8)
-        panel.set(title=f"{method}, {kind}", xlabel="ranks times threads", ylabel="speed-up",
-                  ylim=(0, None))
-    panels[0][0].legend(frameon=False)
-    figure.tight_layout()
-    figure.savefig(path, dpi=110)
+def arguments():
+    """The options of the command."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree", help="the program")
+    parser.add_argument("--work", type=Path, default=Path("scaling"), help="folder for runs and report")
+    parser.add_argument("--layouts", help=f"ranks x threads, by default {LAYOUTS}")
+    parser.add_argument("--quick", action="store_true", help=f"the layouts {QUICK}")
+    parser.add_argument("--methods", default="ddmp", help="of ddmp and mpm, separated by commas")
+    parser.add_argument("--kinds", default="weak,strong")
+    parser.add_argument("--edge", type=int, default=2, help="tiles along the edge of the cube of a rank, weak scaling")
+    parser.add_argument("--radius", type=float, default=27.0, help="radius of the ball in cells, strong scaling")
+    parser.add_argument("--ppc", type=int, default=1, help="particles along each edge of a cell")
+    parser.add_argument("--steps", type=int, default=10)
+    parser.add_argument("--repeat", type=int, default=1, help="runs of the layouts whose threads all have cores")
+    parser.add_argument("--resume", action="store_true", help="keep the runs in the work folder that have ended")
+    parser.add_argument("--launcher", help="command that starts the ranks; {ranks} and {threads} are replaced")
+    parser.add_argument("--method-words", default="", help="keys of &method, such as \"flip=1.0\"")
+    options = parser.parse_args()
+    options.scree, options.work = options.scree.resolve(), options.work.resolve()
+    options.layouts = options.layouts or (QUICK if options.quick else LAYOUTS)
+    return options
 
 
 def main():
-    """Measure, write, draw."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scree", type=Path, default=ROOT / "build/bin/scree")
-    parser.add_argument("--work", type=Path, default=Path("scaling"), help="folder for results")
-    parser.add_argument("--cells", type=int, default=48, help="cells along an edge of the block")
-    parser.add_argument("--steps", type=int, default=30)
-    parser.add_argument("--repeat", type=int, default=3)
-    parser.add_argument("--layouts", default=LAYOUTS, help="ranks x threads, the reference layout first")
-    parser.add_argument("--methods", default="ddmp,mpm")
-    parser.add_argument("--kinds", default="strong,weak")
-    parser.add_argument("--method-words", default="", help="keys of &method, such as \"flip=1.0\"")
-    parser.add_argument("-v", "--verbose", action="store_true", help="report each run")
-    options = parser.parse_args()
-    options.scree, options.work = options.scree.resolve(), options.work.resolve()
+    """Measure and report."""
+    options = arguments()
     layouts = [tuple(map(int, word.split("x"))) for word in options.layouts.split(",")]
-    rows = [row for method in options.methods.split(",") for kind in options.kinds.split(",")
-            for row in measure(options, method, kind, layouts)]
-    with open(options.work / "scaling.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
-    (options.work / "scaling.md").write_text(table(rows), encoding="utf-8")
-    draw(rows, options.work / "scaling.png")
-    print(table(rows), end="")
+    options.work.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for method in options.methods.split(","):
+        for kind in options.kinds.split(","):
+            rows += measure(options, method, kind, layouts)
+            scaling_report.write(options.work, rows, f"particles per cell: {options.ppc ** 3}, steps: {options.steps}")
+    print((options.work / "scaling.md").read_text(encoding="utf-8"), end="")
+    if scaling_report.differing_digests(rows):
+        sys.exit("scaling: the digest of the ball depends on the ranks")
 
 
 if __name__ == "__main__":

@@ -17,23 +17,25 @@ contains
    subroutine agree(communicator, error)
       type(communicator_t), intent(in) :: communicator
       type(error_t), allocatable, intent(inout) :: error     !! Own error in, common error out
-      integer(int64), allocatable :: codes(:), letters(:), whole(:)
-      integer(int64) :: own(1)
+      integer(int64), allocatable :: letters(:), whole(:)
+      integer(int64) :: least(2), code(1)
       character(len=:), allocatable :: message
       character(len=12) :: label
-      integer :: letter, speaker
+      integer :: letter
 
       if (communicator%size == 1) return
-      own = -1
-      if (allocated(error)) own = error%code
-      call communicator%gather(own, codes)
-      if (all(codes < 0)) return
-      speaker = 0
-      do while (codes(speaker + 1) < 0)
-         speaker = speaker + 1
-      end do
+      ! the lowest rank with an error, and 1 if all ranks have one
+      least = [communicator%size, 0]
+      if (allocated(error)) least = [communicator%rank, 1]
+      call communicator%least(least)
+      if (least(1) == communicator%size) return
       message = ""
-      if (communicator%rank == speaker) message = error%message
+      code = 0
+      if (communicator%rank == least(1)) then
+         message = error%message
+         code = error%code
+      end if
+      call communicator%total(code)
       allocate (letters(len(message)))
       do letter = 1, len(message)
          letters(letter) = iachar(message(letter:letter))
@@ -44,9 +46,9 @@ contains
       do letter = 1, size(whole)
          message(letter:letter) = achar(int(whole(letter)))
       end do
-      write (label, "(i0)") speaker
-      if (any(codes < 0)) message = "rank "//trim(label)//": "//message
+      write (label, "(i0)") least(1)
+      if (least(2) == 0) message = "rank "//trim(label)//": "//message
       if (allocated(error)) deallocate (error)
-      call fail(error, int(codes(speaker + 1)), message)
+      call fail(error, int(code(1)), message)
    end subroutine agree
 end module base_agreement

@@ -2,7 +2,8 @@
 !> The ranks of a run and all communication between them. The only module that uses MPI.
 module base_communicator
    use base_kinds, only: int64, wp
-   use base_process, only: set_default
+   use base_process, only: private_memory, set_default
+   use base_sort, only: sort_order
    use base_text, only: text_t
    use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_any_source, mpi_barrier, &
       mpi_bcast, mpi_character, mpi_comm, mpi_comm_dup, mpi_comm_free, mpi_comm_rank, &
@@ -24,7 +25,6 @@ module base_communicator
    type :: traffic_t
       integer(int64) :: messages = 0                  !! Messages sent
       integer(int64) :: words = 0                     !! Words of 8 bytes in the messages
-      integer(int64) :: agreements = 0                !! Collective calls
       real(wp) :: waiting = 0.0_wp                    !! Wall time in calls that wait [s]
    end type traffic_t
 
@@ -41,8 +41,12 @@ module base_communicator
       integer :: size = 1                             !! Number of ranks
       type(mpi_comm), private :: handle = mpi_comm_world !! Communicator of MPI
       type(mpi_info), private :: hints = mpi_info_null !! For files that all ranks write
-      integer, private :: round = 0                   !! Distinguishes successive exchanges
       type(traffic_t) :: traffic                      !! Counts of messages
+      integer(int64) :: memory = 0                    !! Private memory once MPI was started [byte]
+      !> Collective calls, words of 8 bytes of their results, and 0 or 1 in turn for successive
+      !! exchanges. Copies of a communicator share them: an exchange of a copy must not be taken
+      !! for the next one of the original.
+      integer(int64), pointer, private :: called(:) => null()
    contains
       procedure :: start => communicator_start        !! Start MPI
       procedure :: adopt => communicator_adopt        !! Use an existing communicator
@@ -51,6 +55,7 @@ module base_communicator
       procedure :: finish => communicator_finish      !! Finish MPI
       procedure :: native => communicator_native      !! Handles for parallel HDF5
       procedure :: set_hints => communicator_set_hints !! Hints for files of all ranks
+      procedure :: counts => communicator_counts      !! Messages and collective calls so far
       procedure :: barrier => communicator_barrier    !! Barrier
       procedure :: minimum => communicator_minimum    !! Minimum over the ranks
       procedure :: maximum => communicator_maximum    !! Maximum over the ranks
@@ -81,6 +86,8 @@ contains
       if (.not. started) call mpi_init_thread(mpi_thread_funneled, provided)
       call mpi_comm_rank(self%handle, self%rank)
       call mpi_comm_size(self%handle, self%size)
+      allocate (self%called(3), source=0_int64)
+      self%memory = private_memory()
    end subroutine communicator_start
 
    !> Have Open MPI write files with ROMIO, unless the user has set these variables. Its own OMPIO
@@ -104,18 +111,20 @@ contains
       self%handle%mpi_val = handle
       call mpi_comm_rank(self%handle, self%rank)
       call mpi_comm_size(self%handle, self%size)
+      allocate (self%called(3), source=0_int64)
    end subroutine communicator_adopt
 
    !> Use a copy of the communicator of a host program, so that messages of both are not mixed. An
    !! MPI failure ends the process, as in the program scree, whatever the error handler of the other
    !! communicator. Collective over the other communicator.
    subroutine communicator_duplicate(self, handle)
-      class(communicator_t), intent(out) :: self
+      class(communicator_t), intent(inout) :: self
       integer, intent(in) :: handle                   !! Fortran handle of the other communicator
       type(mpi_comm) :: other
 
       other%mpi_val = handle
       call prefer_romio()
+      if (.not. associated(self%called)) allocate (self%called(3), source=0_int64)
       call mpi_comm_dup(other, self%handle)
       call mpi_comm_set_errhandler(self%handle, mpi_errors_are_fatal)
       call mpi_comm_rank(self%handle, self%rank)
@@ -128,6 +137,7 @@ contains
 
       self%rank = 0
       self%size = 1
+      if (associated(self%called)) deallocate (self%called)
       if (message_passing_has_ended()) return
       if (self%hints%mpi_val /= mpi_info_null%mpi_val) call mpi_info_free(self%hints)
       if (self%handle%mpi_val /= mpi_comm_world%mpi_val) call mpi_comm_free(self%handle)
@@ -147,13 +157,12 @@ contains
    !> Finish MPI, if it was started and is not finished.
    subroutine communicator_finish(self)
       class(communicator_t), intent(inout) :: self
-      logical :: ended, started
 
       self%rank = 0
       self%size = 1
-      call mpi_initialized(started)
-      call mpi_finalized(ended)
-      if (started .and. .not. ended) call mpi_finalize()
+      if (associated(self%called)) deallocate (self%called)
+      if (.not. message_passing_has_started()) return
+      if (.not. message_passing_has_ended()) call mpi_finalize()
    end subroutine communicator_finish
 
    !> The handles of the group and of its hints, as integers, for parallel HDF5.
@@ -181,11 +190,30 @@ contains
       end do
    end subroutine communicator_set_hints
 
+   !> Messages sent, their words, collective calls, and the words of their results, so far.
+   pure function communicator_counts(self) result(counts)
+      class(communicator_t), intent(in) :: self
+      integer(int64) :: counts(4)
+
+      counts = [self%traffic%messages, self%traffic%words, 0_int64, 0_int64]
+      if (associated(self%called)) counts(3:) = self%called(:2)
+   end function communicator_counts
+
+   !> Count a collective call.
+   subroutine count_call(self, words)
+      class(communicator_t), intent(in) :: self       !! Of several ranks
+      integer, intent(in) :: words                    !! Words of 8 bytes of the result
+
+      self%called(:2) = self%called(:2) + [1, words]
+   end subroutine count_call
+
    !> Wait until all ranks have reached this call.
    subroutine communicator_barrier(self)
       class(communicator_t), intent(in) :: self
 
-      if (self%size > 1) call mpi_barrier(self%handle)
+      if (self%size == 1) return
+      call count_call(self, 0)
+      call mpi_barrier(self%handle)
    end subroutine communicator_barrier
 
    !> Minimum of one number a rank.
@@ -194,9 +222,7 @@ contains
       real(wp), intent(in) :: value                   !! Number of this rank
       real(wp) :: least
 
-      least = value
-      if (self%size > 1) &
-         call mpi_allreduce(value, least, 1, mpi_double_precision, mpi_min, self%handle)
+      least = -self%maximum(-value)
    end function communicator_minimum
 
    !> Maximum of one number a rank.
@@ -206,8 +232,9 @@ contains
       real(wp) :: greatest
 
       greatest = value
-      if (self%size > 1) &
-         call mpi_allreduce(value, greatest, 1, mpi_double_precision, mpi_max, self%handle)
+      if (self%size == 1) return
+      call count_call(self, 1)
+      call mpi_allreduce(value, greatest, 1, mpi_double_precision, mpi_max, self%handle)
    end function communicator_maximum
 
    !> Replace numbers by their maxima over the ranks.
@@ -223,7 +250,7 @@ contains
       call mpi_allreduce(values, greatest, size(values), mpi_double_precision, mpi_max, &
          self%handle)
       values = greatest
-      self%traffic%agreements = self%traffic%agreements + 1
+      call count_call(self, size(values))
       call add_wait(self%traffic, begin)
    end subroutine communicator_maxima
 
@@ -234,6 +261,7 @@ contains
       integer(int64), allocatable :: least(:)
 
       if (self%size == 1) return
+      call count_call(self, size(values))
       allocate (least, mold=values)
       call mpi_allreduce(values, least, size(values), mpi_integer8, mpi_min, self%handle)
       values = least
@@ -268,6 +296,7 @@ contains
       integer(int64), allocatable :: sums(:)
 
       if (self%size == 1) return
+      call count_call(self, size(values))
       allocate (sums, mold=values)
       call mpi_allreduce(values, sums, size(values), mpi_integer8, mpi_sum, self%handle)
       values = sums
@@ -281,6 +310,7 @@ contains
 
       lower = 0
       if (self%size == 1) return
+      call count_call(self, 1)
       call mpi_exscan(value, lower, 1, mpi_integer8, mpi_sum, self%handle)
       if (self%rank == 0) lower = 0
    end function communicator_before
@@ -308,8 +338,9 @@ contains
       end do
       allocate (whole(sum(lengths)))
       call mpi_allgatherv(values, size(values), mpi_integer8, whole, counts, offsets, &
-         mpi_integer8, &
-         self%handle)
+         mpi_integer8, self%handle)
+      call count_call(self, size(lengths))
+      call count_call(self, size(whole))
    end subroutine communicator_gather
 
    !> Give the text of rank 0 to all ranks.
@@ -326,6 +357,7 @@ contains
          if (allocated(text)) deallocate (text)
          allocate (character(len=length(1)) :: text)
       end if
+      call count_call(self, (len(text) + 7)/8)
       call mpi_bcast(text, int(length(1)), mpi_character, 0, self%handle)
    end subroutine communicator_broadcast
 
@@ -347,47 +379,47 @@ contains
    end subroutine communicator_exchange
 
    !> Send each row of words to a rank, which may be this one. Rows of one sender arrive in their
-   !! order; the order of the senders varies.
+   !! order; the order of the senders varies. The work depends on the rows only, not on the number
+   !! of ranks.
    subroutine communicator_send_rows(self, owner, rows, arrived)
       class(communicator_t), intent(inout) :: self
       integer, contiguous, intent(in) :: owner(:)              !! (row) Receiving rank
       integer(int64), contiguous, intent(in) :: rows(:, :)     !! (word, row)
       integer(int64), allocatable, intent(out) :: arrived(:)   !! Words of the rows for this rank
-      type(posted_t) :: posted
-      integer(int64), allocatable :: incoming(:)
-      integer, allocatable :: number(:), at(:), destination(:), length(:)
-      integer :: row, rank, words, filled
+      integer(int64), allocatable :: outgoing(:), incoming(:)
+      integer, allocatable :: order(:), destination(:), length(:)
+      integer :: row, rank, words, kept, sent, messages
 
       words = size(rows, 1)
-      allocate (number(0:self%size - 1), at(0:self%size - 1))
-      number = 0
+      kept = count(owner == self%rank)
+      allocate (arrived(words*kept), outgoing(words*(size(owner) - kept)), &
+         destination(size(owner) - kept), length(size(owner) - kept))
+      order = sort_order(int(owner, int64))
+      kept = 0
+      sent = 0
+      messages = 0
       do row = 1, size(owner)
-         number(owner(row)) = number(owner(row)) + 1
-      end do
-      allocate (arrived(words*number(self%rank)), &
-         posted%outgoing(words*(size(owner) - number(self%rank))))
-      destination = pack([(rank, rank=0, self%size - 1)], number > 0)
-      destination = pack(destination, destination /= self%rank)
-      length = words*number(destination)
-      filled = 0
-      do rank = 0, self%size - 1
-         at(rank) = filled
-         if (rank /= self%rank) filled = filled + words*number(rank)
-      end do
-      at(self%rank) = 0
-      do row = 1, size(owner)
-         rank = owner(row)
+         rank = owner(order(row))
          if (rank == self%rank) then
-            arrived(at(rank) + 1:at(rank) + words) = rows(:, row)
-         else
-            posted%outgoing(at(rank) + 1:at(rank) + words) = rows(:, row)
+            arrived(kept + 1:kept + words) = rows(:, order(row))
+            kept = kept + words
+            cycle
          end if
-         at(rank) = at(rank) + words
+         outgoing(sent + 1:sent + words) = rows(:, order(row))
+         sent = sent + words
+         if (messages > 0) then
+            if (destination(messages) == rank) then
+               length(messages) = length(messages) + words
+               cycle
+            end if
+         end if
+         messages = messages + 1
+         destination(messages) = rank
+         length(messages) = words
       end do
       if (self%size == 1) return
-      call self%post(destination, length, posted)
-      call self%complete(posted, incoming, filled)
-      arrived = [arrived, incoming(:filled)]
+      call self%exchange(destination(:messages), length(:messages), outgoing, incoming)
+      arrived = [arrived, incoming]
    end subroutine communicator_send_rows
 
    !> Send messages. Before `complete` the rank may do other work, but no other exchange.
@@ -403,8 +435,8 @@ contains
       type(posted_t), intent(inout) :: posted         !! With the words of all messages
       integer :: message, first
 
-      self%round = 1 - self%round
-      posted%tag = 100 + self%round
+      self%called(3) = 1 - self%called(3)
+      posted%tag = 100 + int(self%called(3))
       if (allocated(posted%sent)) deallocate (posted%sent)
       allocate (posted%sent(size(destination)))
       first = 1
@@ -444,7 +476,7 @@ contains
             end if
          end if
       end do
-      self%traffic%agreements = self%traffic%agreements + 1
+      call count_call(self, 0)
       call add_wait(self%traffic, begin)
    end subroutine communicator_complete
 

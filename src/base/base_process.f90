@@ -12,7 +12,8 @@ module base_process
    implicit none
    private
 
-   public :: allowed_processors, cores_here, is_set, node_name, processors_online, ranks_here, &
+   public :: allowed_processors, cores_here, is_set, node_name, peak_memory, &
+      private_memory, processors_online, ranks_here, &
       ranks_of_launcher, restart_process, set_default
 
    integer(c_int), parameter :: cores_online = 84        !! _SC_NPROCESSORS_ONLN of Linux
@@ -89,6 +90,39 @@ contains
 
       ignored = c_setenv(name//c_null_char, value//c_null_char, 0_c_int)
    end subroutine set_default
+
+   !> Memory of this process that no other shares: heap and stacks [byte]. 0 if the system does not
+   !! report it.
+   integer(int64) function private_memory() result(bytes)
+      bytes = status_of("RssAnon:")
+   end function private_memory
+
+   !> Greatest resident memory of this process so far, with the pages of libraries and the buffers
+   !! that it shares with other ranks [byte]. 0 if the system does not report it.
+   integer(int64) function peak_memory() result(bytes)
+      bytes = status_of("VmHWM:")
+   end function peak_memory
+
+   !> Value of a row of the status of this process, which the system gives in kB [byte].
+   integer(int64) function status_of(row) result(bytes)
+      character(len=*), intent(in) :: row                !! First word of the row
+      integer(int64), parameter :: kilobyte = 1024
+      character(len=80) :: line
+      integer :: unit, status
+
+      bytes = 0
+      open (newunit=unit, file="/proc/self/status", action="read", status="old", iostat=status)
+      if (status /= 0) return
+      do
+         read (unit, "(a)", iostat=status) line
+         if (status /= 0) exit
+         if (index(line, row) /= 1) cycle
+         read (line(len(row) + 1:), *, iostat=status) bytes
+         bytes = kilobyte*bytes
+         exit
+      end do
+      close (unit)
+   end function status_of
 
    !> Number of ranks on this node from the environment of the launcher, before MPI starts; else 1.
    integer function ranks_here() result(ranks)

@@ -159,7 +159,7 @@ contains
       if (words > 1) allocate (map%velocity(3, count))
       map%fragment = 0
       map%image = 0
-      call map%table%clear(2*count + 1)
+      call map%table%clear(count)
       do cell = 1, count
          map%key(cell) = whole(words*(order(cell) - 1) + 1)
          call map%table%insert(map%key(cell), cell)
@@ -262,29 +262,19 @@ contains
       real(wp), allocatable, intent(out) :: here(:, :)   !! (sum, cell) Their sums
       integer, parameter :: words = sum_words + 1
       type(communicator_t) :: ranks
-      integer(int64), allocatable :: outgoing(:), incoming(:)
-      integer, allocatable :: target_rank(:), length(:), order(:), destination(:)
-      integer :: cell, n, rank
+      integer(int64), allocatable :: outgoing(:, :), incoming(:)
+      integer, allocatable :: target_rank(:), order(:)
+      integer :: cell, n
 
-      allocate (target_rank(cells%count), outgoing(words*cells%count))
+      allocate (target_rank(cells%count), outgoing(words, cells%count))
       do cell = 1, cells%count
-         target_rank(cell) = mod(map%fragment(map%table%find(cells%key(grid, cell))), &
+         outgoing(1, cell) = cells%key(grid, cell)
+         outgoing(2:, cell) = transfer(sums(:, cell), outgoing, sum_words)
+         target_rank(cell) = mod(map%fragment(map%table%find(outgoing(1, cell))), &
             communicator%size)
       end do
-      order = sort_order(int(target_rank, int64))
-      do n = 1, cells%count
-         outgoing(words*(n - 1) + 1) = cells%key(grid, order(n))
-         outgoing(words*(n - 1) + 2:words*n) = transfer(sums(:, order(n)), outgoing, sum_words)
-      end do
-      if (communicator%size > 1) then
-         length = [(words*count(target_rank == rank), rank=0, communicator%size - 1)]
-         destination = pack([(rank, rank=0, communicator%size - 1)], length > 0)
-         length = pack(length, length > 0)
-         ranks = communicator
-         call ranks%exchange(destination, length, outgoing, incoming)
-      else
-         call move_alloc(outgoing, incoming)
-      end if
+      ranks = communicator
+      call ranks%send_rows(target_rank, outgoing, incoming)
       order = sort_order(incoming(1::words))
       allocate (key(size(order)), here(sum_words, size(order)))
       do n = 1, size(order)

@@ -12,7 +12,6 @@ module io_grid
    use base_constants, only: pi
    use base_error, only: error_t
    use base_kinds, only: int32, int64, wp
-   use base_sort, only: sort_order
    use base_units, only: output_units_t
    use io_cells, only: cells_t, find_cells
    use io_fields, only: picks_t
@@ -85,7 +84,7 @@ contains
       type(cells_t), intent(in) :: cells                 !! Part of this rank
       integer, intent(in) :: compress                    !! gzip level
       type(box_t), intent(out) :: box
-      integer(int64) :: edges(6), chunks
+      integer(int64) :: edges(6)
 
       edges = huge(edges)
       if (cells%count > 0) edges = [minval(cells%place, dim=2), -maxval(cells%place, dim=2)]
@@ -102,14 +101,24 @@ contains
          ! the two points of a layer must be on the same rank
          planes%chunk = max(chunk_rows/product(int(box%extent(:2), int64)), &
             merge(2_int64, 1_int64, box%layer(3)))
-         chunks = (planes%total + planes%chunk - 1)/planes%chunk
          allocate (planes%before(1), planes%count(1))
-         planes%before = min(planes%total, planes%chunk*(chunks*communicator%rank &
-            /communicator%size))
-         planes%count = min(planes%total, planes%chunk*(chunks*(communicator%rank + 1) &
-            /communicator%size)) - planes%before
+         planes%before = first_plane(planes, communicator%rank, communicator%size)
+         planes%count = first_plane(planes, communicator%rank + 1, communicator%size) &
+            - planes%before
       end associate
    end subroutine find_box
+
+   !> Planes before those of a rank.
+   pure function first_plane(planes, rank, ranks) result(plane)
+      type(rows_t), intent(in) :: planes                 !! All planes, in chunks
+      integer, intent(in) :: rank                        !! From 0 to the number of ranks
+      integer, intent(in) :: ranks                       !! Number of ranks
+      integer(int64) :: plane
+      integer(int64) :: chunks
+
+      chunks = (planes%total + planes%chunk - 1)/planes%chunk
+      plane = min(planes%total, planes%chunk*(chunks*rank/ranks))
+   end function first_plane
 
    !> Greatest length that the file can get [byte].
    pure function greatest_length(box, means, header) result(bytes)
@@ -280,35 +289,22 @@ contains
       real(wp), intent(in) :: values(:, :)               !! (component, cell)
       real(wp), allocatable, intent(out) :: dense(:, :)  !! (component and cell of a plane, plane)
       type(communicator_t) :: ranks
-      integer(int64), allocatable :: outgoing(:), incoming(:), border(:)
-      integer, allocatable :: rank(:), order(:), length(:), destination(:)
+      integer(int64), allocatable :: outgoing(:, :), incoming(:)
+      integer, allocatable :: rank(:)
       integer :: n, parts, words, place(3), at, row
 
       parts = size(values, 1)
       words = 2 + parts
-      call communicator%gather(box%planes%before, border)
-      allocate (rank(cells%count))
+      allocate (rank(cells%count), outgoing(words, cells%count))
       do n = 1, cells%count
-         rank(n) = owner_of(border, cells%place(3, n) - box%first(3))
+         place = cells%place(:, n) - box%first
+         rank(n) = owner_of(box%planes, place(3), communicator%size)
+         outgoing(1, n) = place(1) + box%extent(1)*place(2)
+         outgoing(2, n) = place(3)
+         outgoing(3:, n) = transfer(values(:, n), outgoing, parts)
       end do
-      order = sort_order(int(rank, int64))
-      allocate (outgoing(words*cells%count))
-      do n = 1, cells%count
-         at = words*(n - 1)
-         place = cells%place(:, order(n)) - box%first
-         outgoing(at + 1) = place(1) + box%extent(1)*place(2)
-         outgoing(at + 2) = place(3)
-         outgoing(at + 3:at + words) = transfer(values(:, order(n)), outgoing, parts)
-      end do
-      if (communicator%size > 1) then
-         length = [(words*count(rank == n), n=1, communicator%size)]
-         destination = pack([(n - 1, n=1, communicator%size)], length > 0)
-         length = pack(length, length > 0)
-         ranks = communicator
-         call ranks%exchange(destination, length, outgoing, incoming)
-      else
-         call move_alloc(outgoing, incoming)
-      end if
+      ranks = communicator
+      call ranks%send_rows(rank, outgoing, incoming)
       allocate (dense(parts*product(box%extent(:2)), box%planes%count(1)), source=0.0_wp)
       do at = 0, size(incoming) - words, words
          row = int(incoming(at + 2) - box%planes%before(1)) + 1
@@ -339,15 +335,22 @@ contains
       if (box%layer(3) .and. size(dense, 2) == 2) dense(:, 2) = dense(:, 1)
    end subroutine copy_layers
 
-   !> The rank, from 1, that writes a plane: the last one with planes whose first plane is not after
-   !! it.
-   pure integer function owner_of(border, plane) result(rank)
-      integer(int64), intent(in) :: border(:)            !! (rank) Planes before its first
+   !> The rank that writes a plane: the last one with planes whose first plane is not after it.
+   pure integer function owner_of(planes, plane, ranks) result(rank)
+      type(rows_t), intent(in) :: planes                 !! All planes, in chunks
       integer, intent(in) :: plane                       !! Counted from 0
+      integer, intent(in) :: ranks                       !! Number of ranks
+      integer :: above, middle
 
-      do rank = size(border), 2, -1
-         if (border(rank) <= plane) return
+      rank = 0
+      above = ranks
+      do while (above - rank > 1)
+         middle = (rank + above)/2
+         if (first_plane(planes, middle, ranks) <= plane) then
+            rank = middle
+         else
+            above = middle
+         end if
       end do
-      rank = 1
    end function owner_of
 end module io_grid

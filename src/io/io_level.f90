@@ -157,10 +157,13 @@ contains
       integer, allocatable, intent(out) :: destination(:) !! (message) Rank
       integer, allocatable, intent(out) :: length(:)     !! (message) Words
       integer(int64), allocatable, intent(out) :: outgoing(:) !! All messages
-      integer :: at, component, count, messages, most, own, piece, row
+      integer :: at, component, count, messages, own, piece, row
+      integer(int64) :: most
       integer(int64) :: last, place
 
-      most = size(rows%count)*communicator%size
+      ! a range begins and ends within chunks, and each chunk is on one rank
+      most = min(sum(rows%count/chunk_rows + 2), &
+         size(rows%count, kind=int64)*communicator%size)
       allocate (destination(most), length(most), outgoing(size(words) + heading*most))
       messages = 0
       at = 0

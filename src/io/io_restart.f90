@@ -21,6 +21,9 @@ module io_restart
 
    public :: checkpoint_find, checkpoint_read, checkpoint_text
 
+   !> Rows that are read together, so that reading takes little memory beyond that of the particles
+   integer, parameter :: block_rows = 65536
+
    !> Reads the fields of one store. A failure is stored and raised at the end, so that all ranks
    !! make
    !! the same collective calls.
@@ -31,7 +34,6 @@ module io_restart
       integer(int64) :: total = 0                         !! Particles on all ranks
       integer(int64) :: before = 0                        !! Rows of lower ranks
       integer :: count = 0                                !! Rows of this rank
-      integer(int64), allocatable :: owners(:)            !! Row numbers, the owners in hashes
       type(error_t), allocatable :: problem               !! First failure on this rank
    contains
       procedure :: scalar => reader_scalar                !! Read a scalar field
@@ -282,7 +284,6 @@ contains
       type(data_info_t) :: identity
       type(error_t), allocatable :: error
       type(rows_t) :: rows
-      integer :: row
 
       reader%store = store%name
       call reader%source%info("/particles/"//store%name//"/identity", identity, error)
@@ -291,11 +292,6 @@ contains
       rows = even_rows(reader%communicator, reader%total)
       reader%before = rows%before(1)
       reader%count = int(rows%count(1))
-      if (allocated(reader%owners)) deallocate (reader%owners)
-      allocate (reader%owners(reader%count))
-      do row = 1, reader%count
-         reader%owners(row) = reader%before + row
-      end do
       call store%walk(reader)
       call set_single(store%first, 1)
       call set_single(store%count, reader%count)
@@ -356,6 +352,18 @@ contains
          call move_alloc(error, self%problem)
    end subroutine reader_verify
 
+   !> Numbers of the rows of a block, the owners in hashes.
+   pure function owners_of(self, first, last) result(owners)
+      type(reader_t), intent(in) :: self
+      integer, intent(in) :: first, last                  !! First and last row of this rank
+      integer(int64) :: owners(last - first + 1)
+      integer :: row
+
+      do row = first, last
+         owners(row - first + 1) = self%before + row
+      end do
+   end function owners_of
+
    !> Read a scalar field. Collective.
    subroutine reader_scalar(self, name, unit, values)
       class(reader_t), intent(inout) :: self
@@ -365,6 +373,7 @@ contains
       type(error_t), allocatable :: error
       integer(int64) :: check
       character(len=:), allocatable :: path
+      integer :: first, last
 
       path = "/particles/"//self%store//"/"//name
       deallocate (values)
@@ -372,9 +381,13 @@ contains
       values = 0.0_wp
       check = 0
       if (self%check_field(name)) then
-         call self%source%read(path, self%before, values, error)
-         if (.not. allocated(error)) &
-            check = hash_reals(field_key(self%store, name, 1), self%owners, values)
+         do first = 1, self%count, block_rows
+            last = min(first + block_rows - 1, self%count)
+            call self%source%read(path, self%before + first - 1, values(first:last), error)
+            if (allocated(error)) exit
+            check = add_hash(check, hash_reals(field_key(self%store, name, 1), &
+               owners_of(self, first, last), values(first:last)))
+         end do
       end if
       call self%verify(path, check, error)
    end subroutine reader_scalar
@@ -389,23 +402,25 @@ contains
       real(wp), allocatable :: rows(:, :)
       integer(int64) :: check
       character(len=:), allocatable :: path
-      integer :: component, components
+      integer :: component, components, first, last
 
       path = "/particles/"//self%store//"/"//name
       components = size(values, 2)
       deallocate (values)
-      allocate (values(self%count, components), rows(components, self%count))
+      allocate (values(self%count, components), rows(components, min(block_rows, self%count)))
       values = 0.0_wp
       check = 0
       if (self%check_field(name)) then
-         call self%source%read(path, self%before, rows, error)
-         if (.not. allocated(error)) then
+         do first = 1, self%count, block_rows
+            last = min(first + block_rows - 1, self%count)
+            call self%source%read(path, self%before + first - 1, rows(:, :last - first + 1), error)
+            if (allocated(error)) exit
             do component = 1, components
-               values(:, component) = rows(component, :)
+               values(first:last, component) = rows(component, :last - first + 1)
                check = add_hash(check, hash_reals(field_key(self%store, name, component), &
-                  self%owners, values(:, component)))
+                  owners_of(self, first, last), values(first:last, component)))
             end do
-         end if
+         end do
       end if
       call self%verify(path, check, error)
    end subroutine reader_vector
@@ -419,6 +434,7 @@ contains
       type(error_t), allocatable :: error
       integer(int64) :: check
       character(len=:), allocatable :: path
+      integer :: first, last
 
       path = "/particles/"//self%store//"/"//name
       deallocate (values)
@@ -426,9 +442,13 @@ contains
       values = 0
       check = 0
       if (self%check_field(name)) then
-         call self%source%read(path, self%before, values, error)
-         if (.not. allocated(error)) &
-            check = hash_integers(field_key(self%store, name, 1), self%owners, values)
+         do first = 1, self%count, block_rows
+            last = min(first + block_rows - 1, self%count)
+            call self%source%read(path, self%before + first - 1, values(first:last), error)
+            if (allocated(error)) exit
+            check = add_hash(check, hash_integers(field_key(self%store, name, 1), &
+               owners_of(self, first, last), values(first:last)))
+         end do
       end if
       call self%verify(path, check, error)
    end subroutine reader_whole

@@ -12,6 +12,7 @@ module output_summary
    use material_effect_timers, only: divide_phase_time
    use omp_lib, only: omp_get_max_threads
    use output_checkpoint, only: describe_state
+   use output_rank_counts, only: add_rank_counts, find_rank_counts, rank_counts_t
    use output_signal_limit, only: add_signal_limit, find_signal_limit, signal_limit_t
    use output_streams, only: outputs_t
    use output_summary_steps, only: add_rules, steps_text
@@ -51,6 +52,7 @@ contains
       type(balance_t) :: now
       type(trust_t) :: trust
       type(signal_limit_t) :: limit
+      type(rank_counts_t) :: counted
       character(len=16) :: digest
       integer(int64) :: counts(4), traffic(kinds)
       real(wp) :: rate, bytes, range(extremes)
@@ -74,18 +76,17 @@ contains
       call log%info(trust_text(trust))
       call warn_of_balance(simulation, now, trust, log)
       call count_traffic(simulation, traffic)
+      call find_rank_counts(simulation, counted)
       if (simulation%machine%communicator%size > 1) call log%info(ranks_text(simulation, traffic))
       call find_extremes(simulation, range)
       if (allocated(simulation%effects%exact)) call measure_errors(simulation)
       if (simulation%machine%communicator%rank /= 0) return
       call add_end(json, outputs%case, code, reason)
-      call json%add("steps", simulation%clock%step)
-      call json%add("time", simulation%clock%time)
       call json%add("particles", counts(1))
       call json%add("wall_s", wall)
       call add_work(json, counts(2), nano*real(counts(4), wp), rate)
       call json%add("bytes_per_particle", bytes)
-      call add_layout(json, simulation)
+      call add_layout(json, simulation, counted)
       call json%add("digest", digest)
       call add_extremes(json, range)
       call add_rules(json, simulation%clock%guard)
@@ -135,13 +136,17 @@ contains
       call json%add("particle_updates_per_s", rate)
    end subroutine add_work
 
-   !> Ranks and threads.
-   subroutine add_layout(json, simulation)
+   !> Steps and time, ranks and threads, and work and communication of the ranks.
+   subroutine add_layout(json, simulation, counted)
       type(json_t), intent(inout) :: json
       type(simulation_t), intent(in) :: simulation
+      type(rank_counts_t), intent(in) :: counted     !! Of the ranks
 
+      call json%add("steps", simulation%clock%step)
+      call json%add("time", simulation%clock%time)
       call json%add("ranks", simulation%machine%communicator%size)
       call json%add("threads", omp_get_max_threads())
+      call add_rank_counts(json, counted, simulation%machine%communicator%size)
    end subroutine add_layout
 
    !> Times of all phases over the ranks, those of effects among them. Collective.

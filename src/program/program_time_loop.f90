@@ -3,7 +3,7 @@
 !! run in one call; a host program makes them one by one.
 module program_time_loop
    use base_error, only: error_t, exit_again, exit_success
-   use base_kinds, only: wp
+   use base_kinds, only: int64, wp
    use base_log, only: log_t, progress_heading
    use base_timer, only: process_seconds, wall_seconds
    use io_checkpoint, only: checkpoint_place_t
@@ -181,12 +181,16 @@ contains
       real(wp), intent(in) :: dt                     !! [s]
       type(loop_clock_t), intent(inout) :: clock
       type(error_t), allocatable, intent(out) :: error
+      integer(int64) :: counts(4)
 
+      counts = simulation%machine%communicator%counts()
       simulation%machine%worked = simulation%machine%worked - process_seconds()
       clock%steps_wall = clock%steps_wall - wall_seconds()
       call advance(simulation, dt, error)
       simulation%machine%worked = simulation%machine%worked + process_seconds()
       clock%steps_wall = clock%steps_wall + wall_seconds()
+      call simulation%machine%work%record(simulation%machine%communicator%counts() - counts, &
+         simulation%space%tiles, simulation%fields)
    end subroutine advance_timed
 
    !> Start the clocks, watch the signals of the deck and write the heading of the progress lines.

@@ -27,8 +27,8 @@ module scene_particles
    implicit none
    private
 
-   public :: body_of, distribute_particles, fill_simulation, fill_store, first_step, make_stores, &
-      number_bodies, prepare_simulation, spin_bodies, survey_t, take_survey
+   public :: body_of, count_tiles, distribute_particles, fill_simulation, fill_store, first_step, &
+      make_stores, number_bodies, prepare_simulation, spin_bodies, survey_t, take_survey
 
    !> Counts of particles that the bodies will have, found before particles exist.
    type :: survey_t
@@ -362,43 +362,79 @@ contains
       call sort_particles(simulation)
    end subroutine distribute_particles
 
-   !> Count the particles of this rank in each tile.
+   !> Count the particles of this rank in each tile. Successive particles are usually in the same
+   !! tile, so the lists that are sorted are about as long as the tiles, not the particles.
    subroutine count_tiles(simulation, key, particles)
       type(simulation_t), intent(in) :: simulation
       integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
       integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
+      integer(int64), allocatable :: run(:, :)
+      integer, allocatable :: order(:)
+      integer :: n, filled
+
+      call list_runs(simulation, run)
+      order = sort_order(run(1, :))
+      allocate (key(size(order)), particles(size(order)))
+      filled = 0
+      do n = 1, size(order)
+         if (filled > 0) then
+            if (key(filled) == run(1, order(n))) then
+               particles(filled) = particles(filled) + run(2, order(n))
+               cycle
+            end if
+         end if
+         filled = filled + 1
+         key(filled) = run(1, order(n))
+         particles(filled) = run(2, order(n))
+      end do
+      key = key(:filled)
+      particles = particles(:filled)
+   end subroutine count_tiles
+
+   !> Runs of successive particles in the same tile.
+   subroutine list_runs(simulation, run)
+      type(simulation_t), intent(in) :: simulation
+      integer(int64), allocatable, intent(out) :: run(:, :) !! (2, run) Tile, and particles
+      integer(int64) :: key
       integer :: index, n, filled, owner(3), cells(3)
       logical :: lost
 
-      allocate (key(count_particles(simulation)))
+      allocate (run(2, 64))
       filled = 0
       do index = 1, size(simulation%stores)
          associate (position => simulation%stores(index)%position)
             do n = 1, simulation%stores(index)%particles()
                call find_place(simulation%space%grid, simulation%space%boundary, [position(n, 1), &
                   position(n, 2), position(n, 3)], owner, cells, lost)
-               filled = filled + 1
-               key(filled) = hilbert_key(owner, simulation%space%grid%dimensions)
+               key = hilbert_key(owner, simulation%space%grid%dimensions)
+               call add_to_runs(key, run, filled)
             end do
          end associate
       end do
-      key = key(sort_order(key))
-      allocate (particles(size(key)))
-      filled = 0
-      do n = 1, size(key)
-         if (filled > 0) then
-            if (key(filled) == key(n)) then
-               particles(filled) = particles(filled) + 1
-               cycle
-            end if
+      run = run(:, :filled)
+   end subroutine list_runs
+
+   !> Add a particle to the last run, or begin a new one in another tile.
+   pure subroutine add_to_runs(key, run, filled)
+      integer(int64), intent(in) :: key              !! Tile of the particle
+      integer(int64), allocatable, intent(inout) :: run(:, :) !! (2, run); grows as needed
+      integer, intent(inout) :: filled               !! Runs in use
+      integer(int64), allocatable :: longer(:, :)
+
+      if (filled > 0) then
+         if (run(1, filled) == key) then
+            run(2, filled) = run(2, filled) + 1
+            return
          end if
-         filled = filled + 1
-         key(filled) = key(n)
-         particles(filled) = 1
-      end do
-      key = key(:filled)
-      particles = particles(:filled)
-   end subroutine count_tiles
+      end if
+      if (filled == size(run, 2)) then
+         allocate (longer(2, 2*filled))
+         longer(:, :filled) = run
+         call move_alloc(longer, run)
+      end if
+      filled = filled + 1
+      run(:, filled) = [key, 1_int64]
+   end subroutine add_to_runs
 
    !> Stable time step for the initial state [s].
    subroutine first_step(simulation)

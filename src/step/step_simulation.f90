@@ -214,6 +214,17 @@ module step_simulation
       type(trust_t) :: trust                         !! How far results can be trusted
    end type conservation_t
 
+   !> Work and communication of this rank in its steps, summed over them.
+   type :: rank_work_t
+      integer(int64) :: steps = 0                    !! Steps of this process
+      integer(int64) :: sent(4) = 0                  !! As `counts` of the communicator
+      integer(int64) :: tiles = 0                    !! Own tiles at the ends of steps
+      integer(int64) :: ghosts = 0                   !! Tiles of other ranks whose nodes it computes
+      integer(int64) :: nodes = 0                    !! Nodes of both, of all velocity fields
+   contains
+      procedure :: record => rank_work_record        !! Add a step
+   end type rank_work_t
+
    !> Ranks, timers, and load balance.
    type :: machine_t
       type(communicator_t) :: communicator
@@ -224,6 +235,7 @@ module step_simulation
       real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
       integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
       real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
+      type(rank_work_t) :: work                      !! Counts of work and communication
    end type machine_t
 
    !> A simulation: everything that a step changes.
@@ -318,6 +330,24 @@ contains
       call self%heat_flux%count(method%heat_flux > 0.0_wp, tally)
       call tally%add(self%turn, merge(4, 0, method%smooth_turn))
    end subroutine count_effects
+
+   !> Add the counts of a step.
+   pure subroutine rank_work_record(self, sent, tiles, fields)
+      class(rank_work_t), intent(inout) :: self
+      integer(int64), intent(in) :: sent(4)          !! As `counts` of the communicator, in the step
+      type(tiles_t), intent(in) :: tiles
+      type(velocity_field_t), intent(in) :: fields(:)
+      integer :: n
+
+      self%steps = self%steps + 1
+      self%sent = self%sent + sent
+      self%tiles = self%tiles + tiles%own
+      self%ghosts = self%ghosts + tiles%all - tiles%own
+      do n = 1, size(fields)
+         if (allocated(fields(n)%nodes%motion%touched%before)) &
+            self%nodes = self%nodes + fields(n)%nodes%motion%touched%nodes()
+      end do
+   end subroutine rank_work_record
 
    !> Record the load balance of a step.
    pure subroutine load_look(self, step, ratio)

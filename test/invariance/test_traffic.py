@@ -8,9 +8,11 @@ restart, a list of all tiles on some rank, and cuts of the curve that depend on 
 """
 
 import re
+from types import SimpleNamespace
 
 import case
 import scaling
+from scaling_model import EXCHANGES, traffic
 
 STEPS = 4
 WORD = 8
@@ -39,31 +41,33 @@ SPHERES = """
 
 def test_bars(options, sheet):
     """Eight tiles in a row on two ranks: one tile of each rank touches the other."""
-    for method, exchanges in scaling.EXCHANGES.items():
+    for method, exchanges in EXCHANGES.items():
         run = case.Case(options, f"bar_{method}", BAR.format(method=method, steps=STEPS), ranks=2)
-        traffic = run.run("-q").summary["traffic"]
+        found = run.run("-q").summary["traffic"]
         words = sum(1 + columns * 65 for columns in exchanges)
-        sheet.require(traffic["patch_messages"] == 2 * STEPS * len(exchanges),
-                      f"{method}: {traffic['patch_messages']} messages of patches")
-        sheet.require(traffic["patch_bytes"] == 2 * STEPS * WORD * words,
-                      f"{method}: {traffic['patch_bytes']} bytes of patches")
+        sheet.require(found["patch_messages"] == 2 * STEPS * len(exchanges),
+                      f"{method}: {found['patch_messages']} messages of patches")
+        sheet.require(found["patch_bytes"] == 2 * STEPS * WORD * words,
+                      f"{method}: {found['patch_bytes']} bytes of patches")
 
 
 def test_blocks(options, sheet):
     """A periodic block of 4 x 4 x 4 tiles on 1 to 8 ranks."""
-    options.cells, options.steps, options.method_words = 24, STEPS, ""
-    for method in scaling.EXCHANGES:
+    scene = SimpleNamespace(scree=options.scree, work=options.work, steps=STEPS, ppc=2, method_words="", launcher="",
+                            resume=False)
+    for method in EXCHANGES:
         for ranks in (1, 2, 4, 8):
-            summary = scaling.run(options, method, ranks, 1, 24, f"block_{method}_{ranks}")
-            traffic = summary.get("traffic", {"patch_messages": 0, "patch_bytes": 0})
-            messages, size = scaling.model(method, 24 ** 3, ranks)
+            deck = scaling.block_deck(scene, method, [24, 24, 24]).replace("velocity=3,-2,1", "velocity=0.3,-0.2,0.1")
+            summary = scaling.run(scene, deck, ranks, 1, f"block_{method}_{ranks}")
+            found = summary.get("traffic", {"patch_messages": 0, "patch_bytes": 0})
+            messages, size = traffic(method, 64 / ranks, ranks)
             name = f"{method} on {ranks} ranks"
-            sheet.require(traffic["patch_messages"] == messages * STEPS * ranks,
-                          f"{name}: {traffic['patch_messages'] / STEPS / ranks} messages, "
+            sheet.require(found["patch_messages"] == messages * STEPS * ranks,
+                          f"{name}: {found['patch_messages'] / STEPS / ranks} messages, "
                           f"not {messages}")
             if ranks > 1:
                 sheet.near(f"{name}, bytes a step and rank",
-                           traffic["patch_bytes"] / STEPS / ranks, size, 1.0e-3)
+                           found["patch_bytes"] / STEPS / ranks, size, 1.0e-3)
 
 
 def test_starts(options, sheet):
