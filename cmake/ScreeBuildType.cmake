@@ -10,7 +10,8 @@ if(NOT CMAKE_BUILD_TYPE IN_LIST scree_build_types)
    message(FATAL_ERROR "CMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} is none of: ${scree_build_types}")
 endif()
 
-set(SCREE_ARCH native CACHE STRING "Processor to compile for (-march=); empty: the common one")
+set(SCREE_ARCH native CACHE STRING
+   "Processor to compile for (-march=); empty: the common one; dispatch: all x86-64, chosen at start")
 option(SCREE_MPI "Several ranks, with MPI and parallel HDF5; OFF: one rank, without MPI" ON)
 option(SCREE_WERROR "Warnings stop the build" ON)
 

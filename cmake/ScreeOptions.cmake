@@ -3,15 +3,22 @@
 # language, warnings, optimisation and checks.
 include(ScreeCompiler)
 
-add_library(scree_options INTERFACE)
-target_compile_options(scree_options INTERFACE
-   ${scree_language_flags}
-   ${scree_warning_flags}
-   "$<$<CONFIG:Release>:${scree_release_flags}>"
-   "$<$<CONFIG:Debug>:${scree_debug_flags}>"
-   "$<$<CONFIG:Sanitize>:${scree_sanitize_flags}>")
-target_link_options(scree_options INTERFACE
-   "$<$<CONFIG:Sanitize>:-fsanitize=address,undefined>")
+function(scree_option_library name processor)
+   string(REPLACE "-march=${scree_processor}" "-march=${processor}" flags "${scree_release_flags}")
+   add_library(${name} INTERFACE)
+   target_compile_options(${name} INTERFACE
+      ${scree_language_flags}
+      ${scree_warning_flags}
+      "$<$<CONFIG:Release>:${flags}>"
+      "$<$<CONFIG:Debug>:${scree_debug_flags}>"
+      "$<$<CONFIG:Sanitize>:${scree_sanitize_flags}>")
+   target_link_options(${name} INTERFACE
+      "$<$<CONFIG:Sanitize>:-fsanitize=address,undefined>")
+endfunction()
+scree_option_library(scree_options "${scree_processor}")
+foreach(processor IN LISTS scree_processors)
+   scree_option_library(scree_options_${processor} ${processor})
+endforeach()
 
 # For the report of --version and the provenance in files.
 string(TOUPPER "${CMAKE_BUILD_TYPE}" scree_type)
