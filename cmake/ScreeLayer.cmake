@@ -48,6 +48,7 @@ function(scree_layer_library target suffix modules)
    target_link_libraries(${target} PRIVATE
       $<BUILD_INTERFACE:scree_options${suffix}> OpenMP::OpenMP_Fortran ${layer_LINKS})
    target_compile_options(${target} PRIVATE -fPIE)
+   target_link_options(${target} INTERFACE "${scree_link_options}")
    foreach(lower IN LISTS layer_USES)
       if(TARGET scree_${lower}${suffix})
          target_link_libraries(${target} PRIVATE scree_${lower}${suffix})
