@@ -25,11 +25,12 @@ MASKS = {"x86-64-v4": "", "x86-64-v3": "-AVX512F", "x86-64": "-AVX2"}
 # Registers and instructions that came after x86-64: AVX and later; SSE3 to SSE4.2, bit manipulation.
 AVX512 = re.compile(r"%zmm|%k[1-7]\b|%[xy]mm(?:1[6-9]|2\d|3[01])\b")
 AVX = re.compile(r"\tv(?!err|erw|mcall|mlaunch|mresume)\w+ |%ymm")
-LATER = re.compile(r"\t(?:popcnt|lzcnt|tzcnt|crc32|movbe|andn|bextr|bzhi|bls[ir]|blsmsk|mulx|pdep|pext|[rs][oah][rlr]x|"
-                   r"round[sp][sd]|blendv?p[sd]|pblend\w+|dpp[sd]|insertps|extractps|p(?:ins|ext)r[bdq]|pm(?:in|ax)s[bd]|"
-                   r"pm(?:in|ax)u[wd]|pmulld|pmuldq|pmov[sz]x\w+|ptest|pcmpeqq|pcmpgtq|packusdw|pcmp[ie]str[im]|mpsadbw|"
-                   r"pshufb|palignr|pabs[bwd]|psign[bwd]|ph(?:add|sub)\w+|pmaddubsw|pmulhrsw|h(?:add|sub)p[sd]|"
-                   r"addsubp[sd]|mov(?:ddup|s[hl]dup)|lddqu)\w? ")
+LATER = re.compile(
+    r"\t(?:popcnt|lzcnt|tzcnt|crc32|movbe|andn|bextr|bzhi|bls[ir]|blsmsk|mulx|pdep|pext|rorx|sarx|shlx|shrx|"
+    r"round[sp][sd]|blendv?p[sd]|pblend\w+|dpp[sd]|insertps|extractps|p(?:ins|ext)r[bdq]|pm(?:in|ax)s[bd]|"
+    r"pm(?:in|ax)u[wd]|pmulld|pmuldq|pmov[sz]x\w+|ptest|pcmpeqq|pcmpgtq|packusdw|pcmp[ie]str[im]|mpsadbw|"
+    r"pshufb|palignr|pabs[bwd]|psign[bwd]|ph(?:add|sub)\w+|pmaddubsw|pmulhrsw|h(?:add|sub)p[sd]|"
+    r"addsubp[sd]|mov(?:ddup|s[hl]dup)|lddqu)[bwlq]? ")
 
 BRITTLE = """
 &run  dimension='3d' /
@@ -134,7 +135,7 @@ def usable(place):
 
 
 def test_choice(place, usable, sheet):
-    """The program and the package scree choose the same library; the newest that the processor can use is the default."""
+    """The program and the package scree choose the same library, by default the newest that can be used."""
     flags = run("cat", "/proc/cpuinfo")
     newest = "x86-64-v4" if " avx512vl" in flags else "x86-64-v3" if " avx2" in flags else "x86-64"
     for processor in usable:
