@@ -83,7 +83,7 @@ def for_processor(library: Path) -> Path:
             told = subprocess.run([LOADER, "--help"], stdout=subprocess.PIPE, text=True, check=False).stdout
         except OSError:                                  # of another C library
             told = ""
-        for folder in re.findall(r"^ +(\S+) \(supported, searched\)$", told, re.M):
+        for folder in map(str, re.findall(r"^ +(\S+) \(supported, searched\)$", told, re.M)):
             if (folders / folder / library.name).is_file():
                 return folders / folder / library.name
     return library
