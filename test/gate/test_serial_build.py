@@ -12,6 +12,8 @@ import re
 import shutil
 import subprocess
 
+import pytest
+
 import case
 
 SRC = case.ROOT / "src"
