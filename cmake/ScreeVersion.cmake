@@ -17,13 +17,12 @@ function(scree_fortran_text text result)
    set(${result} "${joined}" PARENT_SCOPE)
 endfunction()
 
-set(scree_version_file "${PROJECT_BINARY_DIR}/generated/base/base_version.f90")
-set(half_done "${PROJECT_BINARY_DIR}/generated/base/base_version.f90.in")
+# One file for each processor: the flags differ.
+set(scree_version_file "${PROJECT_BINARY_DIR}/generated/base@processor@/base_version.f90")
 set(git_commit "@git_commit@") # filled in at build time
 scree_fortran_text("${PROJECT_VERSION}" version_text)
 scree_fortran_text("${scree_compiler}" compiler)
 scree_fortran_text("${CMAKE_Fortran_COMPILER_VERSION}" compiler_version)
-scree_fortran_text("${scree_flags}" flags)
 scree_fortran_text("${CMAKE_BUILD_TYPE}" build_type)
 file(RELATIVE_PATH share_folder "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_DATADIR}/scree")
 scree_fortran_text("${share_folder}" share_folder)
@@ -31,13 +30,27 @@ set(scree_has_ranks false)
 if(SCREE_MPI)
    set(scree_has_ranks true)
 endif()
-configure_file(base_version.f90.in "${half_done}" @ONLY)
 
-set(write_version "${CMAKE_COMMAND}"
-   "-Dsource=${PROJECT_SOURCE_DIR}" "-Dtemplate=${half_done}" "-Dresult=${scree_version_file}"
-   -P "${PROJECT_SOURCE_DIR}/cmake/write_version.cmake")
-execute_process(COMMAND ${write_version})
+set(scree_version_files)
+set(write_versions)
+foreach(processor IN ITEMS "" LISTS scree_processors)
+   set(suffix)
+   set(processor_flags "${scree_flags}")
+   if(processor)
+      set(suffix _${processor})
+      string(REPLACE "-march=${scree_processor}" "-march=${processor}" processor_flags "${scree_flags}")
+   endif()
+   scree_fortran_text("${processor_flags}" flags)
+   string(REPLACE "@processor@" "${suffix}" file "${scree_version_file}")
+   configure_file(base_version.f90.in "${file}.in" @ONLY)
+   set(write_version "${CMAKE_COMMAND}"
+      "-Dsource=${PROJECT_SOURCE_DIR}" "-Dtemplate=${file}.in" "-Dresult=${file}"
+      -P "${PROJECT_SOURCE_DIR}/cmake/write_version.cmake")
+   execute_process(COMMAND ${write_version})
+   list(APPEND scree_version_files "${file}")
+   list(APPEND write_versions COMMAND ${write_version})
+endforeach()
 add_custom_target(scree_version ALL
-   COMMAND ${write_version}
-   BYPRODUCTS "${scree_version_file}"
+   ${write_versions}
+   BYPRODUCTS ${scree_version_files}
    COMMENT "Asking git for the commit" VERBATIM)

@@ -5,7 +5,7 @@
 # Builds the program and the tests; installs nothing. Release (the default) is built in build/,
 # Debug in build/debug and Sanitize in build/sanitize; the program is bin/scree in that folder.
 # Further arguments are passed to CMake, for example -DSCREE_ARCH=x86-64-v3 for a program that runs
-# on another machine.
+# on another machine, or -DSCREE_ARCH=dispatch for one that is fast on all x86-64.
 #
 #   --no-tests    build only the program, in a third of the time; a later call adds the tests
 #   --help        print this text

@@ -39,7 +39,7 @@ contains
          header%version = version_text
          header%git = git_commit
          header%compiler = compiler_name//" "//compiler_version_text
-         header%flags = compiler_flags
+         header%flags = compiler_flags()
          header%case = outputs%case
          call group%get("title", header%title)
          call group%get("dimension", header%dimension)

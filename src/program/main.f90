@@ -15,10 +15,10 @@ program scree
       end subroutine c_exit
    end interface
 
-   integer :: code
+   integer(c_int) :: code
 
    call run_program(code)
    flush (output_unit)
    flush (error_unit)
-   call c_exit(int(code, c_int))
+   call c_exit(code)
 end program scree

@@ -100,7 +100,7 @@ contains
          header%version = version_text
          header%git = git_commit
          header%compiler = compiler_name//" "//compiler_version_text
-         header%flags = compiler_flags
+         header%flags = compiler_flags()
          header%case = output%case
          call group%get("title", header%title)
          header%dimension = number(run%cell%box%dimension)//"d"

@@ -63,7 +63,7 @@ contains
       character(len=:), allocatable :: text
 
       text = "scree "//version_text//" (git "//git_commit//")  "//compiler_name//" " &
-         //compiler_version_text//" "//build_type//" "//compiler_flags//"  " &
+         //compiler_version_text//" "//build_type//" "//compiler_flags()//"  " &
          //message_passing_version()
    end function version_line
 end module program_information

@@ -6,6 +6,7 @@ module program_main
    use base_text, only: append
    use base_version, only: has_ranks
    use io_file, only: join_path, write_file
+   use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use program_batch_job, only: job_text
    use program_command_line, only: parse_command_line, program_arguments
@@ -31,9 +32,10 @@ module program_main
 
 contains
 
-   !> Run the command line of the program.
-   subroutine run_program(code)
-      integer, intent(out) :: code                   !! Exit code
+   !> Run the command line of the program. With a name of C, because it can be in a shared library
+   !! of which nothing else is visible.
+   subroutine run_program(code) bind(c, name="scree_run_program")
+      integer(c_int), intent(out) :: code            !! Exit code
       type(session_t) :: session
       type(error_t), allocatable :: error
 

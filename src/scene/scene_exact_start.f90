@@ -119,11 +119,16 @@ contains
       class(exact_t), intent(in) :: solution
       real(wp), intent(in) :: point(3)               !! Position at rest [m]
       real(wp), intent(in) :: dt                     !! Over which F is compared, a step [s]
-      real(wp) :: slopes(9), before(3, 3), after(3, 3), now(3, 3)
+      real(wp) :: slopes(9), before(3, 3), after(3, 3), now(3, 3), product(3, 3)
 
       call solution%gradient(point, -0.5_wp*dt, before)
       call solution%gradient(point, 0.5_wp*dt, after)
       call solution%gradient(point, 0.0_wp, now)
-      slopes = reshape(matmul((after - before)/dt, inverse(now)), [9])
+      after = (after - before)/dt
+      now = inverse(now)
+      ! of variables, so that it is compiled here: the product of the library of the compiler has
+      ! other last bits on other processors
+      product = matmul(after, now)
+      slopes = reshape(product, [9])
    end function velocity_gradient
 end module scene_exact_start

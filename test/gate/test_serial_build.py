@@ -4,12 +4,15 @@
 
 Would catch: a call of MPI in base_communicator or in the test harness that src/base/serial/mpi_f08.f90 does not have,
 or a change of one of the two io_hdf5_ranks alone. Neither is compiled in a build with MPI, so nobody would see it
-before the next build without.
+before the next build without. It would also catch presets that CMake refuses as a whole.
 """
 
+import json
 import re
 import shutil
 import subprocess
+
+import pytest
 
 import case
 
@@ -45,3 +48,21 @@ def test_communicator_without_mpi(options):
     for source in sources:
         answer = subprocess.run([*words, str(source)], capture_output=True, text=True, check=False)
         assert answer.returncode == 0, answer.stderr[-3000:]
+
+
+def test_presets():
+    """CMake reads its presets and offers each."""
+    cmake = shutil.which("cmake")
+    if not cmake:
+        pytest.skip("there is no cmake")
+    version = re.search(r"(\d+)\.(\d+)", subprocess.run([cmake, "--version"], capture_output=True, text=True,
+                                                        check=True).stdout)
+    presets = json.loads((case.ROOT / "CMakePresets.json").read_text(encoding="utf-8"))
+    least = presets["cmakeMinimumRequired"]
+    if tuple(map(int, version.groups())) < (least["major"], least["minor"]):
+        pytest.skip("this CMake is too old for presets")
+    answer = subprocess.run([cmake, "--list-presets"], cwd=case.ROOT, capture_output=True, text=True, check=False)
+    assert answer.returncode == 0, answer.stderr
+    wanted = [preset["name"] for preset in presets["configurePresets"]]
+    assert len(wanted) > 3
+    assert re.findall(r'^  "(\w+)"', answer.stdout, re.M) == wanted

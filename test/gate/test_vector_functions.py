@@ -5,13 +5,18 @@
 Would catch: a loop that the compiler turns into calls of the vector library of mathematics. Its
 last bits differ from those of the scalar function in the remainder of the loop, so a result would
 depend on where a particle stands in its range, and with it on ranks, threads and restarts.
+It would also catch products that are fused with sums against -ffp-contract=off, which gfortran 12.2 does with complex
+numbers, and matmul of the compiler's library, which does it on processors that can: bits that depend on the processor.
 The names of those functions are those of the vector ABI, such as _ZGVdN4v_exp. It would also catch a
 law that calls the scalar function: its loop is no vector, and its bits depend on the version of the library.
 """
 
 import re
+import shutil
 import subprocess
 from pathlib import Path
+
+import pytest
 
 import case
 
@@ -23,6 +28,10 @@ FUNCTIONS = {"exp", "exp2", "expm1", "log", "log10", "log1p", "log2", "pow", "cb
 COLD = {"constitutive_relaxation": "turns of more than 0.4 in one step",
         "law_drucker_prager": "angles of the deck",
         "law_mohr_coulomb": "angles of the deck"}
+
+# x86-64 and ARM: one rounding for a product and a sum; sums.
+FUSED = re.compile(r"\tv?f(?:n?m(?:add|sub)|m(?:addsub|subadd)|ml[as])\w* ")
+SUM = re.compile(r"\tv?f?add[sp]?d?\s.*(?:%[xyz]mm|\bd\d)")
 
 SAMPLE = """subroutine sample(number, values)
    integer, intent(in) :: number
@@ -83,6 +92,32 @@ class TestVectorFunctions:
                 if symbol.startswith("_ZGV"):
                     found.append(f"{name}: {symbol}; put !GCC$ novector before the loop")
         assert scalar > 5, "units, random numbers and exact solutions call exp, log and pow somewhere"
+        assert found == [], "\n" + "\n".join(found)
+
+    def test_fused_products(self, options):
+        """No instruction of the program multiplies and adds with one rounding."""
+        if shutil.which("objdump") is None:
+            pytest.skip("objdump is not installed")
+        tree = options.scree.parents[1]
+        files = [options.scree, *sorted(tree.glob("lib/glibc-hwcaps/*/libscree.so"))]
+        for file in files:
+            answer = subprocess.run(["objdump", "-d", "--no-show-raw-insn", file], capture_output=True, text=True,
+                                    check=True)
+            place, found, sums = "", [], 0
+            for line in answer.stdout.splitlines():
+                if line.endswith(">:"):
+                    place = line.split("<")[1][:-2]
+                elif FUSED.search(line):
+                    found.append(f"{place}: {line.split(None, 1)[1]}; compile its file with -fno-tree-slp-vectorize")
+                sums += bool(SUM.search(line))
+            assert file == options.scree and len(files) > 1 or sums > 1000, f"{file}: {sums} sums"
+            assert found == [], f"{file}\n" + "\n".join(found)
+
+    def test_matrix_products(self, options):
+        """No object asks for the product of matrices of the compiler's library."""
+        found = [f"{name}: {symbol}; multiply variables of constant shape" for layer in LAYERS
+                 for name, symbol in undefined(options, options.scree.parents[1] / "lib" / f"libscree_{layer}.a")
+                 if symbol.startswith("_gfortran_matmul")]
         assert found == [], "\n" + "\n".join(found)
 
     def test_own_functions(self, options):

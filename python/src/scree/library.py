@@ -5,6 +5,8 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
+import re
+import subprocess
 import threading
 from pathlib import Path
 from typing import Any
@@ -13,6 +15,8 @@ from .errors import FileProblem
 from .program import find_program
 
 NAME = "libscree.so"
+#: The loader of the GNU C library on x86-64, at the place that its binary interface prescribes.
+LOADER = "/lib64/ld-linux-x86-64.so.2"
 TEXT_MESSAGE, TEXT_FOLDER, TEXT_CASE, TEXT_REASON, TEXT_CONTROLS, TEXT_STORE, TEXT_FIELDS = range(7)
 #: MPI and HDF5 are used from one thread at a time.
 LOCK = threading.Lock()
@@ -62,9 +66,27 @@ def find_library(path: str | os.PathLike[str] | None = None) -> str:
         places = [tree / "lib" / NAME, tree / "lib64" / NAME, *sorted(tree.glob(f"lib/*/{NAME}"))]
     for place in places:
         if place.is_file():
-            return str(place.absolute())
+            return str((place if named else for_processor(place)).absolute())
     raise FileProblem(f"no library {places[0]}; scripts/build.sh builds it with the program, and the environment "
                       "variable SCREE_LIBRARY names another one")
+
+
+def for_processor(library: Path) -> Path:
+    """The library for this processor, of those of a build for several, -DSCREE_ARCH=dispatch.
+
+    The program gets it from the loader, which looks into the folders glibc-hwcaps/PROCESSOR; a library that is
+    opened by its path is taken as it is. So the loader is asked which folders it would look into, in their order.
+    """
+    folders = library.parent / "glibc-hwcaps"
+    if folders.is_dir():
+        try:
+            told = subprocess.run([LOADER, "--help"], stdout=subprocess.PIPE, text=True, check=False).stdout
+        except OSError:                                  # of another C library
+            told = ""
+        for folder in map(str, re.findall(r"^ +(\S+) \(supported, searched\)$", told, re.M)):
+            if (folders / folder / library.name).is_file():
+                return folders / folder / library.name
+    return library
 
 
 @functools.cache
