@@ -43,4 +43,7 @@ string(TOUPPER "${CMAKE_BUILD_TYPE}" scree_type)
 string(TOLOWER "scree_${CMAKE_BUILD_TYPE}_flags" scree_type_flags)
 list(JOIN scree_language_flags " " scree_flags)
 list(JOIN ${scree_type_flags} " " scree_more_flags)
-string(STRIP "${scree_flags} ${scree_more_flags} ${CMAKE_Fortran_FLAGS}" scree_flags)
+# Options that map paths, as of Debian's builds, contain the folder of the build and change no result.
+string(REGEX REPLACE "-f[a-z]+-prefix-map=[^ ]*" "" scree_user_flags "${CMAKE_Fortran_FLAGS}")
+string(REGEX REPLACE " +" " " scree_user_flags "${scree_user_flags}")
+string(STRIP "${scree_flags} ${scree_more_flags} ${scree_user_flags}" scree_flags)

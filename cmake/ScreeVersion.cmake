@@ -23,6 +23,7 @@ set(git_commit "@git_commit@") # filled in at build time
 scree_fortran_text("${PROJECT_VERSION}" version_text)
 scree_fortran_text("${scree_compiler}" compiler)
 scree_fortran_text("${CMAKE_Fortran_COMPILER_VERSION}" compiler_version)
+scree_fortran_text("${CMAKE_SYSTEM_PROCESSOR}" processor_family)
 scree_fortran_text("${CMAKE_BUILD_TYPE}" build_type)
 file(RELATIVE_PATH share_folder "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_DATADIR}/scree")
 scree_fortran_text("${share_folder}" share_folder)

@@ -47,6 +47,18 @@ generation_of() {
 }
 
 # The compiler of FC, a gfortran of version 12 or newer, or nothing.
+# The version of a CMakeLists.txt on standard input: the one place where it is written.
+find_version() {
+   sed -n 's/^project(scree VERSION \([0-9.]*\).*/\1/p'
+}
+
+# Write the sources of a commit as a .tar.gz in which all names begin with PREFIX/. The same commit
+# gives the same bytes: archive_commit COMMIT PREFIX
+archive_commit() {
+   git -C "${root}" archive --format=tar --prefix="$2/" "$1" | gzip --no-name --best
+}
+
+# A gfortran of version 12 or newer, or nothing.
 find_compiler() {
    local candidate version
    for candidate in ${FC:+"${FC}"} gfortran gfortran-12 gfortran-13 gfortran-14 gfortran-15; do

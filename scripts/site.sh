@@ -56,10 +56,13 @@ if [[ -z "${release}" ]]; then
    exit 0
 fi
 
-version="$(sed -n 's/^project(scree VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)"
+version="$(find_version < CMakeLists.txt)"
 mkdir -p "${release}"
 release="$(cd -- "${release}" && pwd -P)"
 export SCREE_SITE_RELEASE="${version}"
+# the time of the commit, so that the same commit gives the same archive
+SOURCE_DATE_EPOCH="${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2> /dev/null || date +%s)}"
+export SOURCE_DATE_EPOCH
 build_site "${release}/${version}"
 "${python}" - "${release}" << 'END'
 import json
@@ -77,7 +80,8 @@ rows[0]["aliases"] = ["latest"]
 head = f'<meta http-equiv="refresh" content="0; url={names[0]}/index.html">'
 (folder / "index.html").write_text(f"<!doctype html>{head}<title>Scree</title>\n", encoding="utf-8")
 END
-tar -C "${release}" -czf "${release}/scree-manual-${version}.tar.gz" \
-   --transform "s,^${version},scree-manual-${version}," "${version}"
+tar -C "${release}" --sort=name --mtime="@${SOURCE_DATE_EPOCH}" --owner=0 --group=0 \
+   --numeric-owner --transform "s,^${version},scree-manual-${version}," -cf - "${version}" \
+   | gzip --no-name --best > "${release}/scree-manual-${version}.tar.gz"
 say "site     ${release}/${version}/index.html"
 say "archive  ${release}/scree-manual-${version}.tar.gz"

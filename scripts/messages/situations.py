@@ -208,6 +208,11 @@ SITUATIONS = {
                               "then": ["scree --check --case=first scene.nml"], "see": ["../guide/running.md"]},
     "C106": {"files": {"scene.nml": BAR}, "commands": ["scree --check --force=yes scene.nml"],
                        "then": ["scree --check --force scene.nml"], "see": ["../guide/running.md"]},
+    "R132": {
+        "text": "The disk is full:",
+        "commands": [("TMPDIR=/full scree --self-test -q",
+                      "PMIX_MCA_gds=hash OMPI_MCA_btl=self sh -c 'ulimit -f 8; scree --self-test -q'")],
+        "then": ["scree --self-test -q"], "see": ["../guide/install.md#self-test"]},
     "C107": {"files": {"scene.nml": BAR}, "commands": ["scree --check --restart scene.nml"],
                            "then": [CHECK], "see": ["../guide/running.md"]},
     "C108": {"files": {"scene.nml": BAR}, "commands": ["scree --no-estimate scene.nml"],

@@ -6,17 +6,18 @@
 module io_file
    use base_error, only: error_t, exit_file, fail
    use base_kinds, only: int64, wp
-   use io_libc, only: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_open, &
-      c_read, c_readlink, c_realpath, c_rename, c_truncate, c_unlink, c_write, failure_number, &
-      failure_text, folder_entries, longest_name
+   use io_libc, only: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, &
+      c_mkdtemp, c_open, c_read, c_readlink, c_realpath, c_rename, c_rmdir, c_truncate, c_unlink, &
+      c_write, failure_number, failure_text, folder_entries, longest_name
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_int32_t, c_loc, c_null_char, &
       c_size_t
    implicit none
    private
 
    public :: file_exists, file_size, folder_of, join_path, list_folder, longest_name, make_folder, &
-      name_of, output_file_t, program_path, read_file, real_path, remove_file, rename_file, &
-      reserve_file, sync_file, sync_folder, truncate_file, write_file
+      make_temporary_folder, name_of, output_file_t, program_path, read_file, real_path, &
+      remove_file, remove_folder, rename_file, reserve_file, sync_file, sync_folder, &
+      truncate_file, write_file
 
    integer, parameter, public :: longest_path = 1024     !! Characters of a path
    integer(c_int32_t), parameter :: file_mode = int(o"666", c_int32_t)
@@ -24,6 +25,7 @@ module io_file
    integer(c_int), parameter :: exists_mode = 0, write_only = 1, read_only = 0
    integer(c_int), parameter :: append_to = 1024         !! O_APPEND of Linux
    integer(c_int), parameter :: not_there = 2            !! ENOENT
+   integer(c_int), parameter :: is_folder = 21           !! EISDIR
    integer(c_int), parameter :: no_such_call = 38, not_supported = 95 !! ENOSYS, EOPNOTSUPP
 
    !> A file that is written without buffering.
@@ -152,6 +154,51 @@ contains
          return
       end do
    end subroutine make_folder
+
+   !> Make a new folder with a unique name in TMPDIR of the environment, or in /tmp. Only the user
+   !! can read it.
+   subroutine make_temporary_folder(prefix, path, error)
+      character(len=*), intent(in) :: prefix             !! Of its name
+      character(len=:), allocatable, intent(out) :: path !! With its parents
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be made
+      character(len=longest_path) :: parent
+      character(len=:), allocatable, target :: letters
+      integer :: status
+
+      call get_environment_variable("TMPDIR", parent, status=status)
+      if (status /= 0 .or. parent == "") parent = "/tmp"
+      letters = join_path(trim(parent), prefix//"XXXXXX")//c_null_char
+      path = letters(:len(letters) - 1)
+      if (c_associated(c_mkdtemp(c_loc(letters(1:1))))) then
+         path = letters(:len(letters) - 1)
+      else
+         call fail_path(error, "make the folder", path)
+      end if
+   end subroutine make_temporary_folder
+
+   !> Remove a folder with all files and folders in it; links are removed and not followed.
+   recursive subroutine remove_folder(path, error)
+      character(len=*), intent(in) :: path               !! Folder
+      type(error_t), allocatable, intent(out) :: error   !! Cannot be removed
+      character(len=longest_name), allocatable :: names(:)
+      character(len=:), allocatable :: entry
+      integer :: n
+
+      call list_folder(path, "", "", names, error)
+      if (allocated(error)) return
+      do n = 1, size(names)
+         if (names(n) == "." .or. names(n) == "..") cycle
+         entry = join_path(path, trim(names(n)))
+         if (c_unlink(entry//c_null_char) == 0) cycle
+         if (failure_number() == is_folder) then
+            call remove_folder(entry, error)
+         else
+            call fail_path(error, "remove", entry)
+         end if
+         if (allocated(error)) return
+      end do
+      if (c_rmdir(path//c_null_char) /= 0) call fail_path(error, "remove the folder", path)
+   end subroutine remove_folder
 
    !> Rename a file; an existing file of the new name is replaced atomically.
    subroutine rename_file(old, new, error)

@@ -8,9 +8,9 @@ module io_libc
    implicit none
    private
 
-   public :: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_open, c_read, &
-      c_readlink, c_realpath, c_rename, c_statfs, c_truncate, c_unlink, c_write, &
-      clear_failure, failure_number, failure_text, folder_entries
+   public :: c_access, c_close, c_creat, c_fallocate, c_fsync, c_lseek, c_mkdir, c_mkdtemp, &
+      c_open, c_read, c_readlink, c_realpath, c_rename, c_rmdir, c_statfs, c_truncate, c_unlink, &
+      c_write, clear_failure, failure_number, failure_text, folder_entries
 
    integer, parameter, public :: longest_name = 255              !! Longest file name
    integer, parameter :: name_offset = 19                !! Bytes before the name in a dirent
@@ -148,6 +148,20 @@ module io_libc
          integer(c_int32_t), value :: mode                !! Permissions
          integer(c_int) :: status
       end function c_mkdir
+
+      function c_rmdir(path) bind(c, name="rmdir") result(status)
+         import :: c_char, c_int
+         implicit none
+         character(kind=c_char), intent(in) :: path(*)    !! Null-terminated
+         integer(c_int) :: status
+      end function c_rmdir
+
+      function c_mkdtemp(path) bind(c, name="mkdtemp") result(made)
+         import :: c_ptr
+         implicit none
+         type(c_ptr), value :: path                       !! Ends with XXXXXX and a null
+         type(c_ptr) :: made                              !! Null: cannot be made
+      end function c_mkdtemp
 
       function c_opendir(path) bind(c, name="opendir") result(stream)
          import :: c_char, c_ptr

@@ -54,6 +54,7 @@ module program_command_line
       logical :: preview = .false.                       !! Write and draw the first state
       logical :: point = .false.                         !! Drive one material point
       logical :: grains = .false.                        !! Run a periodic cell of grains
+      logical :: self_test = .false.                     !! Test this installation
       logical :: restart = .false.                       !! Continue from a checkpoint
       character(len=:), allocatable :: checkpoint        !! Which one; default: the newest valid one
       type(text_t), allocatable :: overrides(:)          !! GROUP.KEY=VALUE, !GROUP.KEY
@@ -72,7 +73,7 @@ module program_command_line
    end type option_t
 
    integer, parameter :: nothing = 0, a_value = 1, perhaps_a_value = 2
-   type(option_t), parameter :: options(25) = [ &
+   type(option_t), parameter :: options(26) = [ &
       option_t("help    ", "h", nothing), option_t("version ", "V", nothing), &
       option_t("check   ", "n", nothing), option_t("restart ", "r", perhaps_a_value), &
       option_t("set     ", "s", a_value), option_t("case    ", "c", a_value), &
@@ -85,7 +86,7 @@ module program_command_line
       option_t("threads ", " ", a_value), option_t("time    ", " ", a_value), &
       option_t("no-estimate", " ", nothing), option_t("overwrite", " ", nothing), &
       option_t("preview ", "p", nothing), option_t("unset   ", " ", a_value), &
-      option_t("grains  ", " ", nothing)]
+      option_t("grains  ", " ", nothing), option_t("self-test", " ", nothing)]
    character(len=9), parameter :: lists(6) = [character(len=9) :: "materials", "fields", &
       "shapes", "units", "examples", "messages"]
 
@@ -291,16 +292,14 @@ contains
          command%information%help = .true.
       case ("version")
          command%information%version = .true.
-      case ("check")
-         command%check = .true.
+      case ("check", "preview", "point", "grains", "self-test")
+         command%check = command%check .or. option%name == "check"
+         command%preview = command%preview .or. option%name == "preview"
+         command%point = command%point .or. option%name == "point"
+         command%grains = command%grains .or. option%name == "grains"
+         command%self_test = command%self_test .or. option%name == "self-test"
       case ("no-estimate")
          command%estimate = .false.
-      case ("preview")
-         command%preview = .true.
-      case ("point")
-         command%point = .true.
-      case ("grains")
-         command%grains = .true.
       case ("restart")
          command%restart = .true.
          if (allocated(value)) command%checkpoint = value
@@ -395,6 +394,11 @@ contains
       type(error_t), allocatable, intent(out) :: error   !! Missing or conflicting options
 
       if (command%information%help .or. command%information%version) return
+      if (command%self_test) then
+         if (allocated(command%deck)) call command_line_error(error, &
+            "--self-test takes no deck; it has scenes of its own")
+         return
+      end if
       if (allocated(command%information%list)) then
          call check_list(command%information%list, error)
          return

@@ -112,6 +112,8 @@ contains
       if (allocated(error)) return
       do n = 1, size(entries)
          if (entries(n)(1:1) == "." .or. index(entries(n), ".py ") > 0) cycle
+         ! such as __pycache__
+         if (file_exists(join_path(folder, name//"/"//trim(entries(n))//"/."))) cycle
          call copy_file(join_path(folder, name), trim(entries(n)), name, copied, error)
          if (allocated(error)) return
       end do

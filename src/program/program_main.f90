@@ -20,9 +20,10 @@ module program_main
    use program_preview, only: draw_preview, write_preview
    use program_run_setup, only: build_setup, declare_deck_keys, read_setup
    use program_run_time_estimate, only: estimate_text, most_particles
+   use program_self_test, only: run_self_test
    use program_session, only: advance_run, begin_run, end_run, limit_threads, session_t
    use program_signals, only: ignore_file_size_limit
-   use program_threads, only: share_cores, yield_when_waiting
+   use program_threads, only: share_cores, sleep_when_waiting, yield_when_waiting
    use scene_effects, only: effects_text
    use scene_run, only: check_case
    implicit none
@@ -49,6 +50,8 @@ contains
             call print_information(session%command%information, session%schema, error)
          else if (allocated(session%command%example%name)) then
             call create_example_folder(session, error)
+         else if (session%command%self_test) then
+            call test_installation(session, error)
          else
             call process_deck(session, code, error)
          end if
@@ -100,6 +103,19 @@ contains
       call append(copied%files, job_file)
       write (output_unit, "(a)", advance="no") next_steps(copied)
    end subroutine create_example_folder
+
+   !> Run the self-test on all ranks.
+   subroutine test_installation(session, error)
+      type(session_t), intent(inout) :: session
+      type(error_t), allocatable, intent(out) :: error !! A check failed
+
+      call check_launcher(error)
+      if (allocated(error)) return
+      call sleep_when_waiting(program_arguments())
+      call session%simulation%machine%communicator%start()
+      call run_self_test(session%simulation%machine%communicator, session%command%output%quiet, &
+         error)
+   end subroutine test_installation
 
    !> Read the deck and do what the command line requests: check, preview, job script, run.
    subroutine process_deck(session, code, error)

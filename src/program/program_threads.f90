@@ -11,8 +11,8 @@ module program_threads
    implicit none
    private
 
-   public :: adjust_threads, choose_threads, is_starved, share_cores, starved_text, &
-      threads_text, warranted_threads, yield_when_waiting
+   public :: adjust_threads, choose_threads, is_starved, share_cores, sleep_when_waiting, &
+      starved_text, threads_text, warranted_threads, yield_when_waiting
 
    integer, parameter :: adjust_every = 25           !! Steps between adjustments
 
@@ -39,8 +39,6 @@ contains
    !! before the program starts, so the program restarts itself once with it in the environment.
    subroutine yield_when_waiting(arguments)
       type(text_t), intent(in) :: arguments(:)       !! Of the command line
-      character(len=:), allocatable :: name
-      integer :: length
 
       if (ranks_here()*omp_get_max_threads() > cores_here()) &
          call set_default("OMPI_MCA_mpi_yield_when_idle", "1")
@@ -51,11 +49,31 @@ contains
       ! set_default keeps an empty value of the user: without this test the restart would be
       ! repeated
       if (.not. is_set("GOMP_SPINCOUNT")) return
+      call restart_with_environment(arguments)
+   end subroutine yield_when_waiting
+
+   !> Have threads release their cores at once when they wait, for runs with more threads than
+   !! cores.
+   subroutine sleep_when_waiting(arguments)
+      type(text_t), intent(in) :: arguments(:)       !! Of the command line
+
+      if (is_set("OMP_WAIT_POLICY")) return
+      call set_default("OMP_WAIT_POLICY", "passive")
+      if (is_set("OMP_WAIT_POLICY")) call restart_with_environment(arguments)
+   end subroutine sleep_when_waiting
+
+   !> Restart the program, so that the OpenMP library reads the environment again. Returns only if
+   !! that is not possible.
+   subroutine restart_with_environment(arguments)
+      type(text_t), intent(in) :: arguments(:)       !! Of the command line
+      character(len=:), allocatable :: name
+      integer :: length
+
       call get_command_argument(0, length=length)
       allocate (character(len=length) :: name)
       if (length > 0) call get_command_argument(0, name)
       if (len(program_path()) > 0) call restart_process(program_path(), name, arguments)
-   end subroutine yield_when_waiting
+   end subroutine restart_with_environment
 
    !> Number of threads for which there are enough tiles and particles.
    pure integer function warranted_threads(most, tiles, particles) result(threads)

@@ -83,13 +83,18 @@ class TestInstall:
     """One installation for all tests."""
 
     def test_program(self, options, prefix):
-        """Would catch a program that works only where it was built."""
+        """Would catch a program that works only where it was built, and one that copies folders of an example as files:
+        packages compile the Python files of an installation."""
+        (prefix / "share/scree/input/two_discs/__pycache__").mkdir()
         folder = options.work / "eine Rechnung ü"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         scree = prefix / "bin/scree"
         code, _, wrong = run(scree, "--new", "two_discs", "discs", folder=folder)
         assert code == 0, wrong
+        assert (folder / "discs/README.md").is_file()
+        assert not (folder / "discs/__pycache__").exists()
+        (prefix / "share/scree/input/two_discs/__pycache__").rmdir()
         code, said, wrong = run(scree, "two_discs.nml", "--set", "time.max_steps=2", folder=folder / "discs")
         assert code == 0, wrong
         assert "ended     max_steps reached" in said

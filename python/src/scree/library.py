@@ -63,7 +63,8 @@ def find_library(path: str | os.PathLike[str] | None = None) -> str:
         places = [Path(named)]
     else:
         tree = Path(find_program()).resolve().parents[1]
-        places = [tree / "lib" / NAME, tree / "lib64" / NAME, *sorted(tree.glob(f"lib/*/{NAME}"))]
+        places = [tree / "lib" / NAME, tree / "lib64" / NAME, *sorted(tree.glob(f"lib/*/{NAME}")),
+                  *sorted(tree.glob(f"lib/*/scree/{NAME}"))]     # as in the Debian package
     for place in places:
         if place.is_file():
             return str((place if named else for_processor(place)).absolute())

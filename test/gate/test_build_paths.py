@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# tiers: smoke
+"""Programs, libraries and modules contain no path of the folder in which they were built.
+
+Would catch a source that the compiler is given by its whole path, and flags with such a path in --version: then two
+builds of one commit differ, and a package tells where it was built.
+"""
+
+import gzip
+
+import case
+
+
+def files_of(build):
+    """What is installed from a build."""
+    return [build / "bin/scree", *build.glob("lib/libscree.so"), *sorted((build / "modules").rglob("*.mod"))]
+
+
+def test_no_path_of_the_build(options):
+    build = options.scree.parents[1]
+    found = files_of(build)
+    assert len(found) > 300, found[:3]
+    offences = []
+    for path in found:
+        data = path.read_bytes()
+        if path.suffix == ".mod":
+            data = gzip.decompress(data)
+        elif b"src/program/program_main.f90" not in data and b"src/program/program_session.f90" not in data:
+            offences.append(f"{path.name} names no source, so this test sees nothing in it")
+        if str(case.ROOT).encode() + b"/" in data:
+            at = data.index(str(case.ROOT).encode() + b"/")
+            offences.append(f"{path.name}: {data[at:at + 100].split(bytes([0]))[0].decode(errors='replace')}")
+    assert not offences, "\n" + "\n".join(offences[:20])
