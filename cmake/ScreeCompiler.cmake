@@ -55,7 +55,7 @@ elseif(scree_id STREQUAL "LLVMFlang")
       set(scree_wrap_flags -fwrapv)
    endif()
 else()
-   # Flags for arithmetic without contraction, from the manuals of these compilers.
+   # Flags for arithmetic without contraction, untried.
    set(scree_compiler "${scree_id}")
    set(scree_release_flags -O3)
    set(scree_debug_flags -O0 -g)

@@ -2,19 +2,18 @@
 !> The ranks of a run and all communication between them. The only module that uses MPI.
 module base_communicator
    use base_kinds, only: int64, wp
-   use base_process, only: private_memory, set_default
+   use base_process, only: prefer_romio, private_memory
    use base_sort, only: sort_order
    use base_text, only: text_t
    use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_any_source, mpi_barrier, &
       mpi_bcast, mpi_character, mpi_comm, mpi_comm_dup, mpi_comm_free, mpi_comm_rank, &
       mpi_comm_set_errhandler, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
       mpi_errors_are_fatal, mpi_exscan, mpi_finalize, mpi_finalized, mpi_get_count, &
-      mpi_get_library_version, mpi_ibarrier, mpi_info, mpi_info_create, &
-      mpi_info_free, mpi_info_null, mpi_info_set, mpi_init_thread, &
-      mpi_initialized, mpi_integer8, &
-      mpi_iprobe, mpi_issend, mpi_max, mpi_max_library_version_string, mpi_min, mpi_recv, &
-      mpi_request, mpi_status, mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, &
-      mpi_testall, mpi_thread_funneled
+      mpi_get_library_version, mpi_ibarrier, mpi_info, mpi_info_create, mpi_info_free, &
+      mpi_info_null, mpi_info_set, mpi_init_thread, mpi_initialized, mpi_integer8, mpi_iprobe, &
+      mpi_issend, mpi_max, mpi_max_library_version_string, mpi_min, mpi_recv, mpi_request, &
+      mpi_status, mpi_status_ignore, mpi_statuses_ignore, mpi_sum, mpi_test, mpi_testall, &
+      mpi_thread_funneled
    implicit none
    private
 
@@ -90,19 +89,6 @@ contains
       self%memory = private_memory()
    end subroutine communicator_start
 
-   !> Have Open MPI write files with ROMIO, unless the user has set these variables. Its own OMPIO
-   !! creates a shared file pointer for each file and sometimes blocks on its semaphore: about once
-   !! in thirty files with two ranks and Open MPI 4.1.4 (issues 9656 of Open MPI and 1227 of HDF5).
-   subroutine prefer_romio()
-      character(len=*), parameter :: words(2) = [character(len=31) :: &
-         "OMPI_MCA_io_romio321_priority", "OMPI_MCA_io_romio341_priority"]
-      integer :: n
-
-      do n = 1, size(words)
-         call set_default(trim(words(n)), "90")
-      end do
-   end subroutine prefer_romio
-
    !> Use the communicator of a host program, or of a test.
    subroutine communicator_adopt(self, handle)
       class(communicator_t), intent(out) :: self
@@ -114,9 +100,8 @@ contains
       allocate (self%called(3), source=0_int64)
    end subroutine communicator_adopt
 
-   !> Use a copy of the communicator of a host program, so that messages of both are not mixed. An
-   !! MPI failure ends the process, as in the program scree, whatever the error handler of the other
-   !! communicator. Collective over the other communicator.
+   !> Use a copy of the communicator of a host program, so that messages of both are not mixed. A
+   !! failure of MPI ends the process, as in the program scree. Collective over the other one.
    subroutine communicator_duplicate(self, handle)
       class(communicator_t), intent(inout) :: self
       integer, intent(in) :: handle                   !! Fortran handle of the other communicator
@@ -217,19 +202,17 @@ contains
    end subroutine communicator_barrier
 
    !> Minimum of one number a rank.
-   function communicator_minimum(self, value) result(least)
+   real(wp) function communicator_minimum(self, value) result(least)
       class(communicator_t), intent(in) :: self
       real(wp), intent(in) :: value                   !! Number of this rank
-      real(wp) :: least
 
       least = -self%maximum(-value)
    end function communicator_minimum
 
    !> Maximum of one number a rank.
-   function communicator_maximum(self, value) result(greatest)
+   real(wp) function communicator_maximum(self, value) result(greatest)
       class(communicator_t), intent(in) :: self
       real(wp), intent(in) :: value                   !! Number of this rank
-      real(wp) :: greatest
 
       greatest = value
       if (self%size == 1) return
@@ -278,10 +261,9 @@ contains
    end subroutine add_wait
 
    !> True on all ranks if true on one of them.
-   function communicator_any(self, value) result(some)
+   logical function communicator_any(self, value) result(some)
       class(communicator_t), intent(in) :: self
       logical, intent(in) :: value                    !! Condition on this rank
-      logical :: some
       integer(int64) :: counts(1)
 
       counts = merge(1_int64, 0_int64, value)
@@ -511,8 +493,7 @@ contains
       integer :: length, stop_at
 
       call mpi_get_library_version(line, length)
-      stop_at = scan(line(:length), ","//new_line("a")//achar(0))
-      if (stop_at == 0) stop_at = length + 1
+      stop_at = scan(line(:length)//",", ","//new_line("a")//achar(0))
       text = line(:stop_at - 1)
    end function message_passing_version
 end module base_communicator

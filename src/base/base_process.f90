@@ -12,9 +12,8 @@ module base_process
    implicit none
    private
 
-   public :: allowed_processors, cores_here, is_set, node_name, peak_memory, &
-      private_memory, processors_online, ranks_here, &
-      ranks_of_launcher, restart_process, set_default
+   public :: allowed_processors, cores_here, is_set, node_name, peak_memory, prefer_romio, &
+      private_memory, processors_online, ranks_here, ranks_of_launcher, restart_process, set_default
 
    integer(c_int), parameter :: cores_online = 84        !! _SC_NPROCESSORS_ONLN of Linux
    integer, parameter :: mask_words = 128                !! 8192 processors
@@ -90,6 +89,19 @@ contains
 
       ignored = c_setenv(name//c_null_char, value//c_null_char, 0_c_int)
    end subroutine set_default
+
+   !> Have Open MPI write files with ROMIO, unless the user has set these variables. Its own OMPIO
+   !! creates a shared file pointer for each file and sometimes blocks on its semaphore: about once
+   !! in thirty files with two ranks and Open MPI 4.1.4 (issues 9656 of Open MPI and 1227 of HDF5).
+   subroutine prefer_romio()
+      character(len=*), parameter :: words(2) = [character(len=31) :: &
+         "OMPI_MCA_io_romio321_priority", "OMPI_MCA_io_romio341_priority"]
+      integer :: n
+
+      do n = 1, size(words)
+         call set_default(trim(words(n)), "90")
+      end do
+   end subroutine prefer_romio
 
    !> Memory of this process that no other shares: heap and stacks [byte]. 0 if the system does not
    !! report it.
