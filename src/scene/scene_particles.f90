@@ -395,6 +395,7 @@ contains
    subroutine list_runs(simulation, run)
       type(simulation_t), intent(in) :: simulation
       integer(int64), allocatable, intent(out) :: run(:, :) !! (2, run) Tile, and particles
+      integer(int64), allocatable :: whole(:, :)
       integer(int64) :: key
       integer :: index, n, filled, owner(3), cells(3)
       logical :: lost
@@ -411,7 +412,8 @@ contains
             end do
          end associate
       end do
-      run = run(:, :filled)
+      allocate (whole(2, filled), source=run(:, :filled))
+      call move_alloc(whole, run)
    end subroutine list_runs
 
    !> Add a particle to the last run, or begin a new one in another tile.
