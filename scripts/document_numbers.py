@@ -40,7 +40,7 @@ INLINE = re.compile(r"<!--=([^>]*?\.[^>]*?)-->(?! *\|)(.*?)<!--=-->(\s?%)?", re.
 ROW = re.compile(r"<!--=([^>]*?\.[^>]*?)--> *\|(.*)$", re.M)
 NUMBER = re.compile(r"(?<![\w.^])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w^])")
 BRACES = re.compile(r"\{([^{}]*)\}")
-ROUND_OFF = 1.0e-11                    # smaller numbers differ between machines
+ROUND_OFF = 1.0e-10                    # smaller numbers differ between machines
 
 
 @dataclass

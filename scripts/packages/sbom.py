@@ -35,7 +35,8 @@ PYTHON = {
     "matplotlib": "PSF-2.0", "f90nml": "Apache-2.0", "scipy": "BSD-3-Clause", "tqdm": "MPL-2.0 AND MIT",
     "vtk": "BSD-3-Clause", "imageio-ffmpeg": "BSD-2-Clause", "mkdocs-material": "MIT", "mkdocs": "BSD-2-Clause",
     "django-static-mathjax": "Apache-2.0", "numpy": "BSD-3-Clause", "h5py": "BSD-3-Clause", "pandas": "BSD-3-Clause",
-    "xarray": "Apache-2.0", "pyvista": "MIT"}
+    "xarray": "Apache-2.0", "pyvista": "MIT",
+    "mpi4py": "BSD-3-Clause"}
 # The manual contains style and search of the first and MathJax of the second.
 SITE = ("mkdocs-material", "django-static-mathjax")
 
@@ -129,7 +130,7 @@ def python_parts():
     text = (ROOT / "python/pyproject.toml").read_text(encoding="utf-8")
     required, optional = text.split("[project.optional-dependencies]")
     names = re.findall(r'^   "([\w-]+)[<>=]', required, re.M)
-    extra = re.findall(r'"([\w-]+)[<>=]', optional.split("[project.scripts]")[0])
+    extra = re.findall(r'"([\w-]+)[<>=]', optional.split("\nrelease = [")[0])
     parts = [python_part(name, "by the wheel") for name in names]
     if None in parts:
         fail(f"{names[parts.index(None)]} is not installed; scripts/setup.sh installs it")

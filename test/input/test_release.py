@@ -44,7 +44,6 @@ def test_one_version():
              for name, pattern in (
                  ("CITATION.cff", r"^version: (\S+)$"), ("README.md", r"^Version ([\d.]*\d)"),
                  ("python/src/scree/__init__.py", r'^__version__ = "(.*)"'),
-                 ("python/src/scree_post/__init__.py", r'^__version__ = "(.*)"'),
                  ("scripts/scree_bench/__init__.py", r'^__version__ = "(.*)"'),
                  ("doc/man/scree.1", r'^\.TH SCREE 1 "" "scree (\S+)"'))}
     assert set(found.values()) == {VERSION}, found
