@@ -137,7 +137,8 @@ def fans(options, cells):
     velocity = np.sign(speed) * np.minimum(abs(speed) - sound, 2.0)     # u + c = x/t in the fan on the right
     error = abs(snap.fields["velocity"][:, 0] - velocity)[seen].max() / 2.0
     density = (abs(snap.fields["density"] - right_density) * snap.fields["volume"])[seen].sum() / (2.0 * 2.4 * end)
-    measured.show(f"apart {cells}", {"density of the fans": density, "greatest velocity": error, "particles": int(seen.sum())})
+    measured.show(f"apart {cells}", {"density of the fans": density, "greatest velocity": error,
+                                     "particles": int(seen.sum())})
     return density, error, int(seen.sum())
 
 
