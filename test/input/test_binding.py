@@ -56,7 +56,7 @@ def need_open_mpi(options):
     """Skip without Open MPI, whose words of the command line are used."""
     case.need_ranks(options.scree)
     if not shutil.which("mpirun") or "Open MPI" not in subprocess.run(
-            ["mpirun", "--version"], capture_output=True, text=True).stdout:
+            ["mpirun", "--version"], capture_output=True, text=True, env={**os.environ, **case.OPEN_MPI}).stdout:
         pytest.skip("the mpirun here is not that of Open MPI")
 
 
