@@ -17,6 +17,7 @@ module io_grid
    use io_fields, only: picks_t
    use io_hdf5, only: hdf5_file_t
    use io_hdf5_write, only: chunk_rows, data_bytes, rows_t, write_planes
+   use io_level, only: even_chunks, owner_of
    use io_means, only: added, by_volume, fill_mean, mean_t, volume_fraction
    use io_snapshot, only: rounded, snapshot_format_t, snapshot_header_t, write_bodies, &
       write_provenance, write_units
@@ -95,30 +96,11 @@ contains
       box%extent = int(-edges(4:) - edges(:3)) + 1
       box%layer = box%extent == 1
       where (box%layer) box%extent = 2
-      associate (planes => box%planes)
-         planes%total = box%extent(3)
-         planes%compress = compress
-         ! the two points of a layer must be on the same rank
-         planes%chunk = max(chunk_rows/product(int(box%extent(:2), int64)), &
-            merge(2_int64, 1_int64, box%layer(3)))
-         allocate (planes%before(1), planes%count(1))
-         planes%before = first_plane(planes, communicator%rank, communicator%size)
-         planes%count = first_plane(planes, communicator%rank + 1, communicator%size) &
-            - planes%before
-      end associate
+      ! the two points of a layer must be on the same rank
+      box%planes = even_chunks(communicator, int(box%extent(3), int64), compress, &
+         max(chunk_rows/product(int(box%extent(:2), int64)), &
+         merge(2_int64, 1_int64, box%layer(3))))
    end subroutine find_box
-
-   !> Planes before those of a rank.
-   pure function first_plane(planes, rank, ranks) result(plane)
-      type(rows_t), intent(in) :: planes                 !! All planes, in chunks
-      integer, intent(in) :: rank                        !! From 0 to the number of ranks
-      integer, intent(in) :: ranks                       !! Number of ranks
-      integer(int64) :: plane
-      integer(int64) :: chunks
-
-      chunks = (planes%total + planes%chunk - 1)/planes%chunk
-      plane = min(planes%total, planes%chunk*(chunks*rank/ranks))
-   end function first_plane
 
    !> Greatest length that the file can get [byte].
    pure function greatest_length(box, means, header) result(bytes)
@@ -298,7 +280,7 @@ contains
       allocate (rank(cells%count), outgoing(words, cells%count))
       do n = 1, cells%count
          place = cells%place(:, n) - box%first
-         rank(n) = owner_of(box%planes, place(3), communicator%size)
+         rank(n) = owner_of(communicator, box%planes, int(place(3), int64))
          outgoing(1, n) = place(1) + box%extent(1)*place(2)
          outgoing(2, n) = place(3)
          outgoing(3:, n) = transfer(values(:, n), outgoing, parts)
@@ -334,23 +316,4 @@ contains
       end do
       if (box%layer(3) .and. size(dense, 2) == 2) dense(:, 2) = dense(:, 1)
    end subroutine copy_layers
-
-   !> The rank that writes a plane: the last one with planes whose first plane is not after it.
-   pure integer function owner_of(planes, plane, ranks) result(rank)
-      type(rows_t), intent(in) :: planes                 !! All planes, in chunks
-      integer, intent(in) :: plane                       !! Counted from 0
-      integer, intent(in) :: ranks                       !! Number of ranks
-      integer :: above, middle
-
-      rank = 0
-      above = ranks
-      do while (above - rank > 1)
-         middle = (rank + above)/2
-         if (first_plane(planes, middle, ranks) <= plane) then
-            rank = middle
-         else
-            above = middle
-         end if
-      end do
-   end function owner_of
 end module io_grid

@@ -7,11 +7,11 @@
 module io_level
    use base_communicator, only: communicator_t
    use base_kinds, only: int64, wp
-   use io_hdf5_write, only: chunk_rows, rows_t
+   use io_hdf5_write, only: rows_t
    implicit none
    private
 
-   public :: even_chunks, level_reals, level_rows, level_integers
+   public :: even_chunks, level_reals, level_rows, level_integers, owner_of
 
    integer, parameter :: heading = 2                     !! Words before the rows of a message
 
@@ -31,35 +31,38 @@ contains
    end function level_rows
 
    !> Rows distributed by full chunks.
-   pure function even_chunks(communicator, total, compress) result(even)
+   pure function even_chunks(communicator, total, compress, chunk) result(even)
       type(communicator_t), intent(in) :: communicator
       integer(int64), intent(in) :: total                !! Rows on all ranks
       integer, intent(in) :: compress                    !! gzip level
+      integer(int64), intent(in), optional :: chunk      !! Rows of a chunk
       type(rows_t) :: even
 
       even%total = total
       even%compress = compress
+      if (present(chunk)) even%chunk = chunk
       allocate (even%before(1), even%count(1))
-      even%before = first_row(communicator, total, communicator%rank)
-      even%count = first_row(communicator, total, communicator%rank + 1) - even%before
+      even%before = first_row(communicator, even, communicator%rank)
+      even%count = first_row(communicator, even, communicator%rank + 1) - even%before
    end function even_chunks
 
    !> Number of rows before those of a rank.
-   pure function first_row(communicator, total, rank) result(row)
+   pure function first_row(communicator, rows, rank) result(row)
       type(communicator_t), intent(in) :: communicator
-      integer(int64), intent(in) :: total                !! Rows on all ranks
+      type(rows_t), intent(in) :: rows                   !! Total and rows of a chunk
       integer, intent(in) :: rank                        !! From 0 to the number of ranks
       integer(int64) :: row
       integer(int64) :: chunks
 
-      chunks = (total + chunk_rows - 1_int64)/chunk_rows
-      row = min(total, chunk_rows*(chunks*rank/communicator%size))
+      chunks = (rows%total + rows%chunk - 1)/rows%chunk
+      row = min(rows%total, rows%chunk*(chunks*rank/communicator%size))
    end function first_row
 
-   !> Rank that a row is sent to.
-   pure integer function owner_of(communicator, total, row) result(rank)
+   !> Rank of a row that is distributed by `even_chunks`: the last one whose first row is not after
+   !! it.
+   pure integer function owner_of(communicator, rows, row) result(rank)
       type(communicator_t), intent(in) :: communicator
-      integer(int64), intent(in) :: total                !! Rows on all ranks
+      type(rows_t), intent(in) :: rows                   !! Total and rows of a chunk
       integer(int64), intent(in) :: row                  !! Counted from 0
       integer :: above, middle
 
@@ -67,7 +70,7 @@ contains
       above = communicator%size
       do while (above - rank > 1)
          middle = (rank + above)/2
-         if (first_row(communicator, total, middle) <= row) then
+         if (first_row(communicator, rows, middle) <= row) then
             rank = middle
          else
             above = middle
@@ -162,7 +165,7 @@ contains
       integer(int64) :: last, place
 
       ! a range begins and ends within chunks, and each chunk is on one rank
-      most = min(sum(rows%count/chunk_rows + 2), &
+      most = min(sum(rows%count/rows%chunk + 2), &
          size(rows%count, kind=int64)*communicator%size)
       allocate (destination(most), length(most), outgoing(size(words) + heading*most))
       messages = 0
@@ -173,8 +176,8 @@ contains
          last = place + rows%count(piece)
          do while (place < last)
             messages = messages + 1
-            destination(messages) = owner_of(communicator, rows%total, place)
-            count = int(min(last, first_row(communicator, rows%total, &
+            destination(messages) = owner_of(communicator, rows, place)
+            count = int(min(last, first_row(communicator, rows, &
                destination(messages) + 1)) - place)
             length(messages) = heading + count*size(words, 1)
             outgoing(at + 1) = place
