@@ -9,15 +9,16 @@
 !! group, word or name is always an error that quotes it.
 program fuzz_decks
    use base_error, only: error_t, exit_file, exit_input
+   use base_kinds, only: wp
    use base_schema, only: schema_t
-   use base_text, only: append, buffer_t, lower, number, text_t
+   use base_text, only: buffer_t, lower, number, text_t
    use fuzz_mutation, only: choice_t, mutate, respell
-   use grains_deck, only: check_grains
-   use io_file, only: read_file
+   use fuzz_session, only: give_up, read_arguments, read_scene, write_bytes
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use program_command_line, only: parse_command_line
-   use program_run_setup, only: build_setup, declare_deck_keys, read_setup, run_setup_t
+   use program_run_setup, only: declare_deck_keys, run_setup_t
    implicit none
+
+   real(wp), parameter :: most_points = 1.0e6_wp
 
    call fuzz()
 
@@ -26,12 +27,13 @@ contains
    !> All mutations. What is allocated here is freed before the program ends.
    subroutine fuzz()
       type(schema_t) :: schema
-      type(text_t), allocatable :: decks(:)
+      type(text_t), allocatable :: decks(:), names(:)
       character(len=:), allocatable :: folder, text, unknown, fault
       type(choice_t) :: choice
       integer :: first, mutations, n, refused, words, failures, which
 
-      call arguments(folder, first, mutations, decks)
+      call read_arguments("fuzz_decks FOLDER FIRST COUNT DECK...", 1, folder, first, mutations, &
+         names, decks)
       call declare_deck_keys(schema)
       refused = 0
       do which = 1, size(decks)
@@ -66,31 +68,6 @@ contains
       if (failures > 0) call give_up("FAILED")
    end subroutine fuzz
 
-   !> Take the command line apart.
-   subroutine arguments(folder, first, mutations, decks)
-      character(len=:), allocatable, intent(out) :: folder !! Where to write
-      integer, intent(out) :: first                  !! Number of the first mutation
-      integer, intent(out) :: mutations              !! How many
-      type(text_t), allocatable, intent(out) :: decks(:) !! Decks to damage
-      type(error_t), allocatable :: error
-      character(len=1000) :: word
-      integer :: i
-
-      if (command_argument_count() < 4) call give_up("usage: fuzz_decks FOLDER FIRST COUNT DECK...")
-      call get_command_argument(1, word)
-      folder = trim(word)
-      call get_command_argument(2, word)
-      read (word, *) first
-      call get_command_argument(3, word)
-      read (word, *) mutations
-      allocate (decks(command_argument_count() - 3))
-      do i = 1, size(decks)
-         call get_command_argument(i + 3, word)
-         call read_file(trim(word), decks(i)%text, error)
-         if (allocated(error)) call give_up(error%message)
-      end do
-   end subroutine arguments
-
    !> Read a deck as `--check` does and judge what comes of it.
    subroutine look_at(schema, folder, text, unknown, refused, fault)
       type(schema_t), intent(in) :: schema           !! What is allowed
@@ -101,25 +78,11 @@ contains
       character(len=:), allocatable, intent(out) :: fault !! What does not hold, or empty
       type(run_setup_t) :: setup
       type(error_t), allocatable :: error
-      type(text_t), allocatable :: words(:)
 
-      call append(words, "--check")
-      if (index(text, "&grains") > 0) call append(words, "--grains")
-      call append(words, folder//"/deck.nml")
       fault = ""
-      call write_deck(folder, text)
-      setup%schema = schema
-      setup%most_points = 1.0e6
-      call parse_command_line(words, setup%command, error)
-      if (.not. allocated(error)) call read_setup(setup, error)
-      if (.not. allocated(error)) then
-         if (setup%command%grains) then
-            call check_grains(setup%deck)
-            call setup%deck%verdict(error)
-         else
-            call build_setup(setup, error)
-         end if
-      end if
+      call write_bytes(folder//"/deck.nml", text)
+      call read_scene(schema, folder//"/deck.nml", index(text, "&grains") > 0, most_points, setup, &
+         error)
       if (allocated(error)) then
          refused = refused + 1
          if (error%code /= exit_input .and. error%code /= exit_file) then
@@ -147,20 +110,8 @@ contains
       character(len=:), allocatable :: echo, second
 
       echo = setup%deck%echo()
-      call write_deck(folder, echo)
-      again%schema = schema
-      again%most_points = setup%most_points
-      again%command = setup%command
-      call read_setup(again, error)
-      if (.not. allocated(error)) then
-         ! a cell of grains has no scene
-         if (again%command%grains) then
-            call check_grains(again%deck)
-            call again%deck%verdict(error)
-         else
-            call build_setup(again, error)
-         end if
-      end if
+      call write_bytes(folder//"/deck.nml", echo)
+      call read_scene(schema, folder//"/deck.nml", setup%command%grains, most_points, again, error)
       if (allocated(error)) then
          fault = "the echo is refused: "//error%message
          return
@@ -190,25 +141,4 @@ contains
       end do
       text = buffer%content()
    end function bare
-
-   !> Write the deck, bytes as they are.
-   subroutine write_deck(folder, text)
-      character(len=*), intent(in) :: folder         !! Where to write
-      character(len=*), intent(in) :: text           !! The deck
-      integer :: status, unit
-
-      open (newunit=unit, file=folder//"/deck.nml", access="stream", status="replace", &
-         iostat=status)
-      if (status /= 0) call give_up("cannot write "//folder//"/deck.nml")
-      write (unit) text
-      close (unit)
-   end subroutine write_deck
-
-   !> End with an exit code.
-   subroutine give_up(message)
-      character(len=*), intent(in) :: message        !! Last words
-
-      write (output_unit, "(a)") message
-      stop 1
-   end subroutine give_up
 end program fuzz_decks
