@@ -46,7 +46,6 @@ generation_of() {
    fi
 }
 
-# The compiler of FC, a gfortran of version 12 or newer, or nothing.
 # The version of a CMakeLists.txt on standard input: the one place where it is written.
 find_version() {
    sed -n 's/^project(scree VERSION \([0-9.]*\).*/\1/p'
@@ -58,7 +57,7 @@ archive_commit() {
    git -C "${root}" archive --format=tar --prefix="$2/" "$1" | gzip --no-name --best
 }
 
-# A gfortran of version 12 or newer, or nothing.
+# The compiler of FC, a gfortran of version 12 or newer, or nothing.
 find_compiler() {
    local candidate version
    for candidate in ${FC:+"${FC}"} gfortran gfortran-12 gfortran-13 gfortran-14 gfortran-15; do

@@ -75,8 +75,8 @@ def find_library(path: str | os.PathLike[str] | None = None) -> str:
 def for_processor(library: Path) -> Path:
     """The library for this processor, of those of a build for several, -DSCREE_ARCH=dispatch.
 
-    The program gets it from the loader, which looks into the folders glibc-hwcaps/PROCESSOR; a library that is
-    opened by its path is taken as it is. So the loader is asked which folders it would look into, in their order.
+    The loader selects the library of the program from the folders glibc-hwcaps/PROCESSOR, but it does not search
+    them for a library that is opened by its path. `ld.so --help` lists the folders that it searches, in their order.
     """
     folders = library.parent / "glibc-hwcaps"
     if folders.is_dir():

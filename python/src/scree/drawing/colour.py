@@ -48,7 +48,7 @@ class Colour:
     low: float = 0.0                                     # in the unit of the label
     high: float = 1.0
     map: str = "viridis"
-    names: tuple[str, ...] = ()                                    # of whole numbers, such as bodies
+    names: tuple[str, ...] = ()                                    # of integers, such as bodies
     tints: tuple[Tint, ...] = ()                                    # of fragments, see fragment_tints
     beyond: tuple[bool, bool] = (False, False)                       # whether numbers lie below, above
     log: bool = False                                    # logarithmic scale
