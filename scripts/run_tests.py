@@ -25,6 +25,7 @@ NEXT_TIER = {"smoke": "full", "full": "long"}
 SHARES = 3      # the long tests are run by thirds
 DAY = 86400
 UNKNOWN = 1.0   # cost of a test that was never recorded
+PRESUMED = 600.0  # seconds of a long test that was never recorded, so that no share gets all of them
 LEAST = 180.0   # seconds; with less than this left no test of unknown length is begun
 SLACK = 10.0    # seconds by which CTest may stop tests early
 STOPPED = re.compile(r"Test +#\d+: (\S+) \.+\*\*\*Timeout")
@@ -52,9 +53,12 @@ def listed(folder, options):
 
 def long_share(tests, share):
     """One of SHARES groups of the long tests, of about the same cost; every test is in one of them."""
+    def work(test):
+        return (PRESUMED if test.cost == UNKNOWN else test.cost) * test.cores
+
     groups = [[] for _ in range(SHARES)]
-    for test in sorted(tests, key=lambda test: (-test.cost * test.cores, test.name)):
-        min(groups, key=lambda group: sum(one.cost * one.cores for one in group)).append(test)
+    for test in sorted(tests, key=lambda test: (-work(test), test.name)):
+        min(groups, key=lambda group: sum(map(work, group))).append(test)
     return groups[share]
 
 

@@ -64,6 +64,9 @@ class TestRunner:
         assert sorted(one.name for group in groups for one in group) == sorted(one.name for one in tests)
         work = [sum(one.cost * one.cores for one in group) for group in groups]
         assert max(work) < 1.2 * min(work)
+        unknown = [test(f"u{number}", run_tests.UNKNOWN, "long") for number in range(9)]
+        groups = [run_tests.long_share([*tests[:2], *unknown], share) for share in range(run_tests.SHARES)]
+        assert [sum(one in unknown for one in group) for group in groups] == [3, 3, 3]
 
     def test_in_time(self):
         """Nothing is begun that is known not to end."""
