@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Time and memory of a restart with many particles, without the fields of their material.
+!> Time and memory of a restart with many particles, without a law of the material.
 !!
 !! bench_restart write FOLDER TILES    writes a checkpoint of a cube with TILES tiles along an edge
 !! bench_restart read FOLDER TILES     reads it, counts the tiles, and cuts the curve
 !!
 !! A tile has 1728 particles, 39 tiles along an edge are 1.02e8. The particles have an identity, a
-!! position, and one component of velocity instead of the 20 numbers of a real material, so that the
-!! data that restarts need to distribute the particles fit into the memory of one machine.
+!! position, mass, volume, and one component of velocity and of stress, so that all data of 1.02e8
+!! particles fit into the memory of one machine (64 bytes each).
 program bench_restart
    use base_communicator, only: communicator_t
    use base_error, only: error_t
@@ -49,6 +49,9 @@ program bench_restart
    call simulation%stores(1)%start("m", simulation%space%grid%tile_cells, traits_t())
    deallocate (simulation%stores(1)%velocity)
    allocate (simulation%stores(1)%velocity(0, 1))
+   associate (matter => simulation%stores(1)%state)
+      allocate (matter%mass(0), matter%volume(0), matter%stress(0, 1))
+   end associate
    place%folder = trim(folder)
    place%case = "synthetic"
    call report("started")
@@ -104,9 +107,12 @@ contains
       key = key(sort_order(key))
       rows = even_rows(run%machine%communicator, int(tiles, int64)**3)
       associate (store => run%stores(1), first => int(rows%before(1)), own => int(rows%count(1)))
-         deallocate (store%identity, store%position, store%velocity, store%first, store%count)
+         deallocate (store%identity, store%position, store%velocity, store%first, store%count, &
+            store%state%mass, store%state%volume, store%state%stress)
          n = particles_of_tile*own
          allocate (store%identity(n), store%position(n, 3), store%velocity(n, 1))
+         allocate (store%state%mass(n), store%state%volume(n), source=0.125_wp)
+         allocate (store%state%stress(n, 1), source=0.0_wp)
          store%velocity = 0.0_wp
          store%first = [1]
          store%count = [n]
