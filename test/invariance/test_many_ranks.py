@@ -2,8 +2,8 @@
 """Many more ranks than cores, and more ranks than tiles: the same bits, and messages to neighbours only.
 
 Would catch: a rank without particles that waits for a message or divides by its count, a list of receivers that holds
-ranks which are no neighbours, a collective call per neighbour or per tile, arrays of one entry per rank that grow, and
-a report of scripts/scaling.py with empty columns or figures.
+ranks which are no neighbours, a collective call per neighbour or per tile, arrays of one entry per rank that grow, a
+restart whose ranks list all tiles, and a report of scripts/scaling.py with empty columns or figures.
 full: 24 and 36 ranks; long: 512 ranks.
 """
 # tiers: full, long
@@ -12,6 +12,8 @@ full: 24 and 36 ranks; long: 512 ranks.
 # cores: 2
 
 import csv
+import os
+import re
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -77,6 +79,24 @@ def test_neighbours(options, sheet):
                       f"{name} of a rank: {found['min']} to {found['max']}, not {expected}")
     sheet.require(one["rank_counts"]["messages"]["max"] == one["rank_counts"]["collective_calls"]["max"] == 0,
                   "one rank sends nothing")
+
+
+@pytest.mark.tiers("full")
+def test_restart_lists(options, sheet):
+    """A checkpoint of 27 tiles, read by more ranks: each lists the tiles of the rows that it reads, no rank all."""
+    case.need_ranks(options.scree)
+    program = options.scree.parent / "bench_restart"
+    if not program.exists():
+        pytest.skip("bench_restart was not built")
+    environment = {**scaling.OPEN_MPI, **os.environ, **case.OPEN_MPI}
+    for action, ranks in (("write", 2), ("read", 9)):
+        said = subprocess.run([*scaling.launcher(SimpleNamespace(launcher=""), ranks, 1), str(program), action,
+                               str(options.work), "3"], env=environment, text=True, check=True,
+                              stdout=subprocess.PIPE).stdout
+    particles, listed, received, longest = map(int, re.findall(r"[a-z] (\d+)", said.splitlines()[-1]))
+    sheet.require(particles == 27 * TILE_CELLS ** 3 * 8, f"{particles} particles are counted")
+    sheet.require(27 <= listed == received <= 27 + 2 * 9, f"{listed} tiles are listed and {received} are received")
+    sheet.require(longest <= 27 // 9 + 2, f"a rank lists {longest} tiles of the 3 that it reads")
 
 
 @pytest.mark.tiers("full")
