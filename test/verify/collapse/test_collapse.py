@@ -33,7 +33,7 @@ import flows
 import measured
 
 SCATTER, LATE = 0.15, 0.1              # of measured prefactors; target of the time
-IN_TIME = {("plane", 2.0), ("round", 0.5)}
+IN_TIME = {("plane", 2.0), ("plane", 16.0), ("round", 0.5)}
 TOO_LOW = {("round", 8.0), ("round", 16.0)}
 # angles of Drucker and Prager's cone of plane strain whose coefficient in simple shear is tan 30 and tan 35 degrees
 SANDS = {30: 37.76, 35: 49.96}
