@@ -21,6 +21,8 @@ from pathlib import Path
 
 import pytest
 
+import tier
+
 ROOT = Path(__file__).resolve().parents[2]
 # Open MPI refuses root and more ranks than cores unless told otherwise, and would bind all threads
 # of a rank to one core.
@@ -110,9 +112,10 @@ class Case:
         return subprocess.Popen(self.command(*options), env=self.environment, cwd=self.folder,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **how)
 
-    def run(self, *options, expect=0, timeout=250, **how):
-        """Run the program with further options; `expect` is the exit code, None takes any; `how` goes to
-        subprocess.run, its `env` on top of that of the case."""
+    def run(self, *options, expect=0, timeout=None, **how):
+        """Run the program with further options; `expect` is the exit code, None takes any; `timeout` in seconds has a
+        default for each tier; `how` goes to subprocess.run, its `env` on top of that of the case."""
+        timeout = timeout or (1500 if tier.NAME == "long" else 250)
         environment = {**self.environment, **how.pop("env", {})}
         answer = subprocess.run(self.command(*options), env=environment, timeout=timeout,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
