@@ -10,7 +10,7 @@ set(scree_compile_options)
 if(scree_id STREQUAL "GNU" AND NOT SCREE_OFFLOAD)
    set(scree_compile_options -foffload=disable)
 endif()
-set(scree_offload_flags -foffload=nvptx-none -foffload-options=nvptx-none=-O3
+set(scree_offload_flags -fopenmp -foffload=nvptx-none -foffload-options=nvptx-none=-O3
    -foffload-options=nvptx-none=-ffp-contract=off -foffload-options=nvptx-none=-lgfortran
    -foffload-options=nvptx-none=-lm -no-pie)
 set(scree_link_options)
