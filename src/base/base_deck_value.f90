@@ -93,7 +93,9 @@ contains
       number_of_values = key%number_of_values - first + 1
       call expand_repeats(key, tokens, number_of_values, items, complaint)
       if (complaint == "" .and. size(items) == 0) complaint = expectation(key)
-      if (complaint == "" .and. key%kind == kind_real) complaint = mixed_units(items)
+      ! units of values beyond the last one are not kept
+      if (complaint == "" .and. key%kind == kind_real) complaint = &
+         mixed_units(items(:min(size(items), number_of_values)))
       do i = 1, min(size(items), number_of_values)
          if (complaint /= "") exit
          call convert_item(key, items(i), system, first + i - 1, value, complaint)
