@@ -19,6 +19,7 @@ Disc: one turn of an elastic disc that follows its exact solution, 20 cells acro
 slopes or rotations keep angular momentum and energy: target 1e-3 (test_spin.py). flip = 0.999 does not: a known miss,
 held at a tenth.
 """
+# tiers: smoke, full
 # timeout: 300
 
 import numpy as np
@@ -94,6 +95,7 @@ def step(options, name, words, velocity):
     return last.fields["velocity"][np.argsort(last.fields["body"]), 0]
 
 
+@pytest.mark.tiers("full")
 def test_modes(options, sheet):
     """What is kept of node modes and of motions that no node sees."""
     b = np.mean([xi * (1.0 - xi) for xi in (1 / 6, 1 / 2, 5 / 6)])
@@ -119,6 +121,9 @@ def test_modes(options, sheet):
     sheet.require(np.array_equal(*pair) and np.ptp(pair[0]) > 0.1, "fmpm of order 1 is pic")
 
 
+# in the tier smoke: velocities that are mapped again, slopes from velocities after the step, a series beside walls
+SMOKE = {("mpm", "linear", "musl", "transfer='flip'"), ("mpm", "linear", "musl", "transfer='aflip' flip=0.7"),
+         ("ddmp", "linear", "usl", "transfer='aflip' flip=0.7"), ("mpm", "linear", "usl", "transfer='xpic'")}
 # each pair of gradient, update and transfer, and a third of the triples
 TRIPLES = [(method, basis, update, words)
            for m, (method, basis) in enumerate((("ddmp", "linear"), ("mpm", "linear"), ("mpm", "quadratic")))
@@ -126,7 +131,8 @@ TRIPLES = [(method, basis, update, words)
            for w, words in enumerate(ALL) if (m + u + w) % 3 == 0]
 
 
-@pytest.mark.parametrize("method, basis, update, words", TRIPLES)
+@pytest.mark.parametrize("method, basis, update, words", [
+    pytest.param(*row, marks=pytest.mark.tiers(*(("smoke",) if row in SMOKE else ()), "full")) for row in TRIPLES])
 def test_gas(options, sheet, method, basis, update, words):
     """Energy and momentum of gases that are compressed."""
     text = f"basis='{basis}' stress_update='{update}' {words}"
@@ -140,6 +146,7 @@ def test_gas(options, sheet, method, basis, update, words):
                   f"{label}: the gases are compressed")
 
 
+@pytest.mark.tiers("full")
 @pytest.mark.parametrize("words", ["transfer='flip'", "transfer='apic'", "transfer='aflip'", "transfer='rflip'"])
 def test_disc(options, sheet, words):
     """A disc that turns once."""
