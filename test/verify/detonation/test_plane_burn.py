@@ -74,6 +74,20 @@ def burn(options, cells):
     return result
 
 
+def test_update(options, sheet):
+    """Would catch a stress update before the forces that burns with the clock of another time: the front is where it is
+    with the usual order, within a cell, and what it has not reached is without pressure."""
+    for update in ("usl", "usf"):
+        deck = DECK.format(spacing=0.001) + f"&method  stress_update='{update}' /\n"
+        run = case.Case(options, f"update_{update}", deck).run("-q")
+        (late, last) = run.snapshots()[-1]
+        _, pressure, _ = detonation.TNT.detonation()
+        sheet.below(f"{update}: distance of the front in cells", abs(front(last, pressure) - SPEED * late) / 0.001, 2.0)
+        beyond = last.points[:, 0] > SPEED * late + 0.002
+        sheet.require(beyond.sum() > 20, f"{update}: there is explosive beyond the front")
+        sheet.below(f"{update}: pressure beyond the front", abs(last.fields["pressure"][beyond]).max() / pressure, 0.01)
+
+
 def slowest(options):
     """Least speed of the shocks of `--point`: that of the detonation by the constants."""
     deck = """&effects  strength=.false. /
