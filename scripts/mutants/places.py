@@ -6,7 +6,7 @@ import re
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Iterator, List, Tuple
+from typing import Dict, Iterator, List, Sequence, Tuple
 
 #: Statements without an effect on results, or whose change would change a module file.
 SKIPPED = re.compile(
@@ -169,30 +169,39 @@ def choose(root: Path, count: int, least: int, seed: int) -> List[Mutant]:
 
 
 def read_list(root: Path, file: Path) -> List[Mutant]:
-    """Mutants of a file: blocks of lines `file: ...`, `- line before`, `+ line after` and, if wanted, `tests: ...`."""
+    """Mutants of a file: blocks of lines `file: ...`, `- line before`, `+ line after` and, if wanted, `in: procedure`,
+    for a line that others have too, and `tests: ...`."""
     found = []
     fields: Dict[str, str] = {}
     for number, line in enumerate([*file.read_text(encoding="utf-8").split("\n"), ""], 1):
         key, _, rest = line.partition(" ")
-        if key in ("file:", "-", "+", "tests:"):
+        if key in ("file:", "in:", "-", "+", "tests:"):
             fields[key] = rest.strip()
         elif key and not key.startswith("#"):
-            raise ValueError(f"{file}:{number}: '{key}' is none of: file:, -, +, tests:, #")
+            raise ValueError(f"{file}:{number}: '{key}' is none of: file:, in:, -, +, tests:, #")
         elif not line.strip() and fields:
             found.append(located(root, f"{file}:{number - 1}", fields))
             fields = {}
     return found
 
 
+def procedure(lines: Sequence[str], name: str) -> Tuple[int, int]:
+    """First and last line of a procedure; no lines if there is none."""
+    here = [number for number, line in enumerate(lines, 1) if re.search(rf"\b(subroutine|function) {name}\b", line)]
+    return (here[0], here[-1]) if here else (1, 0)
+
+
 def located(root: Path, where: str, fields: Dict[str, str]) -> Mutant:
-    """The mutant of one block; its line must be in the file exactly once."""
+    """The mutant of one block; its line must be in the file, or in the procedure, exactly once."""
     missing = [key for key in ("file:", "-", "+") if key not in fields]
     if missing:
         raise ValueError(f"{where}: the block has no line '{missing[0]}'")
     lines = (root / fields["file:"]).read_text(encoding="utf-8").split("\n")
-    at = [number for number, line in enumerate(lines, 1) if line.strip() == fields["-"]]
+    first, last = procedure(lines, fields["in:"]) if "in:" in fields else (1, len(lines))
+    at = [number for number in range(first, last + 1) if lines[number - 1].strip() == fields["-"]]
     if len(at) != 1:
-        raise ValueError(f"{where}: '{fields['-']}' is {len(at)} times in {fields['file:']}, not once")
+        place = f"{fields['in:']} of {fields['file:']}" if "in:" in fields else fields["file:"]
+        raise ValueError(f"{where}: '{fields['-']}' is {len(at)} times in {place}, not once")
     before = lines[at[0] - 1]
     indent = before[:len(before) - len(before.lstrip())]
     return Mutant(fields["file:"], at[0], before, indent + fields["+"], hints=tuple(fields.get("tests:", "").split()))

@@ -11,7 +11,7 @@ import pytest
 from mutants import places
 from sources import ROOT
 
-BY_HAND = ROOT / "test/mutants/by_hand.txt"
+LISTS = [ROOT / "test/mutants/by_hand.txt", ROOT / "test/mutants/survivors.txt"]
 SOURCE = """module m
    real :: spacing = 1.0_wp
 contains
@@ -36,8 +36,9 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_list_fits_sources():
-    found = places.read_list(ROOT, BY_HAND)
+@pytest.mark.parametrize("file", LISTS, ids=lambda file: file.stem)
+def test_list_fits_sources(file):
+    found = places.read_list(ROOT, file)
     assert len(found) >= 30
     assert len({mutant.layer for mutant in found}) >= 8
     assert all(mutant.before != mutant.after for mutant in found)
@@ -51,6 +52,22 @@ def test_wrong_line_is_reported(folder):
     wrong.write_text("file: src/base/m.f90\n- x(3) = min(x(1), &\n\n", encoding="utf-8")
     with pytest.raises(ValueError, match=r"the block has no line '\+'"):
         places.read_list(folder, wrong)
+
+
+def test_line_of_a_procedure(folder):
+    """The same line in two procedures; a procedure that is not there has no lines."""
+    again = SOURCE.replace("end module m", "   subroutine t(x)\n      print \"(a)\", \"1 + 1\"\n   end subroutine t\n"
+                           "end module m")
+    (folder / "src/base/m.f90").write_text(again, encoding="utf-8")
+    text = "file: src/base/m.f90\n{}- print \"(a)\", \"1 + 1\"\n+ print *\n"
+    found = folder / "list.txt"
+    for name, line in (("in: s\n", 9), ("in: t\n", 14)):
+        found.write_text(text.format(name), encoding="utf-8")
+        assert [mutant.line for mutant in places.read_list(folder, found)] == [line]
+    for name, times in (("", "is 2 times in src"), ("in: u\n", "is 0 times in u of src")):
+        found.write_text(text.format(name), encoding="utf-8")
+        with pytest.raises(ValueError, match=times):
+            places.read_list(folder, found)
 
 
 def test_changes(folder):
