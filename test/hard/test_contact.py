@@ -214,16 +214,18 @@ def test_torn(options, sheet):
 
 def test_gap(options, sheet):
     """Bonds hold bodies that touch: bars with a gap of three quarters of a cell, whose particles share a node, part as
-    if there were no bond. Those beside each other stay together."""
+    if there were no bond; without bonds they come closer as if there were no contact. Those beside each other stay
+    together."""
     speeds = {}
-    for name, start in (("gap", 0.015), ("touching", 0.0)):
+    for name, start, speed in (("coming", 0.015, 0.1), ("gap", 0.015, -0.1), ("touching", 0.0, -0.1)):
         deck = BARS.format(method="ddmp", words="", effects=CONTACT, densities=(1000, 1000), moduli=(1e6, 1e6),
-                           speed=-0.1, end=0.002, fields=FIELDS.replace("'body'", "'body','pressure'"),
-                           more="&contact law='bonded' /")
+                           speed=speed, end=0.002, fields=FIELDS.replace("'body'", "'body','pressure'"),
+                           more="&contact law='bonded' /" if speed < 0.0 else "")
         deck = deck.replace("lo=0,0,0  hi=1,1,1", f"lo={start},0,0  hi=1,1,1").replace("ppc=2,1,1", "ppc=4,1,1")
         run = case.Case(options, name, deck).run("-q")
         snap = run.snapshots()[-1][1]
         speeds[name] = [snap.fields["velocity"][snap.fields["body"] == number, 0] for number in (1, 2)]
+    sheet.below("contact across a gap: change of the speed of one bar", abs(speeds["coming"][0] - 0.1).max(), 1.0e-12)
     sheet.below("bond across a gap: change of the speed of one bar", abs(speeds["gap"][0] + 0.1).max(), 1.0e-12)
     sheet.below("bond across a gap: speed of the other bar", abs(speeds["gap"][1]).max(), 1.0e-12)
     sheet.above("bond without a gap: speed of the other bar", -speeds["touching"][1].min(), 0.04)
