@@ -79,6 +79,21 @@ BARS = """
 &output  name='history'  kind='history'  every=10 /
 """
 
+HEATED = """
+&run  dimension='plane_strain' /
+&grid  lo=0,0,0  hi=1,1,0.6  dx=0.1 /
+&time  t_end=0.004 /
+&effects  contact=.true. /
+&material  name='m'  density=1000  shear=5e5  eos_model='mie_gruneisen'  mg_c0=30  mg_s=1.3  mg_gamma=1 /
+&region  name='floor'  shape='box'  lo=0,0,0  hi=1,1,0.2 /
+&region  name='block'  shape='box'  lo=0.2,0,0.2  hi=0.6,1,0.4 /
+&body  name='floor'  region='floor'  material='m'  ppc=2,1,2 /
+&body  name='block'  region='block'  material='m'  ppc=2,1,2  velocity=1,0,-1 /
+&contact  friction=0.5 /
+&output  name='p'  kind='particles'  count=1  {fields} /
+&output  name='history'  kind='history'  every=1 /
+"""
+
 THREE = """
 &run  dimension='3d' /
 &grid  lo=0,0,0  hi=1,1,1  dx=0.1 /
@@ -210,6 +225,20 @@ def test_torn(options, sheet):
         sheet.require(len(broken) > 0, f"torn bond: body {number} loses it")
         sheet.below(f"torn bond: body {number}, cells from its end",
                     (place.max() - broken.min(initial=place.max())) / 0.02, 0.9)
+
+
+def test_heat(options, sheet):
+    """What contact takes from the motion of bodies that carry energy becomes their heat: the books close to rounding
+    in an oblique impact with friction, in which both get energy."""
+    deck = HEATED.format(fields=FIELDS.replace("'velocity'", "'energy'"))
+    run = case.Case(options, "heat", deck).run("-q")
+    snap, history = run.snapshots()[-1][1], run.history
+    sheet.below("heat of contact: energy books", np.abs(history["energy_error"]).max(), 1.0e-12)
+    lost = 1.0 - history["kinetic"][-1] / history["kinetic"][0]
+    sheet.above("heat of contact: kinetic energy that is lost", lost, 0.01)
+    for number in (1, 2):
+        here = snap.fields["body"] == number
+        sheet.above(f"heat of contact: energy of body {number}", np.average(snap.fields["energy"][here]), 0.0)
 
 
 def test_gap(options, sheet):
