@@ -28,8 +28,8 @@ ROOT = Path(__file__).resolve().parents[1]
 LAYOUTS = "1x1,2x1,4x1,8x1,16x1,32x1,64x1,128x1,256x1,512x1"
 QUICK = "1x1,2x1,8x1,32x1"
 # By default Open MPI refuses root and more ranks than cores, and binds all threads of a rank to one core. With hundreds
-# of ranks per core, mpiexec of Open MPI 4 can miss that a rank has called MPI_Finalize and then reports an error; a rank
-# that fails is still recognised by its exit code.
+# of ranks per core, mpiexec of Open MPI 4 can miss that a rank has called MPI_Finalize and then reports an error; a
+# rank that fails is still recognised by its exit code.
 OPEN_MPI = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
             "OMPI_MCA_hwloc_base_binding_policy": "none",
             "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OMPI_MCA_mpi_yield_when_idle": "1",
