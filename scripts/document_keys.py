@@ -16,12 +16,12 @@ TARGET = Path(__file__).resolve().parents[1] / "doc" / "reference" / "keys.md"
 HEAD = """# Groups and keys
 
 This file is written by [scripts/document_keys.py](../../scripts/document_keys.py) from
-`scree --explain`; do not edit it. How a deck is written stands in [deck.md](../guide/deck.md).
-`scree --template` prints the same keys as a deck, `scree --explain GROUP.KEY` explains one.
+`scree --explain`; do not edit it. [The deck](../guide/deck.md) describes the syntax of decks.
+`scree --template` prints the same keys as a deck, `scree --explain GROUP.KEY` explains one key.
 
-A unit is that of SI; with `&units system` the number is in the unit of that system. A default of
-**must** means that the key has to be given. *Needs* names what has to be set before a key is
-accepted; a key whose needs are not met is an error.
+The units are those of SI; with `&units system` numbers are in the units of that system. **must** in
+the column of defaults marks keys that have no default and must be given. *Needs* lists the settings
+that a key requires; it is an error to give a key without them.
 """
 
 

@@ -90,7 +90,7 @@ contains
       text = ""
       if (letter == "^") text = "; a power is written **"
       if (scan(letter, "{}[]") == 1) text = "; brackets in an expression are ( )"
-      if (letter == ",") text = "; give each number braces of its own"
+      if (letter == ",") text = "; write separate braces for each number"
       if (is_letter(letter) .or. scan(letter, figures//"(") == 1) text = "; is an operator missing?"
    end function advice
 

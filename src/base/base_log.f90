@@ -164,7 +164,7 @@ contains
       close (self%unit, iostat=status)
       self%unit = no_unit
       if (.not. self%mute) call write_to_stream(error_unit, &
-         "warning: the log cannot be written; it continues only here")
+         "warning: the log cannot be written; it continues only on the screen")
    end subroutine write_to_file
 
    !> Write to a standard stream and flush it. A closed stream is not an error.

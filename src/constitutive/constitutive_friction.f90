@@ -98,9 +98,11 @@ contains
          text = "friction_angle = "//brief(friction)//" deg: did you mean radians ("// &
             brief(anint(friction*1800.0_wp/pi)/10.0_wp)//" deg)?"
       else if (dilation > friction) then
-         text = "dilation_angle must not be above friction_angle, or flow would make energy"
+         text = "dilation_angle must not be above friction_angle, otherwise flow would "// &
+            "generate energy"
       else if (dilation > 0.0_wp .and. .not. linear) then
-         text = "dilation_angle needs eos_model = 'linear', as others depend on the density alone"
+         text = "dilation_angle needs eos_model = 'linear', because other models depend only "// &
+            "on the density"
       else if (.not. (friction > 0.0_wp .or. cohesion > 0.0_wp)) then
          text = "friction_angle or cohesion must be above 0; for a fluid set elastic = 'none'"
       end if

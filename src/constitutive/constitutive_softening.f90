@@ -102,12 +102,12 @@ contains
       if (allocated(law)) then
          call group%get("strength_model", word)
          if (law%softens_by_damage()) text = "fracture_energy is not used by strength_model = '" &
-            //word//"', whose damage weakens it in its own way; remove it"
+            //word//"', which has its own softening; remove it"
       end if
       if (.not. (group%given("failure_delay") .and. group%known("failure_delay"))) return
       call group%get("failure_delay", delay)
-      if (delay > 0.0_wp) text = "fracture_energy and failure_delay are both given; keep one: "// &
-         "cracks take either an energy or a time"
+      if (delay > 0.0_wp) text = "fracture_energy and failure_delay are both given; keep "// &
+         "one: the strength decreases with the crack opening or with time"
    end function softening_fault
 
    !> Error in moduli and cell size; empty if none. If the cell is too large, its elastic energy
@@ -128,7 +128,7 @@ contains
       if (dimensions > 1) greatest = greatest/sqrt(real(dimensions, wp))
       if (spacing <= greatest) return
       text = "cells of "//brief(spacing)//" m are too large for this fracture_energy: a cell "// &
-         "that cracks would spring back; dx must be at most "//brief(greatest)//" m"
+         "that cracks would snap back; dx must be at most "//brief(greatest)//" m"
    end function softening_band_fault
 
    !> Damage D of a state. Equation (F.8).

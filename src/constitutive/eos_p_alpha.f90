@@ -75,8 +75,8 @@ contains
          call group%get("density", other)
          if (other > one) text = "density of porous material must not be above pa_solid"
       end if
-      if (group%given("specific_heat")) text = "eos_model = 'p_alpha' does not know how "// &
-         "crushing heats; set thermal = .false."
+      if (group%given("specific_heat")) text = "eos_model = 'p_alpha' has no model of the "// &
+         "heat of crushing; set thermal = .false."
    end function p_alpha_fault
 
    !> Read the keys of the equation of state.

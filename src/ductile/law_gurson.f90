@@ -111,7 +111,7 @@ contains
             "gtn_fc must be below gtn_ff and below 1/gtn_q1"
       end if
       if (len(text) == 0 .and. start >= min(critical, 1.0_wp/q1)) text = &
-         "gtn_f0 must be below gtn_fc, gtn_ff and 1/gtn_q1, else nothing bears a load"
+         "gtn_f0 must be below gtn_fc, gtn_ff and 1/gtn_q1, otherwise the material has no strength"
    end function gurson_fault
 
    !> Read the keys of the law.

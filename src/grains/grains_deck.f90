@@ -116,7 +116,7 @@ contains
       if (packing == "fcc" .and. d == 2) call deck%complain(cell, &
          "an fcc lattice is of spheres; use packing = 'triangular' for discs", "packing")
       if (law == "hertz" .and. d == 2) call deck%complain(grains, &
-         "the law of Hertz is for spheres; discs take law = 'linear'", "law")
+         "the law of Hertz is for spheres; for discs use law = 'linear'", "law")
       if (packing == "random" .and. grains%valid(["spread", "number"]) .and. &
          grains%given("number")) then
          reach = loosest(d, spread)

@@ -88,8 +88,7 @@ contains
       stage = deck%group("grains")
       call stage%get("shape", shape)
       if (deck%count("stage") == 0) call deck%complain(stage, &
-         "there is no &stage: give at least "// &
-         "one, say servo = 'isotropic'   duration = 1.0")
+         "there is no &stage: give at least one, such as servo = 'isotropic'   duration = 1.0")
       do n = 1, deck%count("stage")
          stage = deck%group("stage", n)
          call stage%get("servo", servo)
@@ -105,7 +104,7 @@ contains
             (stage%given("pressure") .or. cell%given("pressure"))) call deck%complain(stage, &
             "servo and inertial_number need a pressure, here or in &cell")
          if (shape == "discs" .and. index(servo, "z") > 0) call deck%complain(stage, &
-            "discs have no z: use 'isotropic', 'x', 'y' or 'xy'", "servo")
+            "discs have no direction z: use 'isotropic', 'x', 'y' or 'xy'", "servo")
       end do
    end subroutine check_stages
 

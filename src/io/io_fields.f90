@@ -135,7 +135,7 @@ contains
       integer :: index
 
       if (any(field_names == name)) then
-         text = "is not carried by any material of this scene"
+         text = "is not stored by any material of this scene"
          return
       end if
       allocate (names(0))

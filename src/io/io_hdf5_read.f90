@@ -74,7 +74,7 @@ contains
       call h5fopen_f(path, h5f_acc_rdonly_f, self%id, status)
       if (status >= 0) return
       self%id = -1
-      call fail(error, exit_file, "cannot read '"//path//"': not an HDF5 file, or cut short")
+      call fail(error, exit_file, "cannot read '"//path//"': not an HDF5 file, or truncated")
    end subroutine source_open
 
    !> Close the file, if it is open.

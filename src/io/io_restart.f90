@@ -166,9 +166,9 @@ contains
       if (allocated(error)) return
       call compare_decks(old, echo, changes)
       if (len(changes%refused) > 0) call fail(error, exit_file, "'"//source%path// &
-         "' is of another deck: these keys may not change when a run goes on (in SI):"// &
-         changes%refused//new_line("a")//"use the deck of that run, or begin anew in another "// &
-         "folder (--outdir) or with --overwrite")
+         "' belongs to another deck: these keys must not change in a restart (values in SI):"// &
+         changes%refused//new_line("a")//"use the deck of that run, or start again in "// &
+         "another folder (--outdir) or with --overwrite")
    end subroutine check_deck
 
    !> Make the error on a wrong hash.
@@ -274,7 +274,7 @@ contains
          same = same .and. any(groups%name == stores(index)%name)
       end do
       if (.not. same) call fail(error, exit_file, "'"//source%path// &
-         "' is of another deck: its materials are"//names)
+         "' belongs to another deck: its materials are"//names)
    end subroutine check_materials
 
    !> Read the particles of one store. Collective.

@@ -62,7 +62,7 @@ contains
       if (.not. allocated(error)) then
          if (seal(:len(title_prefix)) /= title_prefix .or. seal(seal_bytes:) /= new_line("a")) then
             call fail(error, exit_file, "'"//path// &
-               "' is cut short, or no checkpoint of this program")
+               "' is truncated, or not a checkpoint of this program")
          else if (seal(:seal_bytes - digits - 1) /= title) then
             call fail(error, exit_file, "'"//path//"' is of another version: it is '"// &
                trim(seal(:seal_bytes - digits - 1))//"', this program reads '"//title//"'")

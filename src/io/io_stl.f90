@@ -37,7 +37,7 @@ contains
       else if (len(text) >= heading) then
          call fail_reading(error, path, "its header gives "//number(count)// &
             " facets, but it has "//number((len(text) - heading)/facet_bytes)// &
-            "; it is cut short, or not an STL file")
+            "; it is truncated, or not an STL file")
       else
          call fail_reading(error, path, "it is too short for an STL file")
       end if
@@ -144,7 +144,7 @@ contains
             "vertices of three numbers, not '"//shortened(trim(adjustl(plain(line))), shown)//"'")
       else if (corners /= 3 .or. index(text, "endsolid") == 0) then
          call fail_reading(error, path, "it ends within a solid, in line "//number(row)// &
-            "; it is cut short")
+            "; it is truncated")
       end if
       if (allocated(error)) return
       allocate (corner(3, 3, facets))

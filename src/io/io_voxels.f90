@@ -269,7 +269,7 @@ contains
       if (len(text, kind=int64) - start < bytes) then
          call fail_reading(error, path, &
             "its voxels need "//number(bytes)//" bytes, but there are "// &
-            number(max(len(text, kind=int64) - start, 0_int64))//"; it is cut short")
+            number(max(len(text, kind=int64) - start, 0_int64))//"; it is truncated")
          return
       end if
       call make_mask(path, voxels, error)
@@ -310,7 +310,8 @@ contains
       image%data_start = first - 1
       if (.not. fits) then
          call fail_reading(error, path, "line "//number(row)//": cannot use '"// &
-            shortened(trim(line), shown)//"'; raw voxels of one number, not turned, are read")
+            shortened(trim(line), shown)//"'; only uncompressed voxels of one number, "// &
+            "without rotation, are supported")
       else if (image%kind == 0 .or. .not. image%sized .or. image%data == "") then
          call fail_reading(error, path, "it lacks one of NDims, DimSize, ElementType, "// &
             "ElementDataFile; is it a MetaImage?")

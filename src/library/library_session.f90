@@ -99,12 +99,12 @@ contains
 
       if (message_passing_has_started()) then
          if (message_passing_has_ended()) then
-            call fail(error, exit_input, "MPI was finished in this process, so no simulation "// &
-               "can begin; begin it before, or in another process")
+            call fail(error, exit_input, "MPI was finalised in this process, so no "// &
+               "simulation can start; start it earlier, or in another process")
             return
          end if
       else if (given) then
-         call fail(error, exit_input, "a communicator needs MPI to be started")
+         call fail(error, exit_input, "a communicator needs MPI to be initialised")
          return
       end if
       associate (own => self%simulation%machine%communicator)
@@ -212,7 +212,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (.not. self%running) call fail(error, exit_input, &
-         "the simulation has ended; begin a new one")
+         "the simulation has ended; create a new one")
    end subroutine session_refuse_ended
 
    !> Keep the message of an error and return its exit code; 0 without an error.

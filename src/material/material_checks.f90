@@ -92,8 +92,8 @@ contains
          fault = material%eos%fault(group)
          if (len(fault) > 0) call deck%complain(group, fault)
          if (material%is_gas_of_explosive() .and. allocated(material%law)) &
-            call deck%complain(group, "the products of an explosive are a gas without "// &
-            "strength; write elastic = 'none'", "elastic")
+            call deck%complain(group, "detonation products are a gas without strength; write "// &
+            "elastic = 'none'", "elastic")
       end if
       if (allocated(material%law) .and. .not. effects%eos) then
          if (material%law%needs_eos()) call deck%complain(group, &
@@ -128,8 +128,8 @@ contains
       real(wp) :: reference, melting
 
       if (material%is_gas_of_explosive()) then
-         if (group%given("t_melt")) call deck%complain(group, "t_melt is not used by the "// &
-            "products of an explosive, which are a gas; remove it", "t_melt")
+         if (group%given("t_melt")) call deck%complain(group, "t_melt is not used by "// &
+            "detonation products, which are a gas; remove it", "t_melt")
       else if (group%given("t_melt")) then
          if (.not. (group%known("t_melt") .and. group%known("t_ref"))) return
          call group%get("t_melt", melting)
@@ -150,12 +150,12 @@ contains
       real(wp) :: cohesion
 
       if (.not. material%repacks) return
-      if (effects%voids) call deck%complain(group, "&effects voids has volumes of its own; "// &
+      if (effects%voids) call deck%complain(group, "&effects voids computes the volumes too; "// &
          "remove volume_from = 'grid' or voids", "volume_from")
       if (.not. group%given("cohesion")) return
       call group%get("cohesion", cohesion)
       if (cohesion > 0.0_wp) call deck%complain(group, "volume_from = 'grid' is for grains "// &
-         "without cohesion; remove one of both", "volume_from")
+         "without cohesion; remove volume_from or cohesion", "volume_from")
    end subroutine check_packing
 
    !> Check that the failure model is compatible with the law and the effects.
@@ -176,7 +176,8 @@ contains
          fault = material%damage%fault(group, material%law)
          if (len(fault) > 0) call deck%complain(group, fault, "damage_model")
          if (material%damage%needs_flow() .and. .not. plastic) call deck%complain(group, &
-            "this damage_model counts plastic strain and needs a strength_model that flows", &
+            "this damage_model uses the plastic strain and needs a strength_model with "// &
+            "plastic flow", &
             "damage_model")
          if (.not. material%has_shear()) call deck%complain(group, &
             "damage_model needs a material with a shear modulus", "damage_model")

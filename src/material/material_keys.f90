@@ -24,15 +24,15 @@ contains
       type(effects_t) :: effects
 
       call effects%declare(schema)
-      call schema%group("run", "identity and problem class")
-      call schema%integer("run", "seed", "all random numbers derive from it", default="12345", &
+      call schema%group("run", "title, dimension and method")
+      call schema%integer("run", "seed", "seed of all random numbers", default="12345", &
          range=">= 0")
       call schema%group("method", "numerical method")
       call schema%real("method", "bulk_q1", "linear coefficient of artificial viscosity", &
          default="0.06", range=">= 0", owner="effects.artificial_viscosity")
       call schema%real("method", "bulk_q2", "quadratic coefficient of artificial viscosity", &
          default="4.0", range=">= 0", owner="effects.artificial_viscosity")
-      call schema%group("material", "one material; the prefix of a key names its model", &
+      call schema%group("material", "one material; the prefix of a key gives its model", &
          many=.true.)
       call schema%text("material", "name", "name of the material, for bodies")
       call schema%text("material", "preset", "predefined material; it sets the keys that the "// &
@@ -91,7 +91,8 @@ contains
          unit="J/(kg K)", range="> 0", owner="effects.thermal")
       call schema%require("material", "specific_heat")
       call schema%real("material", "conductivity", &
-         "thermal conductivity; without it no heat is conducted", unit="W/(m K)", range="> 0", &
+         "thermal conductivity; a material without it does not conduct heat", unit="W/(m "// &
+         "K)", range="> 0", &
          owner="effects.thermal")
       call schema%real("material", "t_ref", "reference temperature, of full strength", unit="K", &
          default="293.0", range=">= 0", owner="effects.thermal")

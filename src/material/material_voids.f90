@@ -47,10 +47,11 @@ contains
    subroutine declare_voids(schema)
       type(schema_t), intent(inout) :: schema
 
-      call schema%text("material", "alpha_m", "fraction of the dilatation taken by the "// &
-         "material itself, the rest by voids: one, all of it; open_when_failed, none in failed "// &
-         "or loose material that opens or whose grains do not touch; crush, also less than all "// &
-         "until pressed grains leave no voids", default="open_when_failed", &
+      call schema%text("material", "alpha_m", "fraction of the dilatation that the material "// &
+         "itself takes; voids take the rest: one, all; open_when_failed, none in failed or "// &
+         "loose material that expands or whose grains do not touch, else all; crush, in "// &
+         "addition a part only while grains under pressure close "// &
+         "voids", default="open_when_failed", &
          words="one open_when_failed crush", owner="effects.voids")
       call schema%real("material", "solid_fraction", &
          "solid volume fraction in the reference state", default="1", range="> 0 <= 1", &

@@ -31,7 +31,7 @@ contains
    pure function absorbing_meaning() result(text)
       character(len=:), allocatable :: text
 
-      text = "as outflow, and waves leave"
+      text = "as outflow, but waves leave without reflection"
    end function absorbing_meaning
 
    !> Absorb waves at the nodes: dashpots after J. Lysmer, R. L. Kuhlemeyer (J. Eng. Mech. Div. ASCE

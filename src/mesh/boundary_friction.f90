@@ -30,7 +30,7 @@ contains
    pure function friction_meaning() result(text)
       character(len=:), allocatable :: text
 
-      text = "a wall with Coulomb friction, which material may leave"
+      text = "a wall with Coulomb friction, from which material can separate"
    end function friction_meaning
 
    !> Declare the coefficient.

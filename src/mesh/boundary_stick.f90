@@ -21,7 +21,7 @@ contains
    pure function stick_meaning() result(text)
       character(len=:), allocatable :: text
 
-      text = "a wall on which material does not move"
+      text = "a wall to which material sticks"
    end function stick_meaning
 
    !> Nothing moves.

@@ -22,7 +22,7 @@ contains
    pure function velocity_meaning() result(text)
       character(len=:), allocatable :: text
 
-      text = "a wall that moves as given and holds material"
+      text = "a wall with a given velocity, to which material sticks"
    end function velocity_meaning
 
    !> Material moves with the wall.

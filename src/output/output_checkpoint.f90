@@ -96,7 +96,7 @@ contains
       if (allocated(error)) return
       if (any(number /= space_of(simulation))) then
          call fail(error, exit_file, "'"//path// &
-            "' is of another deck: its dimension in &run differs")
+            "' belongs to another deck: its dimension in &run differs")
          return
       end if
       simulation%clock%step = state%step

@@ -68,7 +68,7 @@ contains
       do n = 1, size(shapes)
          if (region == "" .or. shapes(n)%name /= region) cycle
          if (allocated(shapes(n)%points)) call deck%complain(group, "'"//region// &
-            "' is a list of points, which has no inside; name another region", "region")
+            "' is a list of points, which has no interior; name another region", "region")
          rule%region = shapes(n)%shape
       end do
       call group%list("bodies", names)

@@ -50,7 +50,7 @@ contains
       class(stream_gauge_t), intent(in) :: self
       character(len=:), allocatable :: text
 
-      text = "a table of what an instrument at one place shows"
+      text = "a table of values at a point, a particle or a surface, or of means"
    end function gauge_about
 
    !> Suffix of the file name, after the case.
@@ -129,8 +129,8 @@ contains
          if (group%given("radius")) call group%get("radius", gauge%radius)
          if (group%given("depth")) call group%get("depth", gauge%depth)
          if (.not. group%given("point")) then
-            call deck%complain(group, "a gauge needs a point = x, y, z; or take gauge = 'mean' "// &
-               "for means over bodies and region", "point")
+            call deck%complain(group, "a gauge needs a point = x, y, z; or use gauge = "// &
+               "'mean' for means over bodies and region", "point")
             return
          end if
          if (.not. group%valid(["point"])) return

@@ -396,7 +396,7 @@ contains
       if (command%information%help .or. command%information%version) return
       if (command%self_test) then
          if (allocated(command%deck)) call command_line_error(error, &
-            "--self-test takes no deck; it has scenes of its own")
+            "--self-test takes no deck; it has its own scenes")
          return
       end if
       if (allocated(command%information%list)) then

@@ -68,9 +68,10 @@ contains
       character(len=:), allocatable :: text
 
       if (former%checkpoints) then
-         text = ": go on with --restart, or remove them with --overwrite"
+         text = ": continue with --restart, or remove them with --overwrite"
       else
-         text = ", without a checkpoint to go on from: remove them with --overwrite"
+         text = ", without a checkpoint from which the run could continue: remove them with "// &
+            "--overwrite"
       end if
       text = text//"; or give another --outdir or --case"
    end function options_text

@@ -117,8 +117,8 @@ contains
                shocked_sound(simulation%materials(bodies(other)%store), 0.0_wp))
             if (meeting%speed > slow*sound) cycle
             text = "contact    '"//bodies(one)%name//"' and '"//bodies(other)%name// &
-               "' may meet at "//brief(meeting%time)//" s and would then move as one; with "// &
-               "&effects contact = .true. they can slide and separate"//new_line("a")
+               "' may meet at "//brief(meeting%time)//" s and would then stick together; "// &
+               "with &effects contact = .true. they can slide and separate"//new_line("a")
             return
          end do
       end do

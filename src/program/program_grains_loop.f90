@@ -124,8 +124,8 @@ contains
       run%note = "restart from "//path
       if (len(notes) > 0) run%note = notes//new_line("a")//run%note
       if (run%path%now > size(run%path%stages)) then
-         call fail(error, exit_input, run%note//": all stages of the deck are done; add a "// &
-            "&stage to go on, or begin anew with --overwrite")
+         call fail(error, exit_input, run%note//": all stages of the deck are completed; add "// &
+            "a &stage to continue, or start again with --overwrite")
          return
       end if
       ! the gradient of the next step is known from the state, not from the deck

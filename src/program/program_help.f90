@@ -15,10 +15,10 @@ contains
       character(len=*), parameter :: newline = new_line("a")
 
       text = "usage: scree [options] DECK.nml"//newline//newline// &
-         "  -n, --check            check the deck and print what a run costs"//newline// &
-         "  -p, --preview          draw the first state and the walls into OUTDIR_preview"// &
+         "  -n, --check            check the deck and estimate the cost of a run"//newline// &
+         "  -p, --preview          draw the initial state and walls to OUTDIR_preview"// &
          newline// &
-         "      --no-estimate      with --check: no estimate of the run time"//newline// &
+         "      --no-estimate      with --check: omit the estimate of the run time"//newline// &
          "  -s, --set G.K=VALUE    replace a value of the deck; --unset G.K removes it"// &
          newline// &
          "  -c, --case NAME        prefix of all output files"//newline// &

@@ -34,10 +34,10 @@ contains
             simulation%clock%time > limits%time_end*(1.0_wp + 1.0e-9_wp))
          if (changes%state() .and. .not. ended) ended = is_finished(simulation, limits)
       end associate
-      if (ended) call fail(error, exit_file, note//": the run is finished, so what has changed "// &
-         "in the deck since would have no effect (in SI):"//changes%physics//changes%end// &
+      if (ended) call fail(error, exit_file, note//": the run is finished, so these changes "// &
+         "of the deck would have no effect (values in SI):"//changes%physics//changes%end// &
          changes%extent//new_line("a")// &
-         "raise the end of the run (t_end, max_steps), or begin anew in another folder "// &
+         "raise the end of the run (t_end, max_steps), or start again in another folder "// &
          "(--outdir) or with --overwrite")
    end subroutine restart_run
 
@@ -53,8 +53,8 @@ contains
       else
          call log%info(note)
       end if
-      if (len(changes%physics) > 0) call log%warn("warning: the rest of the run follows other "// &
-         "rules than its beginning (in SI):"//changes%physics)
+      if (len(changes%physics) > 0) call log%warn("warning: these changes affect the rest of "// &
+         "the run (values in SI):"//changes%physics)
       if (len(changes%end//changes%extent//changes%nothing) > 0) call log%info( &
          "the deck has changed since (in SI):"//changes%end//changes%extent//changes%nothing)
    end subroutine log_restart

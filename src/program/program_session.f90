@@ -139,7 +139,7 @@ contains
       call free_shapes(session)
       call session%outputs%open(session%simulation, session%command%restart, note, error)
       if (allocated(error)) return
-      if (len(note) > 0) call session%log%warn(note//"left out of the series; the run goes on")
+      if (len(note) > 0) call session%log%warn(note//"omitted from the series; the run continues")
       if (session%outputs%has_series()) call write_walls(session%simulation, &
          session%outputs, session%outputs%folder, session%limits%time_end, error)
    end subroutine start_simulation

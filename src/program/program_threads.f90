@@ -153,8 +153,8 @@ contains
 
       write (line, "(a,f0.1,a,f0.1,a)") " took ", wall, " s of wall time and ", processor, &
          " s of processor time on "
-      text = "warning: "//what//trim(line)//" "//number(threads)//" threads: other work shares "// &
-         "the cores, the run was suspended, "
+      text = "warning: "//what//trim(line)//" "//number(threads)//" threads: other programs "// &
+         "share the cores, the run was suspended, "
       if (threads > 1) then
          text = text//"or threads wait for each other; use OMP_NUM_THREADS="// &
             number(max(threads/2, 1))

@@ -81,8 +81,8 @@ contains
          call group%get("face", name)
          call group%get("type", kind)
          if (kind /= "absorbing" .or. (name /= face_names(face) .and. name /= "all")) cycle
-         call deck%complain(group, "material '"//material//"' has no speed of waves at rest "// &
-            "that the face could absorb; use outflow", "type")
+         call deck%complain(group, "material '"//material//"' has no wave speed at rest, "// &
+            "which an absorbing boundary needs; use type = 'outflow'", "type")
          return
       end do
    end subroutine refuse

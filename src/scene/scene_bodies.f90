@@ -64,8 +64,8 @@ contains
       call schema%real("body", "specific_energy", &
          "initial internal energy per mass, for materials that have one", unit="J/kg", &
          default="0.0", range=">= 0")
-      call schema%integer("body", "field", "velocity field: bodies with the same number move "// &
-         "as one where they meet; 0 = a field of its own", default="0", range=">= 0", &
+      call schema%integer("body", "field", "velocity field: bodies with the same number "// &
+         "stick together where they meet; 0 = a separate field", default="0", range=">= 0", &
          owner="effects.contact")
       call schema%require("body", "name region material")
       call schema%refer("body", "region", "region")
@@ -125,7 +125,7 @@ contains
       if (dimension == "plane_strain") spin(2) = 0.0_wp
       if (any(abs(spin) > 0.0_wp)) call deck%complain(body, &
          "spin leaves the plane of dimension = '"// &
-         dimension//"'; only plane_strain can turn, about y", "spin")
+         dimension//"'; bodies rotate only in plane_strain, about y", "spin")
    end subroutine check_spin
 
    !> The bodies.
@@ -241,7 +241,7 @@ contains
 
       call group%get("specific_energy", body%energy)
       if (body%energy > 0.0_wp .and. .not. material%carries_energy()) call deck%complain(group, &
-         "material '"//material%name//"' carries no internal energy; remove specific_energy or "// &
-         "choose an eos_model that depends on it", "specific_energy")
+         "material '"//material%name//"' has no internal energy; remove specific_energy, or "// &
+         "choose an eos_model that depends on the energy", "specific_energy")
    end subroutine read_energy
 end module scene_bodies

@@ -51,10 +51,10 @@ contains
             return
          else if (tiles > most_tiles) then
             call deck%complain("body", n, "its region reaches "//brief(tiles)// &
-               " tiles, more than "//brief(most_tiles)//"; take larger cells", "region")
+               " tiles, more than "//brief(most_tiles)//"; use larger cells", "region")
          else if (points > most_points .and. .not. force) then
             call deck%complain("body", n, "would hold up to "//brief(points)// &
-               " points, more than "//brief(most_points)//"; take larger cells or fewer ppc, "// &
+               " points, more than "//brief(most_points)//"; use larger cells or fewer ppc, "// &
                "or continue with --force", "ppc")
          end if
       end do
@@ -122,9 +122,9 @@ contains
             end do
             speed = material%reference_speed()
             if (fastest <= fast*speed) cycle
-            call deck%warn("body", n, "may meet others at "//brief(fastest)//" m/s, "// &
-               brief(fastest/speed)//" of the speed of its waves, and its material is elastic "// &
-               "at any stress; give it a strength_model, or elastic = 'neo_hookean'", "velocity")
+            call deck%warn("body", n, "may collide with other bodies at "//brief(fastest)// &
+               " m/s, "//brief(fastest/speed)//" times its wave speed, and its material is "// &
+               "elastic at any stress; give it a strength_model, or elastic = 'neo_hookean'", "velocity")
          end associate
       end do
    end subroutine check_elastic
@@ -281,6 +281,7 @@ contains
       about = ""
       if (any(stride > 1)) about = "about "
       call deck%warn("body", pair(2), "overlaps '"//bodies(pair(1))%name//"' in "//about// &
-         number(points)//" points; the later body wins, or use shape = 'difference'", "region")
+         number(points)//" points, which belong to the later body; to change this use shape "// &
+         "= 'difference'", "region")
    end subroutine check_overlap
 end module scene_body_placement

@@ -31,8 +31,8 @@ contains
       character(len=:), allocatable :: meanings, walls
       integer :: n
 
-      call schema%group("boundary", "condition at a boundary of the grid, at a part of it, or "// &
-         "in a rigid region; boundaries without one are outflow", many=.true.)
+      call schema%group("boundary", "condition at a boundary of the grid, at a part of it, "// &
+         "or in a rigid region; boundaries without a condition are outflow", many=.true.)
       call schema%text("boundary", "face", &
          "a boundary of the grid; all: every one without its own &boundary", words="all")
       call schema%words("boundary", "face", face_names)
@@ -167,7 +167,7 @@ contains
       type(deck_t), intent(inout) :: deck
       type(group_t), intent(in) :: boundary              !! One boundary
 
-      call deck%complain(boundary, "temperature is that of a whole face that is not "// &
+      call deck%complain(boundary, "temperature is allowed only for a whole face that is not "// &
          "periodic; remove it", "temperature")
    end subroutine refuse_temperature
 
@@ -223,7 +223,8 @@ contains
       if (condition%joins_opposite()) then
          call deck%complain(boundary, "the radius cannot be periodic", "type")
       else if (face == 1 .and. .not. condition%mirrors()) then
-         call deck%complain(boundary, "the axis of axisymmetric can only be type = 'symmetry'", &
+         call deck%complain(boundary, "the axis of an axisymmetric scene must be type = "// &
+            "'symmetry'", &
             "type")
       end if
    end subroutine check_face
@@ -364,7 +365,7 @@ contains
       do index = 1, size(shapes)
          if (shapes(index)%name /= region .or. .not. allocated(shapes(index)%shape%shape)) cycle
          if (allocated(shapes(index)%points)) call deck%complain(group, "'"//region// &
-            "' is a list of points, which has no inside; name another region", "region")
+            "' is a list of points, which has no interior; name another region", "region")
          allocate (wall%region, source=shapes(index)%shape%shape)
       end do
    end subroutine read_wall

@@ -42,7 +42,8 @@ contains
       group = deck%group("method")
       call group%get("paper", paper)
       if (paper) then
-         call deck%complain(group, "&cell does not go with paper = .true.; remove it", "paper")
+         call deck%complain(group, "&cell cannot be combined with paper = .true.; remove "// &
+            "it", "paper")
          return
       end if
       call need(deck, "transfer", [character(len=4) :: "flip", "pic", "xpic", "fmpm"])
@@ -131,7 +132,7 @@ contains
       if (grains%given("diameter")) return
       tilts = deck%departs(cell, "tilt")
       if (cell%given("pressure") .or. tilts) call deck%complain(cell, "there is no &stage: "// &
-         "give at least one, say rate = 0, 0, 0, 0, 1, 0   duration = 1.0")
+         "give at least one, such as rate = 0, 0, 0, 0, 1, 0   duration = 1.0")
    end subroutine check_stages
 
    !> Warn if the run ends before the last stage.
@@ -172,16 +173,17 @@ contains
       end associate
       associate (method => simulation%scheme%method)
          if (allocated(method%splitting)) call deck%complain(deck%group("method"), &
-            "&cell does not go with split = .true.; remove it", "split")
+            "&cell cannot be combined with split = .true.; remove it", "split")
          if (method%heat_flux > 0.0_wp) call deck%complain(deck%group("method"), &
-            "&cell does not go with heat_flux; remove it", "heat_flux")
+            "&cell cannot be combined with heat_flux; remove it", "heat_flux")
       end associate
       do k = 1, size(simulation%materials)
          if (simulation%materials(k)%repacks) call deck%complain(deck%group("material", k), &
-            "&cell does not go with volume_from = 'grid'; remove it", "volume_from")
+            "&cell cannot be combined with volume_from = 'grid'; remove it", "volume_from")
       end do
       if (allocated(simulation%effects%gravity)) call deck%complain(deck%group("effects"), &
-         "&cell does not go with gravity: a periodic cell has no bottom; remove it", "gravity")
+         "&cell cannot be combined with gravity: a periodic cell has no bottom; remove "// &
+         "it", "gravity")
    end subroutine check_space
 
    !> Keys that apply to grains only.
@@ -270,8 +272,8 @@ contains
          if (.not. allocated(simulation%materials(k)%heat)) cycle
          if (simulation%materials(k)%heat%conductivity > 0.0_wp) what = "conductivity"
       end do
-      if (what /= "") call deck%complain(deck%group("cell"), "&cell does not go with "//what// &
-         "; remove one of the two")
+      if (what /= "") call deck%complain(deck%group("cell"), "&cell cannot be combined "// &
+         "with "//what//"; remove one of the two")
    end subroutine refuse_effects
 
    !> First stress and velocity gradient of the cell, and a first step that is short enough for it.

@@ -28,10 +28,10 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("contact", &
-         "contact law of a pair of bodies; pairs without one slip without friction", many=.true.)
-      call schema%text("contact", "bodies(:2)", "names of the two bodies, '*' for any other; "// &
-         "names take precedence over '*'; the same name twice: parts of a body that failed "// &
-         "material separates", default="*", owner="effects.contact")
+         "contact law of a pair of bodies; pairs without a law slide without friction", many=.true.)
+      call schema%text("contact", "bodies(:2)", "names of the two bodies, '*' for any body; "// &
+         "names take precedence over '*'; the same name twice: contact between parts of a "// &
+         "body that failed material separates", default="*", owner="effects.contact")
       call schema%text("contact", "law", "friction: Coulomb; stick: no slip while pressed "// &
          "together; bonded: no relative motion until the bond breaks, then friction", &
          default="friction", words="friction stick frictionless bonded", owner="effects.contact")
@@ -61,9 +61,9 @@ contains
       call find_parting(deck, bodies, contact%field_of_body, parting)
       associate (fields => maxval(contact%field_of_body) + count(parting))
          if (fields > most_fields) then
-            call deck%complain(group, "contact = .true. knows at most "//number(most_fields)// &
+            call deck%complain(group, "contact = .true. allows at most "//number(most_fields)// &
                " velocity fields, and the bodies have "//number(fields)// &
-               ", two where a body touches itself; give bodies that need no contact with "// &
+               ", two for a body with self-contact; give bodies that need no contact with "// &
                "each other the same field in &body", &
                "contact")
             return
@@ -167,8 +167,9 @@ contains
          if (names(1)%text /= names(2)%text .or. place == 0) cycle
          field = contact%field_of_body(place)
          if (.not. any([(fails(body), body=1, size(bodies))])) call deck%complain(group, &
-            "nothing fails in body '"//bodies(place)%name//"', so no part of it touches "// &
-            "another; give its material a damage_model or spall, with &effects damage = .true.", &
+            "no material can fail in body '"//bodies(place)%name//"', so it has no contact "// &
+            "with itself; give its material a damage_model or spall, with &effects damage = "// &
+            ".true.", &
             "bodies")
          call refuse_method(deck, group, simulation, &
             any(contact%law(field, :)%kind == contact_bonded))
@@ -213,7 +214,7 @@ contains
       if (deck%count("load") > 0) what = "&load; remove it"
       if (bonded) what = "law = 'bonded' for that body; use another law"
       if (what /= "") call deck%complain(group, &
-         "contact of a body with itself does not go with "//what, "bodies")
+         "contact of a body with itself cannot be combined with "//what, "bodies")
    end subroutine refuse_method
 
    !> Check settings that contact excludes.
@@ -228,14 +229,15 @@ contains
       exact = deck%group("exact")
       call exact%get("solution", solution)
       if (solution /= "none") call deck%complain(group, &
-         "contact = .true. does not go with &exact, whose solutions know one body; remove one", &
+         "contact = .true. cannot be combined with &exact, whose solutions are for one body; "// &
+         "remove one of the two", &
          "contact")
       do n = 1, size(simulation%materials)
          if (.not. allocated(simulation%materials(n)%heat)) cycle
          if (.not. simulation%materials(n)%heat%conductivity > 0.0_wp) cycle
-         call deck%complain(group, "contact = .true. does not go with the conductivity of "// &
-            "material '"//simulation%materials(n)%name//"', whose heat would cross gaps; "// &
-            "remove one", "contact")
+         call deck%complain(group, "contact = .true. cannot be combined with the "// &
+            "conductivity of material '"//simulation%materials(n)%name//"', because heat "// &
+            "would cross gaps; remove one of the two", "contact")
          return
       end do
    end subroutine refuse_others
@@ -314,7 +316,7 @@ contains
             call names_of(earlier, before)
             if (wild_cards(before) == wild) then
                call deck%complain(group, "bodies of velocity fields "//number(min(a, b))// &
-                  " and "//number(max(a, b))//" have a law already, in line "// &
+                  " and "//number(max(a, b))//" already have a law, in line "// &
                   number(earlier%line("bodies"))//"; remove one of the two", "bodies")
                return
             end if

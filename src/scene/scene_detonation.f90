@@ -21,7 +21,7 @@ contains
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
       call schema%group("detonation", &
-         "where and when an explosive is ignited; the earliest arrival counts", many=.true.)
+         "where and when an explosive is ignited; the earliest arrival is used", many=.true.)
       call schema%text("detonation", "shape", "shape of the part that is ignited at once", &
          default="point", words="point line plane")
       call schema%real("detonation", "point(3)", &
@@ -78,14 +78,15 @@ contains
          call group%get("eos_model", word)
          if (word /= "jwl" .or. .not. deck%sound("material", n)) cycle
          if (deck%count("detonation") == 0) call deck%warn(group, "is an explosive that no "// &
-            "&detonation ignites: it starts as hot products under their full pressure; write a "// &
-            "&detonation with the point where it begins", "eos_model")
+            "&detonation ignites: it starts as hot products at their full pressure; add a "// &
+            "&detonation with the point where it starts", "eos_model")
          if (.not. group%given("detonation_speed")) cycle
          call group%get("detonation_speed", speed)
          least = least_speed(simulation, group)
          if (abs(speed - least) > most*least) call deck%warn(group, "detonation_speed = "// &
-            brief(speed)//" m/s, but the constants jwl_* have a detonation of "//brief(least)// &
-            " m/s; one of them is of another explosive", "detonation_speed")
+            brief(speed)//" m/s, but the constants jwl_* give a detonation speed "// &
+            "of "//brief(least)// &
+            " m/s; one of the constants belongs to another explosive", "detonation_speed")
       end do
    end subroutine warn_of_materials
 
@@ -169,8 +170,9 @@ contains
          call deck%complain(group, "ignites no explosive; write eos_model = 'jwl' in the "// &
             "&material that burns, or remove the group", "material")
       else if (.not. touches) then
-         call deck%warn(group, "lies outside of every explosive, more than a cell from the box "// &
-            "around it; it ignites what it sees, as if the space between were explosive", "point")
+         call deck%warn(group, "lies outside every explosive, more than a cell from the box "// &
+            "around it; it ignites all explosive in its line of sight, as if the space "// &
+            "between were explosive", "point")
       end if
    end subroutine ignite_explosives
 

@@ -28,7 +28,7 @@ contains
          owner = owner//" "//trim(exact_names(n))
       end do
       call schema%group("exact", "an exact solution, which sets the initial state and, if it "// &
-         "is manufactured, a body force; histories then contain its errors")
+         "is manufactured, a body force; histories then contain the errors")
       call schema%text("exact", "solution", "name of the solution", default="none", words="none")
       call schema%words("exact", "solution", exact_names)
       call schema%text("exact", "bodies(:40)", "bodies that follow the solution; default: all", &
@@ -60,8 +60,9 @@ contains
             "'plane_strain' or '3d' in &run", "solution")
          return
       end if
-      if (allocated(simulation%scheme%method%splitting)) call deck%complain(group, "halves of "// &
-         "particles have no place at rest; write split = .false. in &method", "solution")
+      if (allocated(simulation%scheme%method%splitting)) call deck%complain(group, &
+         "particles that are split have no reference position; write split = .false. in &method", &
+         "solution")
       call find_followers(deck, group, bodies, follows)
       allocate (simulation%effects%exact)
       allocate (simulation%effects%exact%material(size(simulation%materials)))
@@ -91,8 +92,8 @@ contains
       do n = 1, size(bodies)
          if (.not. follows(n)) then
             if (any(follows .and. bodies%store == bodies(n)%store)) call deck%complain("body", n, &
-               "is of the material of a body that &exact names; name this one too or give it a "// &
-               "&material of its own", "material")
+               "has the same material as a body in &exact; add it to bodies of &exact, or "// &
+               "give it a separate &material", "material")
             cycle
          end if
          body = deck%group("body", n)

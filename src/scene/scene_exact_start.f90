@@ -40,7 +40,7 @@ contains
          end associate
       end do
       if (simulation%machine%communicator%any(outside)) then
-         call fail(error, exit_input, "&exact puts particles outside of the grid; widen &grid")
+         call fail(error, exit_input, "&exact moves particles out of the grid; enlarge &grid")
          return
       end if
       call sort_particles(simulation)

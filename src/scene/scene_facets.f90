@@ -60,9 +60,9 @@ contains
 
       call facets%faults(open_edges, turned_edges, crowded_edges, flat)
       if (open_edges > 0) call deck%warn(group, "the surface has "//number(open_edges)// &
-         " open edges: it leaks, and points over a hole are taken for outside; close it", "file")
+         " open edges, so points above a hole count as outside; close the surface", "file")
       if (turned_edges > 0) call deck%warn(group, number(turned_edges)//" edges have facets "// &
-         "that face different ways; turn those that face inwards", "file")
+         "with opposite orientations; reverse those that face inwards", "file")
       if (crowded_edges > 0) call deck%warn(group, number(crowded_edges)//" edges have more "// &
          "than two facets: duplicate facets, or solids that touch", "file")
       if (flat > 0) call deck%warn(group, number(flat)//" facets have no area and are left out", &

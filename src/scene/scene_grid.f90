@@ -97,7 +97,7 @@ contains
             return
          end if
          if (abs(cells - anint(cells)) <= tolerance*max(cells, 1.0_wp) .and. cells > 0.5_wp) cycle
-         call deck%complain(grid, "(hi-lo)/dx = "//brief(cells)//" is not integer in "// &
+         call deck%complain(grid, "(hi-lo)/dx = "//brief(cells)//" is not an integer in "// &
             axis_names(k)// &
             "; nearest: hi = "//deck%shown(lo(k) + max(anint(cells), 1.0_wp)*dx, "m")// &
             " or dx = "// &
@@ -218,8 +218,8 @@ contains
          if (grid%cells(direction) >= least) cycle
          call deck%complain(group, "basis = '"//basis//"' needs at least 4 cells along "// &
             axis_names(direction)//", which is periodic, but there are "// &
-            achar(iachar("0") + grid%cells(direction))//"; take smaller cells or "// &
-            "basis = 'linear'", "basis")
+            achar(iachar("0") + grid%cells(direction))//"; use smaller cells or basis = "// &
+            "'linear'", "basis")
       end do
    end subroutine check_periodic
 end module scene_grid

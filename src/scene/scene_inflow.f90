@@ -62,7 +62,7 @@ contains
 
       if (deck%count("inflow") == 0) return
       if (allocated(simulation%space%cell)) call deck%complain(deck%group("inflow", 1), &
-         "&inflow does not go with a &cell that deforms; remove one of the two")
+         "&inflow cannot be combined with a deforming &cell; remove one of the two")
       allocate (inflows(deck%count("inflow")), taken(size(bodies)))
       taken = .false.
       do n = 1, size(inflows)
@@ -124,7 +124,8 @@ contains
       if (body%lateral >= 0.0_wp) what = "an initial stress by weight"
       if (allocated(simulation%materials(body%store)%burn)) what = "an explosive"
       if (norm2(body%velocity) > 0.0_wp) what = "velocity, which is that of its &inflow"
-      if (what /= "") call deck%complain(group, "the body of an inflow does not go with "//what// &
+      if (what /= "") call deck%complain(group, "the body of an inflow cannot be combined "// &
+         "with "//what// &
          "; remove it from '"//body%name//"'", "body")
    end subroutine refuse_body
 
@@ -151,13 +152,13 @@ contains
          if (n == inflow%axis) cycle
          if (any(abs(speed(n, :)) > 0.0_wp)) then
             call deck%complain(group, "the flow must be along x, y or z, such as velocity = "// &
-               "0, 0, -10; turn the scene so that it is", "velocity")
+               "0, 0, -10; rotate the scene accordingly", "velocity")
             return
          end if
       end do
       if (any(inflow%sense*speed(inflow%axis, :) < 0.0_wp) .or. &
          .not. any(abs(speed) > 0.0_wp)) call deck%complain(group, "the flow must have a "// &
-         "speed, and must not turn back at any time", "velocity")
+         "speed and must not reverse at any time", "velocity")
       if (grid%axisymmetric .and. inflow%axis == 1) call deck%complain(group, &
          "in axisymmetric scenes an inflow is along z; across the radius its width would change", &
          "velocity")

@@ -35,22 +35,24 @@ contains
       if (word /= "lithostatic") return
       call group%get("k0", body%lateral)
       if (.not. allocated(simulation%effects%gravity)) then
-         call deck%complain(group, "lithostatic is the stress of its weight; write "// &
+         call deck%complain(group, "initial_stress = 'lithostatic' needs gravity; write "// &
             "&effects gravity = .true. /", "initial_stress")
       else if (.not. any(abs(simulation%effects%gravity) > 0.0_wp)) then
-         call deck%complain(group, "lithostatic is the stress of its weight, but gravity "// &
-            "has no direction that the scene has", "initial_stress")
+         call deck%complain(group, "initial_stress = 'lithostatic' needs gravity along a "// &
+            "direction of the scene", "initial_stress")
       end if
       associate (material => simulation%materials(body%store))
          whole = .not. allocated(material%eos)
          if (whole) whole = .not. material%bulk_in_rate_form()
-         if (whole) call deck%complain(group, "material '"//material%name//"' has its stress "// &
-            "from its deformation alone, which begins as none; write initial_stress = 'zero'", &
+         if (whole) call deck%complain(group, "material '"//material%name//"' computes its "// &
+            "stress from its deformation alone, which is zero at the start; write "// &
+            "initial_stress = 'zero'", &
             "initial_stress")
       end associate
       if (body%on_lattice()) return
-      if (.not. body%given%clipped) call deck%complain(group, "above points of a list nothing "// &
-         "is known to lie; write initial_stress = 'file' or 'zero'", "initial_stress")
+      if (.not. body%given%clipped) call deck%complain(group, "initial_stress = "// &
+         "'lithostatic' needs a region with a surface, not a list of points; write 'file' or "// &
+         "'zero'", "initial_stress")
    end subroutine read_lithostatic
 
    !> Set the stress of particles to that of the weight above. All shapes still exist.

@@ -76,7 +76,7 @@ contains
          if (region == "" .or. shapes(n)%name /= region) cycle
          if (allocated(shapes(n)%points)) then
             call deck%complain(group, "'"//region//"' is a list of points, which has no "// &
-               "inside; name another region", "region")
+               "interior; name another region", "region")
          else if (allocated(shapes(n)%shape%shape)) then
             allocate (load%region, source=shapes(n)%shape%shape)
          end if
@@ -162,7 +162,7 @@ contains
       call group%list("times", course%time)
       call group%list("factors", factors)
       if (size(factors) /= size(course%time)) then
-         call deck%complain(group, "times and factors must be as many", "factors")
+         call deck%complain(group, "times and factors must have the same length", "factors")
          return
       end if
       do n = 2, size(factors)

@@ -91,8 +91,8 @@ contains
          "'usavg'; damps pressure differences between particles; default: 0 where all material "// &
          "is elastic", default=brief(unseen_usual), range=">= 0 <= 1")
       call schema%text("method", "turn_from", "rotation used by rflip: point, that of the "// &
-         "velocity around the particle; tiles, the mean of the material in the tiles around "// &
-         "it, which conserves the energy of thin bodies", default="point", words="point tiles", &
+         "velocity at the particle; tiles, the mean over the surrounding tiles, which "// &
+         "conserves the energy of thin bodies", default="point", words="point tiles", &
          owner="transfer = rflip")
    end subroutine declare_strain
 
@@ -205,7 +205,7 @@ contains
       run = deck%group("run", 1)
       call run%get("dimension", dimension)
       if (dimension == "axisymmetric") call deck%complain(group, "quadrature = '"//quadrature// &
-         "' does not know the hoop stress of dimension = 'axisymmetric'; write 'point'", &
+         "' does not include the hoop stress of dimension = 'axisymmetric'; write 'point'", &
          "quadrature")
    end subroutine refuse_axis
 end module scene_method

@@ -117,8 +117,8 @@ contains
          return
       end if
       call group%get("turn_from", turn)
-      if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' makes energy "// &
-         "with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
+      if (turn /= "tiles") call deck%complain(group, "stress_update = 'usavg' generates "// &
+         "energy with turn_from = '"//turn//"'; write 'tiles' or remove turn_from", "turn_from")
    end subroutine set_turn_default
 
    !> Long particles of a gas are split, because it expands without bound and cells without

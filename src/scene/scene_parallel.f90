@@ -30,8 +30,9 @@ contains
          owner="balance = auto")
       call schema%real("parallel", "imbalance", "greatest over mean load above which tiles move", &
          default="1.1", range=">= 1", owner="balance = auto")
-      call schema%text("parallel", "io_hints", "hints to the MPI library for files of several "// &
-         "ranks: auto (by file system), none, or pairs name=value; name=value on top of auto", &
+      call schema%text("parallel", "io_hints", "hints to the MPI library for files of "// &
+         "several ranks: auto (by file system), none, or pairs name=value in addition to "// &
+         "those of auto", &
          default="auto")
    end subroutine declare_parallel
 

@@ -203,8 +203,8 @@ contains
       if (allocated(points%list%body)) then
          meant = meant .and. points%list%body == found
       else if (size(points%list%body_names) > 1) then
-         call deck%complain(group, "the snapshot does not say which body its points belong to; "// &
-            "write the field body into it, or remove from_body", "region")
+         call deck%complain(group, "the snapshot does not contain the field body; write it "// &
+            "in the other run, or remove from_body", "region")
          return
       else
          meant = meant .and. found == 1
@@ -361,9 +361,9 @@ contains
             end do
             if (k == 0) missing = [missing, text_t(trim(field_names(n)))]
             if (k > 0 .and. .not. points%placing%keeps(trim(field_names(n)))) &
-               call deck%warn(group, "boxes along the coordinates cannot be turned by "// &
-               "other than right angles, so '"//trim(field_names(n))//"' of '"//points%path// &
-               "' is not taken; its points begin as cubes of their volume", "region")
+               call deck%warn(group, "boxes along the coordinates can be rotated only by "// &
+               "right angles, so '"//trim(field_names(n))//"' of '"//points%path// &
+               "' is not used; its particles start as cubes of their volume", "region")
          end do
       else if (stress) then
          missing = [text_t("stress")]

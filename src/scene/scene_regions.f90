@@ -350,7 +350,7 @@ contains
             if (shapes(other)%name /= names(n)%text) cycle
             call build(deck, communicator, grid, shapes, other)
             if (allocated(shapes(other)%points)) call deck%complain(group, "'"// &
-               names(n)%text//"' is a list of points, which has no inside; name other regions", &
+               names(n)%text//"' is a list of points, which has no interior; name other regions", &
                key="of")
             operands(n) = shapes(other)%shape
          end do

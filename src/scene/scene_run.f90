@@ -22,31 +22,34 @@ contains
    subroutine declare_run(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
-      call schema%group("run", "identity and problem class")
-      call schema%text("run", "title", "one line, goes into every output", default="untitled")
+      call schema%group("run", "title, dimension and method")
+      call schema%text("run", "title", "one line of text, written to every "// &
+         "output", default="untitled")
       call schema%text("run", "case", "prefix of all output files; default: name of the deck")
       call schema%text("run", "dimension", &
          "problem class; plane_strain and axisymmetric use x and z", &
          default="3d", words="3d plane_strain axisymmetric 1d")
-      call schema%text("run", "method", "gradient of the shape functions", default="ddmp", &
+      call schema%text("run", "method", "gradient: ddmp, dual domain, continuous at cell "// &
+         "faces; mpm, of the shape functions", default="ddmp", &
          words="ddmp mpm")
-      call schema%integer("run", "deck_version", "format of this deck", default="1", &
+      call schema%integer("run", "deck_version", "version of the deck format", default="1", &
          range="> 0 <= "//number(deck_version))
-      call schema%explain_range("run", "deck_version", "this is scree "//version_text//", "// &
-         "which knows decks up to deck_version "//number(deck_version)//"; a deck of a "// &
-         "higher one needs a later scree")
+      call schema%explain_range("run", "deck_version", "scree "//version_text//" "// &
+         "supports decks up to deck_version "//number(deck_version)//"; use a later scree "// &
+         "for this deck")
    end subroutine declare_run
 
    !> Declare &units.
    subroutine declare_units(schema)
       type(schema_t), intent(inout) :: schema            !! Keys of the deck
 
-      call schema%group("units", "units of the numbers in this deck, and of those in outputs")
+      call schema%group("units", "units of the numbers in this deck and in outputs")
       call schema%text("units", "system", "system of units, length-time-mass; in all systems "// &
          "temperatures are in K and angles in degrees", default="si")
       call schema%words("units", "system", system_names)
-      call schema%text("units", "output_units", "units of the numbers in snapshots and tables: "// &
-         "deck: those of this deck, or a system; each is named in the files", default="si", &
+      call schema%text("units", "output_units", "units of snapshots and tables: deck, those "// &
+         "of this deck, or a system of units; the files contain the name of each "// &
+         "unit", default="si", &
          words="deck")
       call schema%words("units", "output_units", system_names)
    end subroutine declare_units

@@ -143,7 +143,7 @@ contains
       do n = 1, size(simulation%materials)
          if (simulation%materials(n)%carries_energy()) return
       end do
-      call deck%complain(deck%group("method", 1), "no material carries an internal energy; "// &
+      call deck%complain(deck%group("method", 1), "no material has an internal energy; "// &
          "remove heat_flux", "heat_flux")
    end subroutine check_heat_flux
 

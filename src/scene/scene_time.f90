@@ -56,8 +56,9 @@ contains
          "at rest; a smaller one ends the run with exit code 4", default="1e-3", range=">= 0 < 1")
       call schema%real("time", "volume_ratio_max", "greatest volume of a particle over its "// &
          "volume at rest; a larger one ends the run with exit code 4", default="1e12", range="> 1")
-      call schema%text("time", "on_bad", "a particle outside of speed_max, volume_ratio_min or "// &
-         "volume_ratio_max: stop ends the run; retire removes and records the particle", &
+      call schema%text("time", "on_bad", "action for a particle that exceeds speed_max, "// &
+         "volume_ratio_min or volume_ratio_max: stop ends the run; retire removes and "// &
+         "records the particle", &
          default="stop", words="stop retire")
       call schema%real("time", "retire_max", &
          "fraction of the initial mass that may be retired; more ends the run with exit code 4", &
@@ -66,8 +67,9 @@ contains
          range=">= 0")
       call schema%text("time", "wall_limit", "limit of the wall time as hh:mm:ss, or slurm for "// &
          "the end of the job; then a checkpoint is written and the exit code is 75", default="none")
-      call schema%text("time", "stop_when", "condition for an early end: low kinetic energy, "// &
-         "its low fraction of the greatest, or balance of forces", default="never", &
+      call schema%text("time", "stop_when", "condition for an early end, with stop_value: "// &
+         "kinetic_below, low kinetic energy; at_rest, low kinetic energy relative to its "// &
+         "maximum; balanced, forces in balance", default="never", &
          words="never kinetic_below at_rest balanced")
       call schema%real("time", "stop_value", "threshold: kinetic_below: energy in J; at_rest: "// &
          "fraction of the greatest kinetic energy; balanced: unbalanced force over the force "// &

@@ -137,7 +137,7 @@ contains
          speed = sqrt(stiffness/density)
          if (speed >= slowest .and. speed <= fastest) cycle
          call deck%warn(material, trim(moduli(i))//" = "//brief(stiffness)// &
-            " Pa with density = "//brief(density)//" kg/m3 makes waves of "//brief(speed)// &
+            " Pa with density = "//brief(density)//" kg/m3 gives a wave speed of "//brief(speed)// &
             " m/s"//question(deck), trim(moduli(i)))
       end do
    end subroutine check_wave

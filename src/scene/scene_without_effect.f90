@@ -42,8 +42,8 @@ contains
          if (number > 0) used(number) = .true.
       end do
       do n = 1, size(used)
-         if (.not. used(n)) call deck%warn("material", n, "no body is made of it; remove it, "// &
-            "or use it", "name")
+         if (.not. used(n)) call deck%warn("material", n, "no body uses it; remove it, or "// &
+            "use it in a &body", "name")
       end do
    end subroutine warn_of_materials
 

@@ -70,8 +70,8 @@ contains
       character(len=24) :: before
 
       write (before, "(i0)") simulation%clock%step - 1
-      text = "this state goes into snapshots but into no checkpoint; to get that before the "// &
-         "step run again with -s time.max_steps="//trim(before)// &
+      text = "this state is written to snapshots but not to a checkpoint; to get the state "// &
+         "before this step run again with -s time.max_steps="//trim(before)// &
          ", and with --restart if there is a checkpoint"
    end function replay_text
 
@@ -275,10 +275,10 @@ contains
             write (line, "(a,es10.3)") &
                "it is inverted: the determinant of its deformation is ", value
          case (fault_small)
-            write (line, "(a,es10.3,a,es10.3)") "its volume over that at rest,", value, &
+            write (line, "(a,es10.3,a,es10.3)") "its volume over the reference volume,", value, &
                ", is below volume_ratio_min =", bounds%ratio_min
          case (fault_large)
-            write (line, "(a,es10.3,a,es10.3)") "its volume over that at rest,", value, &
+            write (line, "(a,es10.3,a,es10.3)") "its volume over the reference volume,", value, &
                ", is above volume_ratio_max =", bounds%ratio_max
          case (fault_fast)
             write (line, "(a,es10.3,a,es10.3,a)") "its speed", value, &

@@ -113,7 +113,7 @@ contains
       call sum%over_ranks(machine%communicator)
       share = sum%value()/balance%ledger%start%entry(mass)
       if (share <= clock%guard%bounds%retire_max) return
-      write (text, "(a,es10.3,a,es10.3)") "particles out of their bounds had", share, &
+      write (text, "(a,es10.3,a,es10.3)") "particles that exceeded their bounds had", share, &
          " of the mass, more than retire_max =", clock%guard%bounds%retire_max
       call fail(error, exit_physics, step_text(clock)//": "//trim(text))
    end subroutine check_retired

@@ -303,20 +303,20 @@ contains
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_speed, &
                trust%least_energy), trim(text)//"; check units and constants of its material, "// &
-               "try a smaller cfl or more particles a cell (ppc)")
+               "try a smaller cfl or more particles per cell (ppc)")
          end if
          if (.not. warns(trust, trust_heat, trust_bad)) return
          if (trust%worst(trust_heat) > 0.0_wp) then
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy", look%heat, " J/kg is", &
-               trust%worst(trust_heat), " times what was put in"
+               trust%worst(trust_heat), " times the energy supplied"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_heat, &
-               trust%least_energy), trim(text)//"; check its equation of state, or take such "// &
-               "particles out with &time on_bad = 'retire'")
+               trust%least_energy), trim(text)//"; check its equation of state, or remove "// &
+               "such particles with &time on_bad = 'retire'")
          else
             write (text, "(a,es10.3,a,es9.2,a)") "its internal energy ", look%cold, &
-               " J/kg is below the least at the start by", -trust%worst(trust_heat), &
-               " times what was put in"
+               " J/kg is below the least initial energy by", -trust%worst(trust_heat), &
+               " times the energy supplied"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_cold, &
                trust%least_energy), trim(text)//"; check its equation of state in expansion, "// &
@@ -337,23 +337,26 @@ contains
             write (text, "(a,f0.2,a,f0.1,a,f0.1,a)") "its neighbour is ", look%longest, &
                " cells away, and in ", 100.0_wp*look%share, &
                " % of the mass neighbours are more than ", apart, " cells apart"
-            call warn_of_particle(simulation, log, look%longest_identity, trim(text)//": they "// &
-               "lose each other; use more particles a cell (ppc), or &method split = .true.")
+            call warn_of_particle(simulation, log, look%longest_identity, trim(text)//": "// &
+               "they no longer interact; use more particles per cell (ppc), or &method split "// &
+               "= .true.")
          end if
          if (warns(trust, trust_volume, trust_bad)) then
-            write (text, "(a,f0.1,a)") "it has grown most, and particles claim ", &
+            write (text, "(a,f0.1,a)") "its volume has grown most, and particles have ", &
                100.0_wp*look%overlap, " % more volume than the cells that they fill"
             call warn_of_particle(simulation, log, find_greatest(simulation%materials, &
                simulation%stores, simulation%machine, measure_volume, &
-               trust%least_energy), trim(text)//"; use a lattice, more particles a cell (ppc) "// &
+               trust%least_energy), trim(text)//"; use a lattice, more particles per cell "// &
+               "(ppc) "// &
                "or &method transfer = 'xpic'")
          end if
          if (.not. warns(trust, trust_noise, trust_bad)) return
-         write (text, "(a,f0.1,a)") "its pressure differs most from that around it, by ", &
-            100.0_wp*trust%worst(trust_noise), " % of all pressure on average"
+         write (text, "(a,f0.1,a)") "its pressure differs most from the surrounding "// &
+            "pressure; such differences are ", &
+            100.0_wp*trust%worst(trust_noise), " % of the pressure on average"
          call warn_of_particle(simulation, log, look%difference_identity, &
-            trim(text)//"; use more "// &
-            "particles a cell (ppc), &method transfer = 'xpic' or more artificial viscosity")
+            trim(text)//"; use more particles per cell (ppc), &method transfer = 'xpic' or "// &
+            "more artificial viscosity")
       end associate
    end subroutine warn_of_shapes
 
@@ -395,7 +398,7 @@ contains
       if (method%transfer%flip_fraction() > 0.0_wp &
          .and. method%transfer%flip_fraction() < 1.0_wp) remedy = remedy//" flip = 1,"
       if (len(remedy) == 0) then
-         remedy = "use more particles a cell (ppc)"
+         remedy = "use more particles per cell (ppc)"
       else
          remedy = "write"//remedy(:len(remedy) - 1)//" in &method"
       end if
@@ -405,7 +408,8 @@ contains
          write (share, "(es8.1)") 100.0_wp*lost
       end if
       call log%warn("warning: "//trim(share)//" % of the energy is lost: materials without "// &
-         "internal energy cannot take up what straining and transfers dissipate; "//remedy)
+         "internal energy do not store the energy that strain update and transfers "// &
+         "dissipate; "//remedy)
    end subroutine warn_of_energy
 
    !> Report at the end that momentum is not conserved, with the error. Collective.
@@ -418,10 +422,10 @@ contains
 
       if (trust%failed) return
       if (verdict_of(trust_momentum, trust%worst(trust_momentum)) == trust_ok) return
-      remedy = "look for the step from which on it is off in the history"
-      if (method%surface /= surface_fill) remedy = "a cell with an empty node puts force "// &
-         "where no mass is; write free_surface = 'fill' in &method"
-      if (method%differing()) remedy = "each node has a mean stress of its own taken out; "// &
+      remedy = "find the step at which the error begins in the history"
+      if (method%surface /= surface_fill) remedy = "a cell with an empty node exerts a force "// &
+         "where there is no mass; write free_surface = 'fill' in &method"
+      if (method%differing()) remedy = "a different mean stress is subtracted at each node; "// &
          "write quadrature = 'point' in &method"
       write (share, "(es8.1)") abs(trust%worst(trust_momentum))
       call log%warn("warning: momentum is not conserved, error"//trim(share)//" of the "// &

@@ -81,7 +81,7 @@ contains
          return
       end if
       if (self%table%worst > most_inconsistent) doubt = "pressure and energy of the table '"// &
-         path//"' do not belong together: rho**2 de/drho and p - T dp/dT differ by "// &
+         path//"' are inconsistent: rho**2 de/drho and p - T dp/dT differ by "// &
          brief(self%table%worst)//" of the bulk modulus at "//brief(self%table%worst_density)// &
          " kg/m3, "//brief(self%table%worst_temperature)//" K"
       if (.not. (group%known("density") .and. group%known("table_temperature"))) return

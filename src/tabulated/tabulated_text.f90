@@ -168,7 +168,7 @@ contains
       do k = 2, listing%count
          if (mod(k - 1, size(table%temperature)) == 0) cycle
          if (table%energy(k) > table%energy(k - 1)) cycle
-         fault = "line "//number(listing%line(k))//": the energy must grow with the "// &
+         fault = "line "//number(listing%line(k))//": the energy must increase with the "// &
             "temperature; "//number(table%energy(k))//" follows "//number(table%energy(k - 1))
          return
       end do
@@ -177,9 +177,9 @@ contains
          if (table%square(k) > 0.0_wp) cycle
          ! A gas without heat has no sound.
          if (table%square(k) >= 0.0_wp .and. .not. listing%value(2, k) > 0.0_wp) cycle
-         fault = "line "//number(listing%line(k))//": the pressure must grow with the density "// &
-            "at constant entropy, but the square of the sound speed is "// &
-            brief(table%square(k))//" m2/s2; leave out states in which the material is unstable"
+         fault = "line "//number(listing%line(k))//": the pressure must increase with the "// &
+            "density at constant entropy, but the square of the sound speed is "// &
+            brief(table%square(k))//" m2/s2; omit states in which the material is unstable"
          return
       end do
    end subroutine check_slopes

@@ -44,7 +44,7 @@ JET = """
 &output  name='p'  kind='particles'  count=1  precision='double'  fields='identity','velocity','energy','mass' /
 """
 NAMED = re.compile(r"step (\d+), .*particle (\d+) of body")
-SIGNS = {"speed": "times the speed that initial state", "heat": "times what was put in",
+SIGNS = {"speed": "times the speed that initial state", "heat": "times the energy supplied",
          "total": "more than the energy of the whole run"}
 
 

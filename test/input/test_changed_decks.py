@@ -89,7 +89,7 @@ class TestChangedDecks:
             with sheet.part(said):
                 run = self.run_of(options, f"told_{number}")
                 self.again(run, old, new)
-                assert "warning: the rest of the run follows other rules" in run.output
+                assert "warning: these changes affect the rest of the run" in run.output
                 assert said in run.output
                 assert "&time max_steps = 20, was 10" in run.output
                 assert run.summary["steps"] == 20
@@ -127,7 +127,7 @@ class TestChangedDecks:
         other = self.run_of(options, "other", DECK.replace("dx=0.1", "dx=0.05"))
         run.path("_chk_0002.h5").write_bytes(other.path("_chk_0001.h5").read_bytes())
         run.run("--quiet", "--restart", expect=3)
-        assert "_chk_0002.h5' is of another deck" in run.output
+        assert "_chk_0002.h5' belongs to another deck" in run.output
 
     def test_streams(self, options):
         """A deck with more streams, fewer, or in another order keeps the snapshots that are there, and numbers on."""

@@ -87,8 +87,8 @@ class TestDamage:
         """Would catch other files and other versions that are read as checkpoints."""
         path = options.work / "other.h5"
         old = self.bytes_.replace(TITLE, b"scree-checkpoint-7")
-        for data, said in ((b"", "cut short"), (b"x" * 4096, "no checkpoint of this program"),
-                           (self.run_.path("_p_000000.hdf").read_bytes(), "no checkpoint of this"),
+        for data, said in ((b"", "truncated"), (b"x" * 4096, "not a checkpoint of this program"),
+                           (self.run_.path("_p_000000.hdf").read_bytes(), "not a checkpoint of this"),
                            (old, "of another version: it is 'scree-checkpoint-7'")):
             path.write_bytes(data)
             code, text = digest(options, path)

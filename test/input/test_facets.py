@@ -136,7 +136,7 @@ class TestFacets:
         for name, content, message in [
                 ("whole", facets, "enclose"),
                 ("leak", np.delete(facets, 40, axis=0), "the surface has 3 open edges"),
-                ("turned", turned, "3 edges have facets that face different ways"),
+                ("turned", turned, "3 edges have facets with opposite orientations"),
                 ("twice", np.append(facets, facets[40:41], axis=0), "3 edges have more than two facets"),
                 ("inwards", facets[:, ::-1], "all facets face inwards"),
                 ("flat", np.append(facets, [flat], axis=0), "1 facets have no area")]:
@@ -173,8 +173,8 @@ class TestFacets:
                 ("empty", b"", "it is too short for an STL file"),
                 ("none", binary(np.zeros((0, 3, 3))), "it has no facets"),
                 ("nan", bytes(nan), "facet 3 has a corner that is not finite"),
-                ("noise", bytes(range(256)), "it is cut short, or not an STL file"),
-                ("cut", "\r\n".join(lines[:20]).encode(), "it ends within a solid, in line 20; it is cut short"),
+                ("noise", bytes(range(256)), "it is truncated, or not an STL file"),
+                ("cut", "\r\n".join(lines[:20]).encode(), "it ends within a solid, in line 20; it is truncated"),
                 ("word", plain.replace(b"outer loop", b"outer lop", 1).replace(b"\tvertex", b"\tvertices", 1),
                  "line 4: expected a facet with three vertices of three numbers, not 'vertices"),
                 ("numbers", "\r\n".join(lines[:3] + ["vertex 1 2 x"] + lines[4:]).encode(), "line 4: expected"),

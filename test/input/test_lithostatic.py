@@ -120,7 +120,7 @@ class TestLithostatic:
         """Each with what to write instead."""
         for name, scene, message in [
                 ("still", {"gravity": ".false.  !"}, "write &effects gravity = .true."),
-                ("none", {"vector": "0 0 0"}, "gravity has no direction that the scene has"),
+                ("none", {"vector": "0 0 0"}, "needs gravity along a direction of the scene"),
                 ("whole", {"model": "bulk = 2e7  strength_model = 'neo_hookean'",
                            "gravity": ".true.  eos = .false."}, "from its deformation alone"),
                 ("ratio", {"stress": "zero", "more": "k0 = 1"}, "k0")]:

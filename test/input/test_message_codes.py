@@ -31,7 +31,7 @@ COMPOSED = {
     ("output_history_columns", "output field '...' ..."), ("program_command_line", "command line: error: ..."),
     ("program_time_loop", "warning: ... before t_end"), ("scene_velocity_formula", "... in its component"),
     ("output_history_columns", "...;"), ("output_history_columns", "is unknown in a history"),
-    ("step_trust", "...;"), ("step_trust", "...: they lose each other")}
+    ("step_trust", "...;"), ("step_trust", "...: they no longer")}
 # The number of codes in each hundred: codes are only added, at the end.
 FEWEST = {"D1": 16, "D2": 29, "D3": 66, "D4": 47, "D5": 7, "C1": 16, "C2": 6, "R1": 30, "F1": 24}
 

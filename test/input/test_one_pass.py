@@ -77,7 +77,7 @@ class TestOnePass:
             assert "did you mean 'kinetic'?" in said
         said = said_of(options, "lacks", time="&time t_end=1 parsec /",
                        output="&output name='o' kind='particles' dt=1e-4 fields='temperature' /")
-        assert "is not carried by any material of this scene" in said
+        assert "is not stored by any material of this scene" in said
 
     def test_repeat(self, options):
         """Would catch a mistake that is reported for each copy, or copies that are wrong and not counted."""

@@ -95,17 +95,17 @@ class TestPrisms:
     def test_refused(self, options, sheet):
         """Each with its line, and what to write instead."""
         for name, shape, dimension, message in [
-                ("odd", "polygon = 0 0  1 0  1", "plane_strain", "polygon holds 5 numbers, but corners have two"),
+                ("odd", "polygon = 0 0  1 0  1", "plane_strain", "polygon has 5 numbers, but each corner needs two"),
                 ("two", "polygon = 0 0  1 0", "plane_strain", "a polygon needs at least three corners"),
                 ("bow", "polygon = 0 0  1 1  1 0  0 1", "plane_strain",
                  "the edges of the polygon after corners 1 and 3 cross or touch"),
                 ("flat", "polygon = 0 0  0.5 0.5  1 1", "plane_strain", "the polygon has no area"),
-                ("span", TRIANGLE, "3d", "a prism in space needs span"),
-                ("ends", TRIANGLE + "  span = 0.5 0.5", "3d", "the end of span must be above its begin"),
+                ("span", TRIANGLE, "3d", "in 3-D a prism needs span"),
+                ("ends", TRIANGLE + "  span = 0.5 0.5", "3d", "the end of span must be above its start"),
                 ("wide", TRIANGLE + "  span = 0 1", "plane_strain", "remove span"),
                 ("axis", TRIANGLE + "  axis = 1 1 0  span = 0 1", "3d", "must be one of the coordinates"),
                 ("plane", TRIANGLE + "  axis = 0 0 1", "plane_strain", "remove axis"),
-                ("line", TRIANGLE, "1d", "a scene in one direction has no plane for a polygon; use a box"),
+                ("line", TRIANGLE, "1d", "a 1-D scene has no plane for a polygon; use a box"),
                 ("none", "", "plane_strain", "polygon")]:
             with sheet.part(name):
                 said = self.run_of(options, name, shape, dimension, flags=("--check",), expect=2).output

@@ -70,7 +70,7 @@ FAULTS = """&run  dimension='1d' /
 SAID = (
     "5: error: &material 'a': gtn_fc needs gtn_ff, the porosity without strength",
     "6: error: &material 'b': gtn_fc must be below gtn_ff and below 1/gtn_q1",
-    "7: error: &material 'c': gtn_f0 must be below gtn_fc, gtn_ff and 1/gtn_q1, else nothing bears a load",
+    "7: error: &material 'c': gtn_f0 must be below gtn_fc, gtn_ff and 1/gtn_q1, otherwise the material has no strength",
     "8: error: &material 'd': damage_model = 'porosity' needs strength_model = 'gurson', which has pores",
     "9: error: &material 'e': damage_model = 'porosity' needs gtn_ff, the porosity of failure",
     "10: error: &material: gtn_f0 = 0.7  <- must be",

@@ -103,7 +103,7 @@ SAID = (
     "5: error: &material 'a': eos_table: cannot use the table '{}short.txt': line 7: expected four numbers",
     "6: error: &material 'b': eos_table: cannot use the table '{}nan.txt': line 9: expected four numbers",
     "7: error: &material 'c': eos_table: cannot read '{}none.txt': No such file or directory",
-    "8: error: &material 'd': eos_table: cannot use the table '{}cold.txt': line 6: the energy must grow",
+    "8: error: &material 'd': eos_table: cannot use the table '{}cold.txt': line 6: the energy must increase",
     "9: error: &material 'e': eos_table: density = 9999 kg/m3 lies outside of the table '{}al.txt'",
     "10: error: &material 'f': eos_table: table_temperature = 1 K lies outside of the table '{}al.txt'",
     "11: error: &material 'g': eos_table must be given",
