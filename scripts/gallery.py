@@ -22,14 +22,14 @@ WORKED = re.compile(r"<!--=seconds_all-->([\d.]+)<!--=-->")
 FIGURES = re.compile(r"<!-- figures -->\n\n((?:\|.*\n)+)")
 HEAD = """# Gallery
 
-The scenes of `input`, with what they show. Each README tells where the numbers come from, what is known, and what
-falls short. This page and its pictures are made by
+This page shows the scenes of `input`. The README of each scene gives the sources of its data, the results, and
+known deviations. The page and its pictures are made by
 
 ```console
 build/venv/bin/python scripts/gallery.py
 ```
 
-which runs what has not been run yet. One core works {minutes} minutes on the steps of all of it.
+This command runs all scenes without results. On one core the steps of all scenes take {minutes} minutes.
 """
 
 

@@ -47,8 +47,8 @@ def crushed(snap, gas, radius):
 def tables(runs):
     """The course of the blast."""
     course = Table(["time [us]", "volume of the gas over the charge", "radius of the cavity [mm]", "pressure [MPa]",
-                    "with all energy in the gas [MPa]", "kinetic energy of the rock [J]",
-                    "nine tenths of the rock have failed up to [mm]"])
+                    "pressure with all energy in the gas [MPa]", "kinetic energy of the rock [J]",
+                    "radius within which 90 % of the rock has failed [mm]"])
     for moment in TIMES:
         snap = runs["blast"].near(moment)
         gas, volume, pressure, radius = state(snap)

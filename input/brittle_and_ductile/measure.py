@@ -67,8 +67,8 @@ def off(runs, bar, method, size):
 
 def tables(runs):
     """Mean relative difference to the finest runs, by method and cells."""
-    result = Table(["bar", "cells [mm]", "method", "off DDMP with the finest cells",
-                    "off GIMP with the finest cells", "energy error"])
+    result = Table(["bar", "cells [mm]", "method", "difference from DDMP with the finest cells",
+                    "difference from GIMP with the finest cells", "energy error"])
     for bar, (_, _, sizes) in BARS.items():
         for size in sizes:
             for name, (title, _) in METHODS.items():

@@ -81,7 +81,7 @@ def table(runs):
         title, _, longitudinal, shear = GLASS[glass]
         found, last, inside = front_speed(run), run.last_snapshot(), speed_in_glass(run, name)
         result.rows.append([title, stress, f"{speed(glass, float(stress)):.0f}",
-                            f"{found:.0f}" if inside else "stands", f"{inside:.0f}" if inside else "stands",
+                            f"{found:.0f}" if inside else "no front", f"{inside:.0f}" if inside else "no front",
                             f"{inside / shear:.2f}", f"{inside / longitudinal:.2f}",
                             f"{1e3 * fronts(run)[1].max():.1f}",
                             f"{last.fields['failed'].mean():.2f}",

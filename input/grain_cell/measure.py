@@ -15,7 +15,7 @@ from scree_scene import Study, Table   # noqa: E402
 
 SHEAR, STRAIN = 2596.44, 0.100454      # G [Pa] and gamma_c of the material block
 STEADY = SHEAR * STRAIN / (1.0 + STRAIN ** 2)
-STAGES = {2: ("start, at a strain of 6", STEADY), 3: ("reversal, 4 later", -STEADY)}
+STAGES = {2: ("start, at a strain of 6", STEADY), 3: ("reversal, at a further strain of 4", -STEADY)}
 
 
 def history(run):
@@ -26,7 +26,7 @@ def history(run):
 
 def tables(runs):
     """Shear stress at the end of each part."""
-    table = Table(["part", "shear stress [Pa]", "closed solution [Pa]", "pressure along z [Pa]"])
+    table = Table(["part", "shear stress [Pa]", "closed-form solution [Pa]", "pressure along z [Pa]"])
     rows = history(runs["continuum"])
     for stage, (name, closed) in STAGES.items():
         last = rows[rows["stage"] == stage][-1]

@@ -56,7 +56,7 @@ def rate(run, window):
 
 def tables(runs):
     """Rates, and the law through those of the three widths."""
-    table = Table(["matter", "outlet D [mm]", "cell [mm]", "rate W [kg/(m s)]", "W / (rho sqrt(g) D^1.5)",
+    table = Table(["material", "outlet D [mm]", "cell [mm]", "rate W [kg/(m s)]", "W / (rho sqrt(g) D^1.5)",
                    "later / earlier rate"])
     guess = Table(["outlet D [mm]", "W, 30 degrees and walls of 0.4", "W, measured friction", "ratio"])
     for name in runs:

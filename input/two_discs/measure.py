@@ -55,12 +55,12 @@ def by_cells(runs):
     for title, exact, values, form in (
             ("kinetic energy at the start [J]", f"{KINETIC:.4f}", [run.history["kinetic"][0] for run in chosen], ".4f"),
             ("first contact [s]", f"{TOUCH:.3f}", [felt(run) for run in chosen], ".3f"),
-            ("pressed together most at [s]", "", [one[1] for one in back], ".2f"),
-            ("kinetic energy then, over that at the start", "", [one[0] for one in back], ".3f"),
-            ("greatest kinetic energy after that", "", [one[2] for one in back], ".3f"),
-            ("kinetic energy at the end", "", [one[3] for one in back], ".3f"),
-            ("least total energy, less that at the start [%]", "0", [one.min() for one in off], ".2f"),
-            ("total energy at the end, less that at the start [%]", "0", [one[-1] for one in off], ".2f"),
+            ("greatest compression at [s]", "", [one[1] for one in back], ".2f"),
+            ("kinetic energy at that time, over the initial one", "", [one[0] for one in back], ".3f"),
+            ("greatest kinetic energy afterwards, over the initial one", "", [one[2] for one in back], ".3f"),
+            ("kinetic energy at the end, over the initial one", "", [one[3] for one in back], ".3f"),
+            ("least total energy, change from the start [%]", "0", [one.min() for one in off], ".2f"),
+            ("total energy at the end, change from the start [%]", "0", [one[-1] for one in off], ".2f"),
             ("momentum", "0", [run.error("momentum_error") for run in chosen], ".0e")):
         table.rows.append([title, exact, *(f"{value:{form}}" for value in values)])
     return table

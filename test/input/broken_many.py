@@ -40,10 +40,12 @@ DECKS = [
     (ONE, [
         "3: error: &time: unknown key 't_ende'; did you mean 't_end'?",
         "5: error: &material: density = 2700 kg  <- expects kg/m3 or a unit of the same kind such as g/cm3, not 'kg'",
-        "8: error: &material 'glass': cells of 0.1 m are too large for this fracture_energy: a cell that cracks would snap back; dx must be at most 3.29983e-7 m",
+        "8: error: &material 'glass': cells of 0.1 m are too large for this fracture_energy: a cell "
+         "that cracks would snap back; dx must be at most 3.29983e-7 m",
         "9: error: &material 'stone': poisson must be set (above -1, below 0.5), as young is "
      "given",
-        "10: error: &material 'clay': fracture_energy and failure_delay are both given; keep one: the strength decreases with the crack opening or with time",
+        "10: error: &material 'clay': fracture_energy and failure_delay are both given; keep one: "
+         "the strength decreases with the crack opening or with time",
         "12: error: &material 'slate': failure_delay_power needs failure_delay [s], the time to "
      "failure at twice the strength; without it failure is immediate",
         "17: error: &body 'two': lies outside of the grid; move its region or widen &grid",

@@ -459,7 +459,8 @@ WARNINGS = [
     ("plain", "&time", "&load pressure = 1  times = 1 2  factors = 0 1 /\n&time", 3,
      "&load: its factors are 0 until the end of the run; it does nothing"),
     ("charge", "&detonation shape = 'plane'  point = 0 0 0  normal = 1 0 0 /", "", 4,
-     "&material 'high': is an explosive that no &detonation ignites: it starts as hot products at their full pressure; add a &detonation with the point where it starts"),
+     "&material 'high': is an explosive that no &detonation ignites: it starts as hot products at their full pressure; "
+     "add a &detonation with the point where it starts"),
     ("charge", "preset = 'tnt'", "preset = 'tnt'  detonation_speed = 8000", 4,
      "&material 'high': detonation_speed = 8000 m/s, but the constants jwl_* give a detonation speed of 6927.81 m/s"),
     ("charge", "shape = 'plane'  point = 0 0 0  normal = 1 0 0", "point = 0.5 0 0.6", 11,
@@ -485,7 +486,8 @@ WARNINGS = [
     ("shock", "centre = 0 0 -2", "centre = 0 0 -1", 14,
      "&body 'plate': overlaps 'sphere' in "),
     ("plain", "'metal' /", "'metal'  velocity = 0 0 9000 /\n&boundary face = 'all'  type = 'slip' /", 7,
-     "may collide with other bodies at 9000 m/s, 1.52345 times its wave speed, and its material is elastic at any stress"),
+     "may collide with other bodies at 9000 m/s, 1.52345 times its wave speed, and its material is elastic at any "
+     "stress"),
     ("sand", "cfl = 0.3", "dt_fixed = 1e-4  cfl = 0.3", 4, "cfl is not used, as dt_fixed is given"),
     ("sand", "every = 20", "times = 0.5 2", 10, "time 2 of 2 is after t_end"),
 ]
