@@ -3,7 +3,7 @@
 
     python3 plot.py [FOLDER ...]       # default: all folders in out/; writes CASE.png into each
 
-Needs numpy, h5py and matplotlib. A beginning: change it as you like.
+Needs numpy, h5py and matplotlib. You can edit this script.
 """
 
 import csv

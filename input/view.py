@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shows the results of a run in ParaView 5.11 or newer: particles coloured by speed, balls in space, dots in a plane.
+"""Shows the results of a run in ParaView 5.11 or newer: particles coloured by speed, as balls in 3-D, as dots in 2-D.
 
     paraview --script=view.py                      # the newest run in out/
-    pvbatch view.py FOLDER picture.png             # without a window: the last moment as a picture
+    pvbatch view.py FOLDER picture.png             # without a window: a picture of the last time
 
-In the window, press play. Other fields stand in the list of colours. A beginning: change it as you like.
+In the window, press play. Select other fields in the colour list. You can edit this script.
 """
 
 import sys

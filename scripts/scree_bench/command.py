@@ -30,22 +30,26 @@ def parser():
                               "by phases, beside the speed at which a core copies memory.",
                   epilog=f"{EXAMPLES}\n{CODES}")
     add = made.add_argument
-    add("--list", action="store_true", help="list the cases and end")
+    add("--list", action="store_true", help="list the cases and exit")
     add("--size", choices=cases.SIZES, default="small",
         help="small, the default: blocks of 20^3 cells; full: 64^3 cells, 2 GB of memory, about an hour")
-    add("--only", default="", metavar="PATTERN", help="cases with this in their names, or like 'block*,debris'")
-    add("--layouts", default="2x1,1x2", metavar="RxT", help="ranks x threads of the cases that run in parallel too")
-    add("--repeat", type=int, default=3, metavar="N", help="runs of each case, in turns; default 3")
-    add("--scree", metavar="PATH", help="the program; default: SCREE of the environment, then that beside this command")
-    add("--turns", metavar="OTHER", help="run another program in turns, print the speed over that of the other")
-    add("--mpiexec", default="mpiexec", metavar="WORDS", help="what starts ranks; default mpiexec")
-    add("--out", metavar="FILE", help="the results as JSON; default scree_bench_DATE_TIME.json")
-    add("--markdown", metavar="FILE", help=f"the table: a new file, or between {tables.BEGIN} and {tables.END} of one")
-    add("--work", metavar="FOLDER", help="scratch files, kept; default: a folder that is removed")
-    add("--show", metavar="A.json", help="the table of a file, without measuring")
-    add("--compare", nargs=2, metavar=("A.json", "B.json"), help="speed of B over that of A, case by case")
-    add("--limit", type=float, default=1.25, metavar="X", help="mark what is more than X times slower; default 1.25")
-    add("-V", "--version", action="store_true", help="the version of this command")
+    add("--only", default="", metavar="PATTERN",
+        help="only cases whose names contain this text or match a pattern such as 'block*,debris'")
+    add("--layouts", default="2x1,1x2", metavar="RxT", help="ranks x threads for the parallel cases")
+    add("--repeat", type=int, default=3, metavar="N", help="number of runs of each case; default 3")
+    add("--scree", metavar="PATH",
+        help="the program; default: environment variable SCREE, else scree in the folder of this command")
+    add("--turns", metavar="OTHER", help="run another program alternately and print the speed relative to it")
+    add("--mpiexec", default="mpiexec", metavar="WORDS", help="command that starts ranks; default mpiexec")
+    add("--out", metavar="FILE", help="file of the results, JSON; default scree_bench_DATE_TIME.json")
+    add("--markdown", metavar="FILE",
+        help=f"write the table to a new file, or between {tables.BEGIN} and {tables.END} of an existing file")
+    add("--work", metavar="FOLDER", help="folder for scratch files, which is kept; default: a temporary folder")
+    add("--show", metavar="A.json", help="print the table of a file, without measurement")
+    add("--compare", nargs=2, metavar=("A.json", "B.json"), help="print the speed of B relative to A for each case")
+    add("--limit", type=float, default=1.25, metavar="X",
+        help="mark cases that are more than X times slower; default 1.25")
+    add("-V", "--version", action="store_true", help="print the version of this command")
     return made
 
 

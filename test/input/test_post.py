@@ -234,7 +234,7 @@ def test_errors(work):
     out = ("--out", f"{work}/never.png")
     cases = [("radiograph", (f"{work}/absent.hdf", *out), 3, "no such file"),
              ("radiograph", (f"{work}/text.hdf", *out), 3, "not HDF5"),
-             ("radiograph", (f"{work}/short.hdf", *out), 3, "cut short"),
+             ("radiograph", (f"{work}/short.hdf", *out), 3, "truncated"),
              ("radiograph", (f"{work}/other.hdf", *out), 3, "/VTKHDF/Points"),
              ("radiograph", (f"{work}/broken.hdf.series", *out), 3, "not a snapshot series"),
              ("radiograph", (f"{work}/gone.hdf.series", *out), 3, "gone.hdf"),

@@ -77,7 +77,7 @@ def test_deck(options):
         text = good(call("info", options.work / "out" / "coarse" / name, "--deck"))
         assert text.rstrip("\n") == DISCS.read_text(encoding="utf-8").rstrip("\n"), name
     refused(call("info", options.work / "out" / "coarse" / "coarse_history.csv", "--deck"), 2,
-            "a history carries no deck")
+            "a history contains no deck")
 
 
 @pytest.mark.tiers("full", "long")

@@ -14,7 +14,7 @@ def _read(echo: str) -> Any:
     try:
         return f90nml.reads(echo)
     except (ValueError, StopIteration, AssertionError) as error:
-        raise FileProblem(f"the deck that a file carries cannot be read: {error}") from error
+        raise FileProblem(f"the deck stored in a file cannot be read: {error}") from error
 
 
 def groups(echo: str, name: str) -> list[dict[str, Any]]:

@@ -130,7 +130,7 @@ def readable(path: str) -> str:
         raise FileProblem(f"no such file: {path}"
                           + (f"; did you mean {os.path.join(folder, near[0])}?" if near else ""))
     if os.path.isdir(path):
-        raise FileProblem(f"{path} is a folder, a file is wanted")
+        raise FileProblem(f"{path} is a folder, not a file")
     if not os.access(path, os.R_OK):
         raise FileProblem(f"no permission to read {path}")
     return path

@@ -39,8 +39,8 @@ class FieldView(np.ndarray[Any, Any]):
     def _check(self) -> None:
         """Raise an error if the simulation has changed since the view was made."""
         if self._owner is not None and self._owner.generation != self._generation:
-            raise StaleView("this view of a field is from before a step or the end of the simulation, and its memory "
-                            "may be gone; take a new one with simulation.fields[...], or keep a copy()")
+            raise StaleView("this view of a field was made before a step or the end of the simulation and is no longer "
+                            "valid; get a new view with simulation.fields[...], or keep a copy()")
 
     def __getattribute__(self, name: str) -> Any:
         if not name.startswith("_") and name not in _HARMLESS:

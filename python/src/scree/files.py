@@ -162,7 +162,7 @@ def open_file(path: str) -> Any:
         return h5py.File(readable(path), "r")
     except OSError as error:
         reason = (
-            "still being written" if "unable to lock" in str(error) else "not HDF5, or cut short"
+            "still being written" if "unable to lock" in str(error) else "not HDF5, or truncated"
         )
         raise FileProblem(f"cannot open {path}: {reason}") from error
 
@@ -241,7 +241,7 @@ def snapshot(file: str, names: Any = None, own_units: bool = False) -> Snapshot:
                     snap.fields[name] = numbers(data[name])
                     snap.units[name] = units_of.data_unit(data[name])
         except OSError as error:
-            raise FileProblem(f"cannot read {file}: damaged or cut short") from error
+            raise FileProblem(f"cannot read {file}: damaged or truncated") from error
     wrong = [name for name, values in snap.fields.items() if len(values) != len(snap.points)]
     if wrong:
         raise FileProblem(f"{file}: field {wrong[0]} has {len(snap.fields[wrong[0]])} rows "
@@ -256,7 +256,7 @@ def is_grid(file: str) -> bool:
         with h5py.File(readable(file), "r") as handle:
             kind = handle["VTKHDF"].attrs.get("Type", b"") if "VTKHDF" in handle else b""
     except OSError as error:
-        raise FileProblem(f"cannot open {file}: not HDF5, or cut short") from error
+        raise FileProblem(f"cannot open {file}: not HDF5, or truncated") from error
     return bool((kind if isinstance(kind, bytes) else kind.encode()).rstrip(b"\0 ") == b"ImageData")
 
 

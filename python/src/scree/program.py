@@ -46,7 +46,7 @@ def version_of(program: str) -> str:
     try:
         answer = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError) as error:
-        raise FileProblem(f"{program} does not tell its version; is it scree?") from error
+        raise FileProblem(f"{program} does not print its version; is it scree?") from error
     return answer.stdout.strip()
 
 

@@ -143,4 +143,4 @@ def pick(table: pandas.DataFrame, name: str, how: str) -> float:
         if not begin <= when <= end:
             raise ScreeError(f"{name}:{how}: the history goes from {begin:g} to {end:g} s", EXIT_USAGE)
         return float(np.interp(when, table["time"].to_numpy(), values.to_numpy()))
-    raise ScreeError(f"'{name}:{how}': after the colon stands last, max, min or at=TIME such as at=5us", EXIT_USAGE)
+    raise ScreeError(f"'{name}:{how}': after the colon write last, max, min or at=TIME such as at=5us", EXIT_USAGE)

@@ -157,7 +157,7 @@ class Simulation:
     def _call(self, name: str, *arguments: Any) -> None:
         """Call a function of the library; its exit code becomes an error."""
         if self._handle is None:
-            raise DeckError("the simulation is closed; begin a new one")
+            raise DeckError("the simulation is closed; create a new one")
         with binding.LOCK:
             code = getattr(self._library, name)(self._handle, *arguments)
         self._update()

@@ -70,7 +70,7 @@ class Snapshot:
                 self._widths = {name: int(data[name].shape[1]) for name in data if len(data[name].shape) > 1}
                 self._count = int(handle["VTKHDF/Points"].shape[0])
             except OSError as error:
-                raise FileProblem(f"cannot read {file}: damaged or cut short") from error
+                raise FileProblem(f"cannot read {file}: damaged or truncated") from error
 
     def __repr__(self) -> str:
         return f"<scree.Snapshot of {len(self)} particles at {self.time:g} s: {', '.join(self.names)}>"
@@ -157,7 +157,7 @@ class Snapshot:
                 try:
                     values = np.asarray(units_of.data_si(handle[place]))
                 except (OSError, KeyError) as error:
-                    raise FileProblem(f"cannot read {self.file}: damaged or cut short") from error
+                    raise FileProblem(f"cannot read {self.file}: damaged or truncated") from error
             if len(values) != len(self):
                 raise FileProblem(f"{self.file}: field {name} has {len(values)} rows for {len(self)} particles")
             self._read[name] = values

@@ -120,10 +120,10 @@ def shifted(values: Numbers, exponent: int) -> Numbers:
 def exponent_of(factor: float) -> int:
     """The decimal exponent of a power of ten as it is stored."""
     if not (factor > 0.0 and math.isfinite(factor)):
-        raise FileProblem(f"unitSI = {factor} is no factor between units")
+        raise FileProblem(f"unitSI = {factor} is not a factor between units")
     exponent = round(math.log10(factor))
     if abs(factor / 10.0 ** exponent - 1.0) > 1.0e-9:
-        raise FileProblem(f"unitSI = {factor} is no power of ten")
+        raise FileProblem(f"unitSI = {factor} is not a power of ten")
     return exponent
 
 

@@ -18,7 +18,7 @@ from .errors import run as run_main
 if TYPE_CHECKING:
     from types import ModuleType
 
-CODES = "exit codes: 0 done, 1 something differs or failed, 2 command line wrong, 3 file problem"
+CODES = "exit codes: 0 success, 1 a difference or a failure, 2 wrong command line, 3 file problem"
 
 
 class Parser(argparse.ArgumentParser):

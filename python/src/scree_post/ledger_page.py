@@ -171,7 +171,7 @@ def picture(table: History, title: str) -> Figure:
     plot = look.pyplot()
     draws = panels(table)
     if not draws:
-        raise ScreeError("the history holds no column that is not zero beside the time")
+        raise ScreeError("the history has no column except time that is not zero")
     factor, unit = look.scaled(float(np.abs(table["time"]).max()), "s")
     columns = min(2, len(draws))
     rows = (len(draws) + columns - 1) // columns

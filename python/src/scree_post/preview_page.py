@@ -42,7 +42,7 @@ def edges_of(snap: Snapshot) -> Edges:
     """Corners of the box [m]."""
     box = box_of(snap)
     if box.low is None or box.high is None or box.cell is None:
-        raise ScreeError(f"{snap.file}: the file does not say where the box of the run is")
+        raise ScreeError(f"{snap.file}: the file does not contain the box of the run")
     return Edges(box.low, box.high, box.cell)
 
 

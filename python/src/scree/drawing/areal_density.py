@@ -173,7 +173,7 @@ def radiograph(snap: Snapshot, pixel: float, sight: str = "y", towards: float = 
     over the gaps between them.
     """
     if smear not in SMEARS:
-        raise unknown("way to smear", smear, SMEARS)
+        raise unknown("value of smear", smear, SMEARS)
     mass, velocity = checked(snap)
     round_model = snap.dimension == "axisymmetric"
     if snap.dimension == "plane_strain" and sight == "x":

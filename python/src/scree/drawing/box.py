@@ -26,7 +26,7 @@ class Box:
     def side(self, axis: int) -> tuple[float, float]:
         """Both ends along an axis [m]."""
         if self.low is None or self.high is None:
-            raise FileProblem("the file does not say where the box of the run is")
+            raise FileProblem("the file does not contain the box of the run")
         return float(self.low[axis]), float(self.high[axis])
 
 

@@ -43,5 +43,5 @@ def quantity(text: str) -> float:
     scale = factor(found.group(2)) if found else None
     if found is None or scale is None or not math.isfinite(float(found.group(1))):
         raise argparse.ArgumentTypeError(
-            f"'{text}' is no number with a unit, such as 5us, 10mm, 1.2GPa (or in SI: 5e-6)")
+            f"'{text}' is not a number with a unit, such as 5us, 10mm, 1.2GPa (or in SI: 5e-6)")
     return scale * float(found.group(1))

@@ -73,7 +73,7 @@ def images(snap: Snapshot) -> tuple[Array, Array, Array]:
         plane = mirror_plane(snap, axis, face)
         if plane is None and face == "hi":
             raise ScreeError(f"{snap.file}: symmetry at {'xyz'[axis]}hi, "
-                            "and the file does not say where that is")
+                            "and the file does not contain its position")
         image, turned = positions.copy(), signs.copy()
         image[:, axis] = 2.0 * (plane or 0.0) - image[:, axis]
         turned[:, axis] *= -1.0

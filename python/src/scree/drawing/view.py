@@ -138,7 +138,7 @@ def bounds(parts: Sequence[Matter], plane: tuple[int, int] = (0, 2)) -> Window:
 def check_view(view: Sequence[float] | None) -> None:
     """Refuse a window that is turned round."""
     if view and not (view[0] < view[1] and view[2] < view[3]):
-        raise ScreeError("--view wants LEFT < RIGHT and BOTTOM < TOP", EXIT_USAGE)
+        raise ScreeError("--view needs LEFT < RIGHT and BOTTOM < TOP", EXIT_USAGE)
 
 
 class PlanePage:

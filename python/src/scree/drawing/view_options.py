@@ -57,7 +57,7 @@ def camera(text: str) -> tuple[float, float]:
     except ValueError:
         raise unknown("camera", text, [*CAMERAS, "AZIMUTH,ELEVATION"]) from None
     if not (math.isfinite(azimuth) and -90.0 <= elevation <= 90.0):
-        raise ScreeError("--camera wants an elevation from -90 to 90 degrees", EXIT_USAGE)
+        raise ScreeError("--camera needs an elevation from -90 to 90 degrees", EXIT_USAGE)
     return azimuth, elevation
 
 
@@ -78,7 +78,7 @@ def options_of(arguments: argparse.Namespace, snaps: Sequence[Snapshot]) -> Opti
         if not (math.isfinite(getattr(arguments, name)) and getattr(arguments, name) > 0):
             raise ScreeError(f"--{name} must be above 0", EXIT_USAGE)
     if arguments.range and not arguments.range[0] < arguments.range[1]:
-        raise ScreeError("--range wants LOW < HIGH", EXIT_USAGE)
+        raise ScreeError("--range needs LOW < HIGH", EXIT_USAGE)
     check_view(arguments.view)
     title = arguments.title
     if title is None:

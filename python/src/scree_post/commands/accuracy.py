@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How accurate a number of the user's own deck is, and what more accuracy would cost.
+"""Estimates the discretization error of a result of a deck and the cost of a smaller error.
 
-The deck is run with cells of three or more sizes. From three of them follow the observed order of
-convergence, the value for cells of size zero (L. F. Richardson 1911) and a bound of the error of
-the finest run (grid convergence index: P. J. Roache, J. Fluids Eng. 116 (1994) 405; I. B. Celik
-and others, ibid. 130 (2008) 078001). A quantity is one of:
+The command runs the deck with three or more cell sizes. Three of them determine the observed order
+of convergence, the value extrapolated to zero cell size (L. F. Richardson 1911) and a bound of the
+error of the finest run (grid convergence index: P. J. Roache, J. Fluids Eng. 116 (1994) 405; I. B.
+Celik and others, ibid. 130 (2008) 078001). A quantity is one of:
 
-  NAME     a column of the history: its last row; NAME:max, NAME:min, NAME:at=TIME
-  PLACE    a number of the summary, such as ledger.energy_error
+  NAME     a column of the history, its last row; NAME:max, NAME:min, NAME:at=TIME
+  PATH     a number in the summary, such as ledger.energy_error
   length, width, radius, front_z, ...   of the particles of the last snapshot
 """
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from scree.convergence import Verdict
     from scree.refinement import Accuracy
 
-SUMMARY = "how accurate a number of a deck is, and what more costs"
+SUMMARY = "discretization error of a result of a deck, and the cost of a smaller error"
 EXAMPLES = ("accuracy input/taylor_copper/scene.nml --quantity length radius --factors 4,2,1",
             "accuracy input/two_discs/scene.nml --quantity length --factors 4,2,1")
 
@@ -156,19 +156,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("deck", metavar="DECK")
     parser.add_argument("--quantity", nargs="+", required=True, metavar="NAME", help="see above")
     parser.add_argument("--factors", type=numbers, default=[2.0, 1.4, 1.0],
-                        help="sizes of cells over that of the deck (2,1.4,1)")
-    parser.add_argument("--methods", help="ddmp,mpm: each of them; else that of the deck")
+                        help="cell sizes relative to the deck (2,1.4,1)")
+    parser.add_argument("--methods", help="methods to run, such as ddmp,mpm; default: that of the deck")
     parser.add_argument("--tolerance", type=tolerance, default="1%", help="target (1%%)")
     parser.add_argument("--set", dest="settings", type=change, action="append", default=[],
-                        metavar="G.K=VALUE", help="as that of the program")
-    parser.add_argument("--body", help="particles of this body alone")
+                        metavar="G.K=VALUE", help="set a key, as in scree")
+    parser.add_argument("--body", help="only particles of this body")
     parser.add_argument("--percentile", type=percentile, default=100.0,
-                        help="extents leave out the rest of the mass on each side (100)")
+                        help="extents omit the rest of the mass on each side (100)")
     parser.add_argument("--scree", metavar="PROGRAM",
                         help="the program; default build/bin/scree or in the path")
     parser.add_argument("--work", type=Path, help="folder for the runs (out/accuracy_DECK)")
-    parser.add_argument("--csv", metavar="FILE", help="write the table")
-    parser.add_argument("--plot", metavar="FILE", help="draw it")
+    parser.add_argument("--csv", metavar="FILE", help="write the table to this file")
+    parser.add_argument("--plot", metavar="FILE", help="plot values and errors to this file")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Checks that VTK, and so ParaView, reads the files of a run as they were written.
 
-Every snapshot is opened with h5py and with the VTKHDF reader of VTK, and so is the .vtkhdf index
-where there is one: the number of points and cells, the bounds, the time, and the components and
-mean of every field must agree. Of files of fields on the grid every number must. Numbers are
-compared in the units of the files. Exit code 77 means that the package vtk is missing and that
-what h5py alone can check did agree.
+Every snapshot, and the .vtkhdf index if it exists, is opened with h5py and with the VTKHDF reader
+of VTK: the number of points and cells, the bounds, the time, and the components and mean of every
+field must agree. For grid files every number must agree. Numbers are compared in the units of the
+files. Exit code 77 means that the package vtk is missing and that all checks with h5py alone
+passed.
 """
 from __future__ import annotations
 
@@ -223,7 +223,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("series", metavar="SERIES",
         help="CASE_p.hdf.series or CASE_g.hdf.series, a snapshot, or out/CASE")
-    add("-v", "--verbose", action="store_true", help="print also what agrees")
+    add("-v", "--verbose", action="store_true", help="print comparisons that agree too")
 
 
 def check_snapshots(report: Report, vtk: Any, steps: Sequence[Moment]) -> list[tuple[float, Summary]]:

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compares two runs: the greatest and the root mean square difference of every field.
 
-Snapshots of the same time are compared, particles are matched by their identity. Histories are
-compared line by line, with --interpolate at the times of the first. A relative difference is that
-to the greatest size of the field in A at all times. The exit code is 1 if one is above --tolerance,
-which is 0 unless given, or if particles, times or fields of one are missing in the other.
+Snapshots at the same time are compared, with particles matched by identity. Histories are compared
+line by line, or with --interpolate at the times of the first one. Relative differences are relative
+to the greatest magnitude of the field in A at all times. The exit code is 1 if a relative
+difference exceeds --tolerance (default 0), or if particles, times or fields of one run are missing
+in the other.
 """
 from __future__ import annotations
 
@@ -38,12 +39,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("a", metavar="A", help="series, snapshot, folder or history")
     add("b", metavar="B", help="the same of another run")
-    add("--fields", metavar="X,Y", help="only these fields (position for the place) or columns")
+    add("--fields", metavar="X,Y", help="only these fields (position: coordinates) or columns")
     add("--tolerance", type=float, default=0.0, metavar="R",
-        help="greatest relative difference that is no difference (0: the same numbers)")
+        help="greatest relative difference that is accepted (0: equal numbers)")
     add("--time-tolerance", type=float, default=1.0e-6, metavar="R",
-        help="times are the same within this share of the whole (1e-6)")
-    add("--interpolate", action="store_true", help="histories: at the times of A")
+        help="times count as equal within this fraction of the whole time (1e-6)")
+    add("--interpolate", action="store_true", help="histories: interpolate to the times of A")
 
 Differences = tuple[dict[str, "Field"], dict[str, str], list[str]]   # by name: differences, units; what is missing
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the table of a known equation of state in the form that eos_model = 'table' reads.
+"""Writes a table of an analytical equation of state in the format of eos_model = 'table'.
 
-It shows the form and gives a table with exact answers. A line holds a density, a temperature, a
-pressure and an energy per mass in SI units; the temperatures of a density follow each other and
-are the same for all densities. Both have equal ratios, and the density and the temperature of rest
-are among them. The solid has the free energy of a constant specific heat, with which pressure and
-energy belong together.
+Use it as an example of the format and for tests against exact values. A line contains a density, a
+temperature, a pressure and an energy per mass in SI units; the lines of a density follow each
+other, with the same temperatures for all densities. Densities and temperatures are spaced with
+constant ratios and include the reference density and temperature. The solid has a free energy with
+constant specific heat, from which pressure and energy follow consistently.
 """
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("law", choices=("ideal_gas", "mie_gruneisen"), help="the equation of state")
     add("--density", type=float, nargs=2, metavar=("A", "B"),
-        help="least and greatest [kg/m3] (gas 0.001 100, solid 0.85 and 1.6 times --rest)")
+        help="least and greatest density [kg/m3] (gas 0.001 100, solid 0.85 and 1.6 times --rest)")
     add("--temperature", type=float, nargs=2, default=(50.0, 20000.0), metavar=("A", "B"),
-        help="least and greatest [K] (50 20000)")
+        help="least and greatest temperature [K] (50 20000)")
     add("--nodes", type=int, nargs=2, default=(60, 60), metavar=("N", "M"),
-        help="densities and temperatures (60 60)")
+        help="number of densities and of temperatures (60 60)")
     add("--gamma", type=float, required=True, help="ratio of specific heats; mg_gamma of the solid")
     add("--heat", type=float, required=True, help="specific heat at constant volume [J/(kg K)]")
-    add("--rest", type=float, help="density at rest of the solid [kg/m3]")
+    add("--rest", type=float, help="reference density of the solid [kg/m3]")
     add("--sound", type=float, help="mg_c0 of the solid [m/s]")
     add("--slope", type=float, help="mg_s of the solid")
-    add("--zero", type=float, default=293.0, help="temperature of rest, where e = 0 [K] (293)")
-    add("--out", metavar="FILE", help="the table (LAW.txt)")
+    add("--zero", type=float, default=293.0, help="reference temperature, where e = 0 [K] (293)")
+    add("--out", metavar="FILE", help="file of the table (LAW.txt)")
 
 
 def nodes(name: str, bounds: Sequence[float], count: int, rest: float | None = None) -> Array:

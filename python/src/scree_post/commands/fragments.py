@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Finds fragments: connected particles that have not failed.
 
-Particles are neighbours if their distance is at most --reach times the mean of their widths (on a
-lattice 1.5 ties those along edges and across faces), or with --cell if they lie in the same or in
-touching cells. The table has one line a fragment, the heaviest first. In axisymmetry fragments are
-rings, because that is what such a run can hold. Mirror planes are completed: a piece across one is
-whole, others are there twice. Pieces go on across periodic faces.
+Particles are neighbours if their distance is at most --reach times the mean of their widths (1.5
+connects the particles of a lattice along edges and face diagonals), or with --cell if they are in
+the same or in adjacent cells. The table has one line per fragment, the heaviest first. In
+axisymmetry fragments are rings. Models are completed at mirror planes: a fragment across the plane
+is counted once, with its full mass, any other fragment once on each side. Fragments continue across
+periodic boundaries.
 """
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
     from ..fragment_table import Fragments
 
-SUMMARY = "pieces that hold together: table, masses, cumulated numbers"
+SUMMARY = "connected intact particles: table, masses, cumulative numbers"
 EXAMPLES = ("fragments out/debris_cloud",
             "fragments out/debris_cloud --time 5us 10us --reach 2",
             "fragments out/debris_cloud_3d --all --cell 0.4mm --table pieces.csv")
@@ -52,12 +53,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     how.add_argument("--reach", type=float, default=1.5, metavar="F",
                      help="neighbours are within F times the mean of their widths (1.5)")
     how.add_argument("--cell", type=quantity, metavar="L",
-                     help="neighbours lie in the same or touching cells of this width, such as 1mm")
+                     help="neighbours are in the same or adjacent cells of this width, such as 1mm")
     add("--least", type=int, default=1, metavar="N",
-        help="fragments of fewer particles are left out")
+        help="omit fragments of fewer particles")
     add("--no-mirror", action="store_true", help="do not complete the model at mirror planes")
-    add("--table", metavar="CSV", help="default CASE_pieces.csv beside the series")
-    add("--out", metavar="PNG", help="picture; default CASE_pieces.png beside the series")
+    add("--table", metavar="CSV", help="table; default CASE_pieces.csv in the folder of the series")
+    add("--out", metavar="PNG", help="picture; default CASE_pieces.png in the folder of the series")
     add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
 
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Evaluates runs of scree --grains: constants of a sheared cell of grains for the continuum.
+"""Evaluates runs of scree --grains: constants of continuum laws from a sheared cell of grains.
 
-From the stages of one or several finished runs: friction mu and volume fraction phi against the
-inertial number, with fits; the time tau over which shear stress is kept, by survival of contacts,
-decay after a stop, normal stress and correlation; G and lambda of probes. The start of a shear
-stage, --skip, is left out. Tables, figures and a &material block for a deck are written beside
-the first run.
+From the stages of one or several finished runs the command computes friction mu and volume fraction
+phi as functions of the inertial number, with fits; the relaxation time tau of the shear stress from
+the survival of contacts, the decay after a stop, the normal stress and the correlation; and G and
+lambda from probes. The start of each shear stage (--skip) is omitted. Tables, figures and a
+&material block for a deck are written to the folder of the first run.
 """
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("folders", metavar="FOLDER", nargs="+", help="out/CASE of runs of scree --grains")
     add("--skip", type=float, default=1.0, metavar="STRAIN",
-        help="strain at the start of each shear stage that is left out (1); at most 40 %% of the stage")
-    add("--stage", metavar="NAME", help="shear stage whose constants the block takes; default: the slowest")
+        help="strain at the start of each shear stage that is omitted (1); at most 40 %% of the stage")
+    add("--stage", metavar="NAME", help="shear stage that gives the constants of the block; default: the slowest")
     add("--tau", choices=material.MEASURES, default="survival", help="measure of tau for the block (survival)")
     add("--law", choices=material.LAWS, default="granular", help="strength_model of the block (granular)")
     add("--out", metavar="NML", help="file of the block; default CASE_material.nml in the first folder")

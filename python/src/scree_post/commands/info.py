@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Says what a file holds: fields, units, ranges, bodies, times, and where it comes from.
+"""Prints the content of a file: fields, units, ranges, bodies, times and origin.
 
-Takes a snapshot, a series, a checkpoint, a history or another table, or a folder of results. Of a
-series the last snapshot is shown unless --time names another one. All numbers are in SI, also of
-files in other units (output_units of the deck).
+The file is a snapshot, a series, a checkpoint, a history or another table, or a folder of results.
+For a series the last snapshot is shown unless --time selects another one. All numbers are in SI,
+also those of files in other units (output_units of the deck).
 """
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("source", metavar="FILE", help="snapshot, series, checkpoint, history or folder")
     add("--time", type=quantity, metavar="T", help="snapshot of a series nearest to this time")
     add("--all", action="store_true", help="ranges over all snapshots of a series")
-    add("--deck", action="store_true", help="print the deck that the file carries, nothing else")
+    add("--deck", action="store_true", help="print only the deck that is stored in the file")
 
 
 def line(name: str, value: Any) -> None:
@@ -211,7 +211,7 @@ def kind_of(path: str) -> str:
             return "snapshot"
     except OSError as error:
         raise ScreeError(f"cannot open {path}: neither series, history, snapshot nor checkpoint, or "
-                        "cut short") from error
+                        "truncated") from error
 
 
 def deck_of(path: str) -> str:
@@ -221,11 +221,11 @@ def deck_of(path: str) -> str:
     if kind == "series":
         path, kind = series(path)[-1][1], "snapshot"
     if kind == "history":
-        raise ScreeError(f"{path}: a history carries no deck; ask a snapshot", EXIT_USAGE)
+        raise ScreeError(f"{path}: a history contains no deck; use a snapshot", EXIT_USAGE)
     with h5py.File(path, "r") as handle:
         name = "deck" if kind == "checkpoint" else "provenance/deck"
         if name not in handle:
-            raise ScreeError(f"{path} carries no deck")
+            raise ScreeError(f"{path} contains no deck")
         return bytes(handle[name][...]).decode("utf-8", "replace")
 
 

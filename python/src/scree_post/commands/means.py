@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Means over time of a steady state, with standard errors.
 
-Of a table (history, gauge, forces) each column: mean and standard error; a change between both
-halves of more than three of its errors and 5 % of the mean is marked as a drift. Of a series of
-grids each field in each cell: FIELD and FIELD_error in an image for ParaView. Errors are those of
-blocks of rows, the greatest over lengths of blocks (H. Flyvbjerg, H. G. Petersen, J. Chem. Phys.
-91 (1989) 461). Sums since the start, such as impulses, have no mean; take forces.
+For a table (history, gauge, forces): mean and standard error of each column; a difference between
+both halves of more than three errors and 5 % of the mean is marked as a drift. For a series of
+grids: FIELD and FIELD_error for each field in each cell, in an image for ParaView. Errors are from
+block averaging, the greatest over all block lengths (H. Flyvbjerg, H. G. Petersen, J. Chem. Phys.
+91 (1989) 461). Sums since the start, such as impulses, have no mean; use forces instead.
 """
 from __future__ import annotations
 
@@ -41,7 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--from", dest="begin", type=quantity, metavar="T", default=0.0, help="first time, such as 2ms (0)")
     add("--to", dest="end", type=quantity, metavar="T", default=float("inf"), help="last time (all)")
     add("--columns", metavar="X,Y", help="only these columns of a table")
-    add("--out", metavar="FILE", help="table as CSV; of grids the image, by default CASE_g_mean.hdf beside the series")
+    add("--out", metavar="FILE",
+        help="table as CSV; for grids the image, default CASE_g_mean.hdf in the folder of the series")
 
 
 def of_table(arguments: argparse.Namespace) -> int:

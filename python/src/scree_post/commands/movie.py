@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A film of a series: the particles of all times, coloured by a field.
+"""Draws a film of a series: the particles at all times, coloured by a field.
 
-Window and colours are the same on all pages. An .mp4 is written with ffmpeg, a .gif without; with
---out NAME.png the pages become pictures NAME_000000.png and so on.
+Window and colours are the same in all frames. An .mp4 requires ffmpeg, a .gif does not; with
+--out NAME.png the frames are written as pictures NAME_000000.png and so on.
 """
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("source", metavar="SERIES", help="CASE_p.hdf.series or out/CASE")
     add("--out", metavar="FILE", help="film (.mp4, .gif) or .png for numbered pictures; default "
-        "CASE_FIELD.mp4 beside the series")
+        "CASE_FIELD.mp4 in the folder of the series")
     add("--from", type=quantity, dest="begin", metavar="T", help="first time, such as 2us")
     add("--to", type=quantity, dest="end", metavar="T", help="last time")
     add("--every", type=int, default=1, metavar="N", help="every n-th snapshot (1)")
-    add("--rate", type=int, default=10, help="pictures a second (10)")
+    add("--rate", type=int, default=10, help="frames per second (10)")
     add("--quality", type=int, default=film.CLEAR, metavar="Q",
         help=f".mp4: from 0, the best, to 51, the smallest file ({film.CLEAR})")
-    add("--turn", type=float, default=0.0, metavar="DEG", help="3-D: turn the camera over the film")
+    add("--turn", type=float, default=0.0, metavar="DEG", help="3-D: rotate the camera by this angle during the film")
     view_options.add_arguments(parser)
     parser.set_defaults(dpi=100)
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes a script that opens a run in ParaView 5.11 or newer: particles of their size, by a field.
+"""Writes a script that opens a run in ParaView 5.11 or newer, with particles coloured by a field.
 
-The same is written as a state file where pvpython of ParaView is installed.
+If pvpython of ParaView is installed, a state file with the same content is written too.
 
     paraview --state=CASE_view.pvsm              # in a window: press play
     paraview --script=CASE_view.py               # the same
     pvbatch CASE_view.py picture.png             # without a window: the last time as a picture
 
 Both halves of axisymmetric runs are shown, and models with mirror planes are completed. The window
-holds all particles, or those that move if the others reach more than twice as far. Other fields
-are in the list of colours of ParaView. The script is a start; change it as you like.
+contains all particles, or only the moving ones if all particles extend over more than twice their
+range. Select other fields in the colour list of ParaView. You can edit the script.
 """
 from __future__ import annotations
 
@@ -115,8 +115,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("source", metavar="SERIES", help="CASE_p.hdf.series or out/CASE")
     parser.add_argument("--colour", "--color", metavar="FIELD",
                         help="a field, or a component such as velocity.z or stress.xx (velocity)")
-    parser.add_argument("--out", metavar="PY", help="script; default CASE_view.py beside the series. The state file "
-                        "is written beside it")
+    parser.add_argument("--out", metavar="PY", help="script; default CASE_view.py in the folder of the series. The "
+                        "state file is written to the same folder")
 
 
 def range_of(snap: Snapshot, name: str) -> tuple[float, float, str]:
@@ -155,7 +155,7 @@ def script_of(source: str, name: str | None, out: str) -> str:
     low, high, preset = range_of(snap, name)
     field, part = colours.field_of(name)
     if field not in snap.fields:
-        raise ScreeError(f"{name} is no field of the files, which ParaView needs", EXIT_USAGE)
+        raise ScreeError(f"{name} is not a field of the files; ParaView needs one", EXIT_USAGE)
     vector = snap.fields[field].ndim == 2
     si = snapshot(file, fields_for(name) | {"velocity"})
     flat = si.dimension != "3d"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws the particles of one time.
+"""Draws the particles at one time.
 
-Runs in one and two dimensions are drawn in their plane (axisymmetric ones with both halves), runs
-in three dimensions as spheres. Models with mirror planes are completed.
+One- and two-dimensional runs are drawn in their plane (axisymmetric runs with both halves),
+three-dimensional runs as spheres. Models with mirror planes are completed.
 """
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("source", metavar="SERIES_OR_SNAPSHOT",
                         help="CASE_p.hdf.series, CASE_p_000012.hdf or out/CASE")
     parser.add_argument("--time", "--at", type=quantity, metavar="T",
-                        help="nearest snapshot, in s or with a unit: 5us; default the last")
+                        help="time of the snapshot, in s or with a unit: 5us; default: the last")
     parser.add_argument("--out", metavar="PNG",
-                        help="picture (.png, .pdf, .svg); default CASE_FIELD.png beside the series")
+                        help="picture (.png, .pdf, .svg); default CASE_FIELD.png in the folder of the series")
     view_options.add_arguments(parser)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Plots histories: the whole ledger of a run, or chosen columns of one or several runs.
 
-Without --y the page holds energies, momenta, masses and their errors. With --y there is a panel
-for each unit among the columns; several histories are drawn into the same panels.
+Without --y the page shows energies, momenta, masses and their errors. With --y there is one panel
+for each unit of the columns; several histories are drawn in the same panels.
 """
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options."""
     add = parser.add_argument
     add("histories", metavar="HISTORY", nargs="+", help="CASE_history.csv or out/CASE")
-    add("--y", metavar="A,B", help="columns to draw; default: a page with the ledger")
-    add("--x", metavar="A", default="time", help="column along the page (time)")
-    add("--log", action="store_true", help="sizes of the columns on a logarithmic scale")
-    add("--log-x", action="store_true", help="the same along the page")
-    add("--out", metavar="PNG", help="picture (.png, .pdf, .svg); default beside the history")
+    add("--y", metavar="A,B", help="columns to plot; default: a page with the ledger")
+    add("--x", metavar="A", default="time", help="column of the horizontal axis (time)")
+    add("--log", action="store_true", help="absolute values on a logarithmic scale")
+    add("--log-x", action="store_true", help="logarithmic horizontal axis")
+    add("--out", metavar="PNG", help="picture (.png, .pdf, .svg); default: in the folder of the history")
     add("--title", help="default: the name of the case")
     add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws a scene before it runs: bodies, walls, boundaries with their types, and cells.
 
-`scree --preview DECK` writes the first state into OUTDIR_preview and calls this command. It takes
-the results of a run as well and then draws its first snapshot. Nothing is completed at mirror
-planes: the picture shows what is computed.
+`scree --preview DECK` writes the initial state to OUTDIR_preview and calls this command. For the
+results of a run it draws the first snapshot. Models are not completed at mirror planes: the picture
+shows only the computed part.
 """
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("source", metavar="FOLDER", help="OUTDIR_preview, out/CASE, a series or a snapshot")
     add("--by", choices=("body", "material"),
-        help="what colours stand for; default bodies, materials where there is one body")
-    add("--out", metavar="PNG", help="picture (.png, .pdf, .svg); default CASE_preview.png there")
+        help="colour by body or material; default: body, material if there is only one body")
+    add("--out", metavar="PNG", help="picture (.png, .pdf, .svg); default CASE_preview.png in that folder")
     add("--view", type=quantity, nargs=4, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"),
         help="part to show, in m or with a unit: --view -10mm 10mm 0 30mm")
     add("--camera", metavar="FROM", default="corner",

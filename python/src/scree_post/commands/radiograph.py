@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Synthetic flash radiographs of a run.
 
-The areal density along a line of sight is what a flash X-ray shows. Three rows are drawn for each
-frame: the film (transmission exp(-mu * areal density)), the areal density on a log scale, and the
-particles by body, failed matter in a lighter tint. Flight is to the right. Particles of an
-axisymmetric run are rings, seen from the side; mirror planes of a 3-D run are completed.
+A flash X-ray shows the areal density along a line of sight. Three rows are drawn for each frame:
+the film (transmission exp(-mu * areal density)), the areal density on a log scale, and the
+particles by body, with failed material in a lighter colour. The flight direction is to the right.
+Particles of an axisymmetric run are rings, seen from the side; 3-D models are completed at mirror
+planes.
 """
 from __future__ import annotations
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from scree.drawing.areal_density import Frame
     from scree.files import Moment, beside, nearest
 
-SUMMARY = "what a flash X-ray would see, as page and as film"
+SUMMARY = "simulated flash X-ray image, as picture and film"
 EXAMPLES = ("radiograph out/debris_cloud",
             "radiograph out/debris_cloud --time 5 10 20",
             "radiograph out/debris_cloud --last --unit g/cm2 --movie cloud.gif")
@@ -41,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("source", metavar="SERIES_OR_SNAPSHOT",
         help="CASE_p.hdf.series, CASE_p_000012.hdf or out/CASE")
     add("--out", metavar="PNG",
-        help="picture (.png, .pdf, .svg); default CASE_radiograph.png beside the series")
+        help="picture (.png, .pdf, .svg); default CASE_radiograph.png in the folder of the series")
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--time", type=in_unit("us"), nargs="+", metavar="T",
                        help="nearest snapshots, in us or with a unit: 5us, 2ms")
@@ -49,18 +50,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     which.add_argument("--frames", type=int, default=4, metavar="N", help="number of frames (4)")
     add("--axis", choices=("x", "y"), default="y", help="line of sight (y); 3-D only")
     add("--pixel", type=in_unit("mm"), metavar="L",
-        help="size of a pixel, in mm or with a unit; default: 700 over the cloud")
+        help="size of a pixel, in mm or with a unit; default: 700 pixels across the cloud")
     add("--mu", type=float, metavar="MU", help="absorption [m2/kg]; default: chosen for contrast")
     add("--smear", choices=SMEARS, default="spacing", help="spread particles that moved apart over "
         "the gaps between them (spacing), or draw each as wide as its volume (volume)")
     add("--unit", choices=("kg/m2", "g/cm2"), default="kg/m2",
-        help="of the areal density (kg/m2)")
+        help="unit of the areal density (kg/m2)")
     add("--view", type=in_unit("mm"), nargs=4, metavar=("ZLO", "ZHI", "VLO", "VHI"),
         help="part to show, in mm or with a unit")
     add("--title", help="default: the title of the run")
     add("--dpi", type=int, default=150, help="pixels per inch of the picture (150)")
-    add("--movie", metavar="FILE", help="also a film of all snapshots, .gif or .mp4")
-    add("--rate", type=int, default=10, help="pictures a second of the film (10)")
+    add("--movie", metavar="FILE", help="write a film of all snapshots too, .gif or .mp4")
+    add("--rate", type=int, default=10, help="frames per second of the film (10)")
 
 
 def check_arguments(arguments: argparse.Namespace) -> None:
@@ -71,7 +72,7 @@ def check_arguments(arguments: argparse.Namespace) -> None:
             raise ScreeError(f"--{name} must be above 0", EXIT_USAGE)
     view = arguments.view
     if view and not (view[0] < view[1] and view[2] < view[3]):
-        raise ScreeError("--view wants ZLO < ZHI and VLO < VHI", EXIT_USAGE)
+        raise ScreeError("--view needs ZLO < ZHI and VLO < VHI", EXIT_USAGE)
     if arguments.movie:
         film.check_film(arguments.movie, "--movie")
 
@@ -141,5 +142,5 @@ def run(arguments: argparse.Namespace) -> int:
         movie(frames, make, title, options, arguments)
     worst = max(frame.mass_error for frame in chosen)
     if worst > 1.0e-6:
-        raise ScreeError(f"the image misses the mass of the particles by {worst:.1e}", EXIT_DEFECT)
+        raise ScreeError(f"the mass in the image differs from that of the particles by {worst:.1e}", EXIT_DEFECT)
     return 0

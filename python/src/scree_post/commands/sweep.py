@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs a deck for all combinations of values and collects the results.
 
-Every combination gets a folder of its own below --outdir. A combination that is done is not run
-again, one that was stopped goes on from its checkpoint, so that the same command resumes a
-study. Results of another deck or program are replaced only with --overwrite. A run has one thread,
-and as many run at a time as there are cores. The table keeps the runs of earlier sweeps of the same
-deck and program in that folder. It holds the values, how the run ended, and the quantities of
---take: names of the summary, columns of the history at the end, with .max, .min or .mean over the
-history, or extents of the last snapshot such as length, radius, front_z. A value that holds commas
-is separated by semicolons: --set 'body[ball].velocity=0,0,1;0,0,2'.
+Every combination has a separate folder below --outdir. Completed combinations are not run again,
+and stopped ones continue from their checkpoint, so the same command resumes a study. Results of
+another deck or program are replaced only with --overwrite. Each run has one thread, and there are
+as many simultaneous runs as cores. The table keeps the runs of earlier sweeps of the same deck and
+program in that folder. It contains the values, how each run ended, and the quantities of --take:
+names in the summary, columns of the history at the end, with .max, .min or .mean over the history,
+or extents of the last snapshot such as length, radius, front_z. If values contain commas, separate
+them by semicolons: --set 'body[ball].velocity=0,0,1;0,0,2'.
 """
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SUMMARY = "a deck for many values: table and plot of what came out"
+SUMMARY = "run a deck for several values: table and plot of the results"
 EXAMPLES = ("sweep input/two_discs/scene.nml --set grid.dx=0.05,0.025 --take energy_error,steps",
             "sweep input/column_collapse/scene.nml --set material.friction_angle=30,45 --jobs 2",
             "sweep input/debris_cloud/scene.nml --set 'body[sphere].velocity=0,0,6;0,0,7' --list")
@@ -49,13 +49,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--set", metavar="G.K=A,B", action="append", required=True, dest="values",
         help="values of a key; repeat for more keys")
     add("--take", metavar="X,Y", default=DEFAULT, help=f"quantities of the table ({DEFAULT})")
-    add("--jobs", type=int, metavar="N", help="runs at a time; default the cores over --threads")
+    add("--jobs", type=int, metavar="N", help="number of simultaneous runs; default: cores over --threads")
     add("--threads", type=int, metavar="N", help="threads of a run; default OMP_NUM_THREADS or 1")
     add("--overwrite", action="store_true", help="replace results of another deck or program")
     add("--outdir", metavar="DIR", help="default out/NAME_sweep with the name of the deck")
     add("--scree", metavar="PROGRAM", help="the program; default build/bin/scree or in the path")
     add("--out", metavar="PNG", help="plot; default DIR/sweep.png")
-    add("--list", action="store_true", help="print the combinations and run nothing")
+    add("--list", action="store_true", help="only print the combinations")
 
 
 def settings(words: Sequence[str]) -> dict[str, list[str]]:
@@ -70,9 +70,9 @@ def settings(words: Sequence[str]) -> dict[str, list[str]]:
         if not values:
             raise ScreeError(f"--set {word}: no value", EXIT_USAGE)
         if key in found:
-            raise ScreeError(f"--set {key} is given twice; list its values behind one", EXIT_USAGE)
+            raise ScreeError(f"--set {key} is given twice; give all its values in one option", EXIT_USAGE)
         if len(set(values)) < len(values):
-            raise ScreeError(f"--set {word}: a value stands there twice", EXIT_USAGE)
+            raise ScreeError(f"--set {word}: a value is given twice", EXIT_USAGE)
         found[key] = values
     return found
 
@@ -87,7 +87,7 @@ def quantity_of(run: Run, name: str) -> tuple[float, str]:
     """A number of the summary or of the history of a run, and its unit."""
     base, _, over = name.partition(".")
     if over and over not in OVER:
-        raise unknown("word behind the point", over, OVER, name)
+        raise unknown("suffix after the point", over, OVER, name)
     if name in EXTENTS:
         return value_of(run, name), "m"
     ends: dict[str, Any] = run.summary.get("ledger", {}).get("end", {})
@@ -222,7 +222,7 @@ def check_arguments(arguments: argparse.Namespace) -> tuple[list[str], dict[str,
     for name in names:
         over = name.partition(".")[2]
         if over and over not in OVER:
-            raise unknown("word behind the point", over, OVER, f"--take {name}")
+            raise unknown("suffix after the point", over, OVER, f"--take {name}")
     return names, settings(arguments.values)
 
 

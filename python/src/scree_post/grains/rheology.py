@@ -55,7 +55,7 @@ def steady_shear(run: CellRun, stage: Stage, skip: float, generator: np.random.G
     fraction = rows["volume_fraction"]
     stress, pressure = float(shear.mean()), float(normal.mean())
     if not (pressure > 0.0 and stress > 0.0):
-        raise ScreeError(f"{run.path('_history.csv')}: stage '{stage.name}' carries no stress: pressure {pressure:.3g} "
+        raise ScreeError(f"{run.path('_history.csv')}: stage '{stage.name}' has no stress: pressure {pressure:.3g} "
                         f"Pa, shear stress {stress:.3g} Pa; compress the cell first")
     means = statistics.resampled_means([shear, normal, sign * difference, fraction], generator)
     samples = {"mu": means[:, 0] / means[:, 1], "phi": means[:, 3], "normal": means[:, 2] / (2.0 * means[:, 0]),
