@@ -175,7 +175,7 @@ SITUATIONS = {
     # cells of grains
     "D347": {
         "files": {"cell.nml": GRAIN_CELL.replace("'isotropic'", "'xyz'")},
-        "text": "Discs are compressed along three axes:",
+        "text": "Discs with servos along three axes:",
         "shows": "&stage servo = 'xyz'  duration = 1e-4 /", "commands": ["scree --grains --check cell.nml"],
         "right": "&stage servo = 'isotropic'  duration = 1e-4 /", "right_files": {"cell.nml": GRAIN_CELL}},
     "R125": {
@@ -187,7 +187,7 @@ SITUATIONS = {
         "commands": ["scree --grains -q --restart cell.nml"]},
     # the command line
     "D109": {
-        "files": {"scene.nml": "! density 2700, young 70e9\n"}, "text": "A deck that holds a comment alone:",
+        "files": {"scene.nml": "! density 2700, young 70e9\n"}, "text": "A deck that contains only a comment:",
         "shows": "! density 2700, young 70e9", "commands": [CHECK],
         "then": ["scree --template > scene.nml"], "see": ["../learn/first_deck.md"]},
     "C101": {"files": {"scene.nml": BAR}, "commands": ["scree --chek scene.nml"],
@@ -231,7 +231,8 @@ SITUATIONS = {
         "before": ["mkdir my_discs", "touch my_discs/notes.txt"], "commands": ["scree --new two_discs my_discs"],
         "then": ["scree --new two_discs other_discs"], "see": ["../guide/running.md#a-case-of-your-own"]},
     "C203": {
-        "before": ['cp "$(command -v scree)" scree'], "text": "The program was copied alone to another folder:",
+        "before": ['cp "$(command -v scree)" scree'],
+        "text": "The program was copied to another folder without its other files:",
         "commands": ["./scree --list examples"], "see": ["../guide/running.md#a-case-of-your-own"]},
     "C204": {"files": {"scene.nml": BAR}, "commands": ["scree --job sge scene.nml"],
                                 "then": ["scree --job slurm scene.nml > job.sh"],
@@ -247,38 +248,39 @@ SITUATIONS = {
                   "see": ["../guide/running.md#ranks-and-threads"]},
     # runs that end early
     "R101": {
-        "files": {"scene.nml": BAR.replace("1e-4", "1e-4  dt_min = 1e-5")}, "text": "A whole deck:",
+        "files": {"scene.nml": BAR.replace("1e-4", "1e-4  dt_min = 1e-5")}, "text": "The complete deck:",
         "shows": BAR.replace("1e-4", "1e-4  dt_min = 1e-5"), "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.dt_min=1e-9"]},
     "R102": {
-        "files": {"scene.nml": BLOCK}, "text": "A whole deck; its step is ten times the stable one:", "shows": BLOCK,
+        "files": {"scene.nml": BLOCK},
+        "text": "The complete deck; the time step is ten times the stable one:", "shows": BLOCK,
         "commands": [RUN], "right": FREE,
         "right_files": {"scene.nml": BLOCK.replace("  dt_fixed = 0.08", "")}},
     "R103": {
-        "files": {"scene.nml": MEET}, "text": "A whole deck:", "shows": MEET, "commands": [RUN],
+        "files": {"scene.nml": MEET}, "text": "The complete deck:", "shows": MEET, "commands": [RUN],
         "right": "&time t_end = 0.02 /",
         "right_files": {"scene.nml": MEET.replace("  cfl = 0.9  dt_min = 2e-3", "")}},
     "R104": {
-        "files": {"scene.nml": CUBE}, "text": "A whole deck; its modulus was mistyped, and `dt_fixed` and "
-        "`dt_collapse = 0` keep the run from being ended for its step:", "shows": CUBE, "commands": [RUN],
+        "files": {"scene.nml": CUBE}, "text": "The complete deck; the modulus is mistyped, and `dt_fixed` and "
+        "`dt_collapse = 0` prevent an earlier end because of the time step:", "shows": CUBE, "commands": [RUN],
         "right": "&time t_end = 10 /", "traps": True,
         "right_files": {"scene.nml": CUBE.replace("10  dt_fixed = 0.08  dt_collapse = 0", "0.5").replace(
             "1e60", "1e6")}},
     "R105": {
-        "files": {"scene.nml": INSIDE_OUT}, "text": "A whole deck; its step is far too long, and two guards that "
-        "would have seen it before are switched off:", "shows": INSIDE_OUT, "commands": [RUN], "right": FREE,
+        "files": {"scene.nml": INSIDE_OUT}, "text": "The complete deck; the time step is far too long, and "
+        "two limits that would end the run earlier are switched off:", "shows": INSIDE_OUT, "commands": [RUN], "right": FREE,
         "right_files": {"scene.nml": INSIDE_OUT.replace(
             "  dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0", "")}},
     "R106": {
-        "files": {"scene.nml": PRESSED}, "text": "A whole deck, of soft blocks that meet at eight times their speed "
-        "of sound; nothing may be pressed to less than half:", "shows": PRESSED, "commands": [RUN],
+        "files": {"scene.nml": PRESSED}, "text": "The complete deck of soft blocks that collide at eight times "
+        "their speed of sound; the limit of compression is half the volume:", "shows": PRESSED, "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.volume_ratio_min=0.01"]},
     "R107": {
-        "files": {"scene.nml": PULLED}, "text": "A whole deck, of a bar that is torn from a wall; nothing may grow by "
-        "more than 2 %:", "shows": PULLED, "commands": [RUN],
+        "files": {"scene.nml": PULLED}, "text": "The complete deck of a bar that is pulled from a wall; the limit "
+        "of expansion is 2 %:", "shows": PULLED, "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml --set time.volume_ratio_max=1e12"]},
     "R108": {
-        "files": {"scene.nml": DROP}, "text": "A whole deck, of a cube that falls:", "shows": DROP,
+        "files": {"scene.nml": DROP}, "text": "The complete deck of a falling cube:", "shows": DROP,
         "commands": [RUN], "then": ["scree -q --overwrite scene.nml --set time.speed_max=100"]},
     "R109": {
         "files": {"scene.nml": PRESSED.replace("min = 0.5", "min = 0.5  on_bad = 'retire'")},
@@ -290,7 +292,8 @@ SITUATIONS = {
         "shows": DROP.split("\n")[3], "commands": [RUN],
         "then": ["scree -q --overwrite scene.nml -s time.max_steps={max_steps}"]},
     "R111": {
-        "files": {"scene.nml": FAST}, "text": "A whole deck; its step is a little longer than the stable one:",
+        "files": {"scene.nml": FAST},
+        "text": "The complete deck; the time step is slightly longer than the stable one:",
         "shows": FAST, "commands": [RUN], "right": FREE,
         "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.04  dt_collapse = 0", "")}},
     "R112": {
@@ -299,24 +302,24 @@ SITUATIONS = {
         "right_files": {"scene.nml": FAST.replace("  dt_fixed = 0.04  dt_collapse = 0", "")},
         "see": ["output.md#trust"]},
     "R113": {
-        "files": {"scene.nml": JET}, "text": "A whole deck, of a gas whose step is too long:", "shows": JET,
+        "files": {"scene.nml": JET}, "text": "The complete deck of a gas with too long a time step:", "shows": JET,
         "commands": [RUN], "right": JET.split("\n")[2].replace("  dt_fixed = 0.015  dt_collapse = 0", ""),
         "right_files": {"scene.nml": JET.replace("  dt_fixed = 0.015  dt_collapse = 0", "")},
         "see": ["output.md#trust"]},
     "R114": {
-        "files": {"scene.nml": GUM}, "text": "A whole deck, of a bar that is drawn out:", "shows": GUM,
+        "files": {"scene.nml": GUM}, "text": "The complete deck of a bar that is stretched:", "shows": GUM,
         "commands": [RUN], "then": ["scree -q --overwrite scene.nml --set method.split=T"], "see": ["output.md#trust"]},
     "R115": {
         "files": {"scene.nml": GAS},
-        "text": "A whole deck, of a gas at rest in a box, with irregular particles and sums that are not normalised:",
+        "text": "The complete deck of a gas at rest in a box, with irregular particles and without normalised sums:",
         "shows": GAS, "commands": [RUN], "right": "&method normalise = 'gases' /",
         "right_files": {"scene.nml": GAS.replace("'none'", "'gases'")}, "see": ["output.md#trust"]},
     "R116": {
-        "files": {"scene.nml": LOCKED}, "text": "A whole deck, of nearly incompressible rubber that hits a wall:",
+        "files": {"scene.nml": LOCKED}, "text": "The complete deck of nearly incompressible rubber that hits a wall:",
         "shows": LOCKED, "commands": [RUN], "right": "poisson = 0.3",
         "right_files": {"scene.nml": LOCKED.replace("0.49", "0.3")}, "see": ["output.md#trust"]},
     "R117": {
-        "files": {"scene.nml": SOFT}, "text": "A whole deck, of two blocks of rubber that collide:", "shows": SOFT,
+        "files": {"scene.nml": SOFT}, "text": "The complete deck of two rubber blocks that collide:", "shows": SOFT,
         "commands": [RUN], "right": "&method stress_update = 'usavg' /",
         "right_files": {"scene.nml": SOFT.replace("'usl'", "'usavg'")},
         "see": ["output.md#trust"]},
@@ -333,12 +336,12 @@ SITUATIONS = {
                   "scree -q --restart scene.nml --set time.t_end=10 --set \"time.wall_limit='00:00:00'\"")],
         "see": ["../guide/running.md#signals"]},
     "R122": {
-        "files": {"scene.nml": BAR}, "text": "In a job that `squeue` does not know:",
+        "files": {"scene.nml": BAR}, "text": "In a job that `squeue` does not list:",
         "commands": ["SLURM_JOB_ID=12 scree -q scene.nml --set \"time.wall_limit='slurm'\""],
         "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""],
         "see": ["../guide/running.md#signals"]},
     "R123": {
-        "files": {"scene.nml": BAR}, "text": "Outside of a job:",
+        "files": {"scene.nml": BAR}, "text": "Outside a Slurm job:",
         "commands": ["scree -q scene.nml --set \"time.wall_limit='slurm'\""],
         "then": ["scree -q --overwrite scene.nml --set \"time.wall_limit='03:30:00'\""],
         "see": ["../guide/running.md#signals"]},
@@ -349,7 +352,7 @@ SITUATIONS = {
         "see": ["../guide/clusters.md#ranks-and-threads-on-processors"]},
     "R119": {
         "files": {"scene.nml": BAR.replace("velocity = 1 ", "velocity = 5000 ")},
-        "text": "Boundaries that the deck does not name are open, and the bar flies through one:",
+        "text": "Boundaries without a `&boundary` group are open, and the bar leaves through one of them:",
         "commands": ["scree -q scene.nml --set time.t_end=1e-3"],
         "then": ["scree -q --overwrite scene.nml"], "see": ["../guide/running.md#how-a-run-ends"]},
     # files
@@ -357,7 +360,7 @@ SITUATIONS = {
         "before": ["scree --new two_discs my_discs"], "commands": ["scree --check my_discs"],
         "then": ["scree --check my_discs/two_discs.nml"], "see": ["../guide/running.md#a-case-of-your-own"]},
     "F102": {
-        "files": {"scene.nml": BAR, "results": "a file\n"}, "text": "There is a file `results` already:",
+        "files": {"scene.nml": BAR, "results": "a file\n"}, "text": "A file `results` exists already:",
         "commands": ["scree -q scene.nml --outdir results"], "then": ["scree -q scene.nml --outdir results_2"],
         "see": ["output.md"]},
     "F103": {
@@ -366,14 +369,14 @@ SITUATIONS = {
     "F104": {
         "files": {"scene.nml": BAR}, "before": ["scree -q scene.nml --outdir first",
                                                 "scree -q scene.nml --set checkpoint.at_end=F"],
-        "text": "The run wrote into the folder `first`; that is misspelt once, and once it is left out:",
+        "text": "The run wrote to the folder `first`; the first command misspells it, the second omits it:",
         "commands": ["scree -q --restart scene.nml --outdir frist", AGAIN],
         "then": ["scree -q --restart scene.nml --outdir first"],
         "see": ["../guide/running.md#checkpoints-and-restart"]},
     "F105": {
         "files": {"scene.nml": BAR}, "before": [RUN, "cp out/scene/scene_chk_0001.h5 whole.h5",
                                                 "head -c 9999 whole.h5 > out/scene/scene_chk_0001.h5"],
-        "text": "The only checkpoint was copied in part:", "commands": [AGAIN],
+        "text": "The only checkpoint was copied incompletely:", "commands": [AGAIN],
         "then": ["cp whole.h5 out/scene/scene_chk_0001.h5", AGAIN],
         "see": ["../guide/running.md#checkpoints-and-restart"]},
     "F106": {"files": {"secne.nml": BAR}, "commands": [CHECK], "then": ["scree --check secne.nml"],
@@ -381,36 +384,36 @@ SITUATIONS = {
     "F107": {
         "files": {"scene.nml": SERIES},
         "before": [RUN, "head -c 9999 out/scene/scene_chk_0002.h5 > out/scene/scene_chk_0009.h5"],
-        "text": "A checkpoint was copied in part:",
+        "text": "A checkpoint was copied incompletely:",
         "commands": ["scree -q --restart out/scene/scene_chk_0009.h5 scene.nml"],
         "then": [AGAIN], "see": ["../guide/running.md#checkpoints-and-restart"]},
     "F108": {
         "files": {"scene.nml": SERIES},
         "before": [RUN, "cp out/scene/scene_chk_0002.h5 bad.h5",
                    "printf X | dd of=bad.h5 bs=1 seek=3000 conv=notrunc 2> /dev/null"],
-        "text": "One letter of a checkpoint was changed:", "commands": ["scree --digest bad.h5"],
+        "text": "One byte of a checkpoint was changed:", "commands": ["scree --digest bad.h5"],
         "then": [AGAIN], "see": ["output.md#checkpoints-and-the-digest"]},
     "F109": {
         "files": {"scene.nml": BAR},
         "before": [RUN, "sed 's/scree-checkpoint-[0-9]/scree-checkpoint-0/' out/scene/scene_chk_0001.h5 > old.h5",
                    "mv old.h5 out/scene/scene_chk_0002.h5"],
-        "text": "A checkpoint of an older program:",
+        "text": "A checkpoint of an older version of the program:",
         "commands": ["scree -q --restart out/scene/scene_chk_0002.h5 scene.nml"],
         "see": ["output.md#checkpoints-and-the-digest"]},
     "F110": {
         "files": {"scene.nml": BAR}, "before": [RUN],
-        "text": "A finished run is to go on with smaller cells and another density, and with another modulus:",
+        "text": "A finished run is restarted with smaller cells and another density, then with another modulus:",
         "commands": ["scree -q --restart scene.nml --set grid.dx=0.05 --set material.density=2650",
                      "scree -q --restart scene.nml --set material.poisson=0.25"],
         "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": [OTHER_DECK]},
     "F111": {
-        "files": {"scene.nml": BAR}, "before": [RUN], "text": "The same command is given a second time:",
+        "files": {"scene.nml": BAR}, "before": [RUN], "text": "The same command is run a second time:",
         "commands": [RUN], "then": ["scree -q --restart scene.nml --set time.t_end=2e-4",
                                     "scree -q --overwrite scene.nml"],
                                     "see": ["../guide/running.md#existing-results"]},
     "F112": {
         "files": {"scene.nml": BAR.replace("'1d' /", "'1d'  method = 'mpm' /")}, "before": [RUN],
-        "text": "The first run had the default `transfer`, whose particles carry no gradient of velocity:",
+        "text": "The first run had the default `transfer`, with which particles do not store a velocity gradient:",
         "commands": ["scree -q --restart scene.nml --set time.t_end=2e-4 --set method.transfer=apic"],
         "then": ["scree -q --restart scene.nml --set time.t_end=2e-4"], "see": [OTHER_DECK]},
     "F113": {
@@ -452,14 +455,14 @@ SITUATIONS = {
             "first.nml": FIRST + "&output name = 'p'  kind = 'particles'  count = 1  fields = 'state' /\n"}},
     "D417": {
         "files": {"scene.nml": TURNED, "first.nml": BOXES}, "before": SNAPSHOT,
-        "text": "The boxes of `basis = 'gimp'` lie along the coordinates; the points of the snapshot are turned:",
+        "text": "The particle boxes of `basis = 'gimp'` are aligned with the axes, and the points are rotated:",
         "shows": TURNED.split("\n")[5], "commands": [CHECK],
         "right": TURNED.split("\n")[5].replace(*QUARTER),
         "right_files": {"scene.nml": TURNED.replace(*QUARTER)}},
     "D418": {
         "files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .true. /\n",
                   "first.nml": STATE}, "before": LAST,
-        "text": "The run that wrote the snapshot was without this line:", "shows": "&method paper = .true. /",
+        "text": "The run that wrote the snapshot had no such line:", "shows": "&method paper = .true. /",
         "commands": [CHECK], "right": "&method paper = .false. /",
         "right_files": {"scene.nml": FURTHER.replace("  initial_stress = 'file'", "") + "&method paper = .false. /\n"}},
     "F118": {
@@ -469,13 +472,13 @@ SITUATIONS = {
         "right_files": {"scene.nml": PUSHED, "ram.csv": RAM}},
     "F119": {
         "files": {"scene.nml": STATES_DECK, "states.txt": COLD},
-        "text": "The table `states.txt`; the second line has less energy than the first, at a higher temperature:",
+        "text": "The table `states.txt`; the second line has a higher temperature but less energy than the first:",
         "shows": COLD,
         "commands": [CHECK], "right": STATES, "right_files": {"scene.nml": STATES_DECK, "states.txt": STATES},
         "see": ["materials.md#equations-of-state-as-tables"]},
     "F120": {
         "files": {"scene.nml": BAR}, "before": [RUN],
-        "text": "The run is to go on with outputs in other units:",
+        "text": "The run is continued with outputs in other units:",
         "commands": ["scree -q --restart scene.nml --set time.t_end=2e-4 --set units.output_units=cgs"],
         "then": ["mv out/scene/scene_history.csv out/scene/first_history.csv",
                  "scree -q --restart scene.nml --set time.t_end=2e-4 --set units.output_units=cgs"],
@@ -483,13 +486,13 @@ SITUATIONS = {
     "F121": {
         "files": {"scene.nml": SERIES}, "before": [RUN, "cp out/scene/scene_p_000001.hdf whole.hdf",
                                                    "head -c 999 whole.hdf > out/scene/scene_p_000001.hdf"],
-        "text": "A snapshot was copied in part:", "commands": [AGAIN],
+        "text": "A snapshot was copied incompletely:", "commands": [AGAIN],
         "then": ["cp whole.hdf out/scene/scene_p_000001.hdf", AGAIN],
         "see": ["../guide/running.md#checkpoints-and-restart"]},
     "F122": {
         "files": {"scene.nml": FURTHER, "first.nml": FIRST},
         "before": [*SNAPSHOT, "mv first.hdf whole.hdf", "head -c 999 whole.hdf > first.hdf"],
-        "text": "Points are to come from a snapshot that was copied in part:",
+        "text": "The points are read from a snapshot that was copied incompletely:",
         "shows": FURTHER.split("\n")[4], "commands": [CHECK]},
     "C112": {"files": {"scene.nml": BAR}, "commands": ["scree --check scene.nml --set"],
              "then": ["scree --check scene.nml --set grid.dx=0.05"]},
