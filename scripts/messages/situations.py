@@ -268,7 +268,8 @@ SITUATIONS = {
             "1e60", "1e6")}},
     "R105": {
         "files": {"scene.nml": INSIDE_OUT}, "text": "The complete deck; the time step is far too long, and "
-        "two limits that would end the run earlier are switched off:", "shows": INSIDE_OUT, "commands": [RUN], "right": FREE,
+        "two limits that would end the run earlier are switched off:", "shows": INSIDE_OUT, "commands": [RUN],
+        "right": FREE,
         "right_files": {"scene.nml": INSIDE_OUT.replace(
             "  dt_fixed = 0.08  dt_collapse = 0  volume_ratio_min = 0", "")}},
     "R106": {
