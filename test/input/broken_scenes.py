@@ -371,9 +371,9 @@ ANGLES = [
 # Sizes that are hardly meant.
 SIZES = [
     ("shock", "dx = 0.5", "dx = 1e-4", 13,
-     "&body 'sphere': its region reaches 7.41296e10 tiles, more than 2.0e8; take larger"),
+     "&body 'sphere': its region reaches 7.41296e10 tiles, more than 2.0e8; use larger"),
     ("shock", "dx = 0.5", "dx = 0.00125", 13,
-     "&body 'sphere': would hold up to 6.5536e10 points, more than 1.0e10; take larger"),
+     "&body 'sphere': would hold up to 6.5536e10 points, more than 1.0e10; use larger"),
     ("shock", "dt = 1", "dt = 1e-5", 17,
      "&output 'cloud': would write 800.64 GB in 1000000 files; write less often, or"),
     ("shock", "dt = 1", "dt = 1e-12", 17,

@@ -103,7 +103,7 @@ class TestPrisms:
                 ("span", TRIANGLE, "3d", "in 3-D a prism needs span"),
                 ("ends", TRIANGLE + "  span = 0.5 0.5", "3d", "the end of span must be above its start"),
                 ("wide", TRIANGLE + "  span = 0 1", "plane_strain", "remove span"),
-                ("axis", TRIANGLE + "  axis = 1 1 0  span = 0 1", "3d", "must be one of the coordinates"),
+                ("axis", TRIANGLE + "  axis = 1 1 0  span = 0 1", "3d", "must be a coordinate axis"),
                 ("plane", TRIANGLE + "  axis = 0 0 1", "plane_strain", "remove axis"),
                 ("line", TRIANGLE, "1d", "a 1-D scene has no plane for a polygon; use a box"),
                 ("none", "", "plane_strain", "polygon")]:
