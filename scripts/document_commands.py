@@ -112,9 +112,9 @@ def man_page(program):
             "\\fIN\\fR", ".B scree", "[\\fIoptions\\fR] \\fIDECK.nml\\fR", ".SH DESCRIPTION",
             "Reads a deck, a text file that describes bodies, materials and a grid, computes how the bodies move",
             "and break, and writes snapshots and tables into a folder. The result has the same bits for any number",
-            "of ranks and threads, and after a restart. A deck with all keys comes from",
+            "of ranks and threads, and after a restart. To print a deck with all keys use",
             ".BR \"scree \\-\\-template\" ,",
-            "a scene to begin with from", ".BR \"scree \\-\\-new\" .", ".SH OPTIONS"]
+            "to copy an example use", ".BR \"scree \\-\\-new\" .", ".SH OPTIONS"]
     for typed, meaning in entries(lines):
         text += [".TP", f".B {roff(typed)}", roff(meaning)]
     text += [".SH EXIT STATUS", ".nf"]
@@ -207,15 +207,17 @@ def page(program):
     ends = [item.strip().partition(" ") for item in re.split(r", (?=\d)", joined) if item.strip()]
     posts = [(f"`{name}`", post_summary(name)) for name in post_commands()]
     return "\n".join((
-        "# Command line", "", "Written by `scripts/document_commands.py` from the help; do not edit it.",
-        "[Running](../guide/running.md) explains how to use them.", "", "## scree", "", "```text",
+        "# Command line", "",
+        "This page is written by `scripts/document_commands.py` from the help of the commands; do not edit it.",
+        "[Running](../guide/running.md) explains the use of the program.", "", "## scree", "", "```text",
         "scree [options] DECK.nml", "mpirun -n N scree [options] DECK.nml", "```", "",
         table(("option", "meaning"), [(f"`{typed}`", meaning) for typed, meaning in entries(lines)]),
         "### Exit codes", "", table(("code", "meaning"), [(code, meaning) for code, _, meaning in ends]),
         "### Examples", "", "```text", *(line.strip() for line in examples), "```", "", "## scree-post", "",
         "`scree-post COMMAND --help` lists options and examples of a command;",
-        "[Post-processing](../guide/post_processing.md) explains them.", "", table(("command", "what it does"), posts),
-        "## scree-bench", "", "Measures the speed of a machine ([Speed](../guide/speed.md)).", "",
+        "[Post-processing](../guide/post_processing.md) explains the commands.", "",
+        table(("command", "purpose"), posts),
+        "## scree-bench", "", "`scree-bench` measures the speed of a machine ([Speed](../guide/speed.md)).", "",
         table(("option", "meaning"), document_bench.rows())))
 
 

@@ -66,16 +66,16 @@ PROSE = {"at", "axis", "bodies", "body", "fields", "file", "law", "material", "n
 HEAD = """# Messages
 
 Every error and warning of the program ends with a code such as `[D209]`. `scree --explain D209`, or `scree --explain`
-with the line as printed, shows what this page says about it; `scree --list messages` lists all codes.
+with the printed line, prints cause, remedy and example as on this page; `scree --list messages` lists all codes.
 
 A message on a deck has the form `FILE:LINE: error: &GROUP 'NAME': ... [CODE]`, with `command line` in place of file
 and line for values of `--set`. All errors of a deck are reported together, in the order of the lines; nothing is
 computed and no file is changed. Checks that depend on faulty input are skipped, so one mistake does not cause
 follow-up errors. The program ends with exit code 2 after an error in the deck or on the command line, 3 after an error
-of a file, 4 if a run had to stop, 5 after a defect of the program, 75 if `--restart` continues the run. Warnings do not
+with a file, 4 if a run had to stop, 5 after a bug in the program, 75 if `--restart` continues the run. Warnings do not
 stop a run.
 
-Below, `...` stands for names and numbers. Examples show a wrong deck, file or command, the message, and what is right.
+Below, `...` stands for names and numbers. Examples show a wrong deck, file or command, the message, and the correction.
 [scripts/document_messages.py](../../scripts/document_messages.py) writes this page from
 [src/program/messages](../../src/program/messages) and runs the examples.
 """
