@@ -111,7 +111,7 @@ CONTRADICTIONS = [
      "&effects: contact = .true. cannot be combined with &exact, whose solutions are for one body; remove"),
     ("plain", "poisson = 0.3 /", "poisson = 0.3 specific_heat = 900 conductivity = 200 /\n"
      "&effects contact = T thermal = T /", 6,
-     "&effects: contact = .true. cannot be combined with the conductivity of material 'metal', whose"),
+     "&effects: contact = .true. cannot be combined with the conductivity of material 'metal', because"),
     ("charge", "preset = 'tnt'", "preset = 'tnt'  elastic = 'isotropic'  shear = 1e9", 4,
      "&material 'high': detonation products are a gas without strength; write elastic = 'none'"),
     ("charge", "&material name = 'high'  preset = 'tnt'",
@@ -464,7 +464,7 @@ WARNINGS = [
     ("charge", "preset = 'tnt'", "preset = 'tnt'  detonation_speed = 8000", 4,
      "&material 'high': detonation_speed = 8000 m/s, but the constants jwl_* give a detonation speed of 6927.81 m/s"),
     ("charge", "shape = 'plane'  point = 0 0 0  normal = 1 0 0", "point = 0.5 0 0.6", 11,
-     "&detonation: lies outside every explosive, more than a cell from the box around it; it ignites all sees"),
+     "&detonation: lies outside every explosive, more than a cell from the box around it; it ignites all explosive in its line of sight"),
     ("cell", "t_end = 1", "t_end = 0.5", 9, "&stage: ends at t = 1, after t_end; raise t_end to reach it"),
     ("plain", "density = 2700", "density = 2.7", 4,
      "&material 'metal': density = 2.7 kg/m3 is lighter than polystyrene; is &units missing?"),
