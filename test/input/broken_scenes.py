@@ -464,7 +464,7 @@ WARNINGS = [
     ("charge", "preset = 'tnt'", "preset = 'tnt'  detonation_speed = 8000", 4,
      "&material 'high': detonation_speed = 8000 m/s, but the constants jwl_* give a detonation speed of 6927.81 m/s"),
     ("charge", "shape = 'plane'  point = 0 0 0  normal = 1 0 0", "point = 0.5 0 0.6", 11,
-     "&detonation: lies outside every explosive, more than a cell from the box around it; it ignites all explosive in its line of sight"),
+     "&detonation: lies outside every explosive, more than a cell from the box around it; it ignites all"),
     ("cell", "t_end = 1", "t_end = 0.5", 9, "&stage: ends at t = 1, after t_end; raise t_end to reach it"),
     ("plain", "density = 2700", "density = 2.7", 4,
      "&material 'metal': density = 2.7 kg/m3 is lighter than polystyrene; is &units missing?"),
