@@ -70,7 +70,7 @@ class TestBadGrains:
         deck = broken.DECKS["discs"]
         run = case.Case(options, "again", deck).run("--grains", "--quiet")
         run.run("--grains", "--quiet", "--restart", expect=2)
-        assert "all stages of the deck are completed; add a &stage to on" in run.output
+        assert "all stages of the deck are completed; add a &stage to continue" in run.output
         more = deck + "&stage name = 'more'  servo = 'x'  pressure = 1e3  duration = 1e-4 /\n"
         run.deck.write_text(more.replace("number = 100", "number = 121"), encoding="ascii")
         run.run("--grains", "--quiet", "--restart", expect=3)
