@@ -11,7 +11,7 @@ module base_deck_problems
    character(len=*), parameter, public :: command_line = "command line"
    integer, parameter :: most_reported = 200                 !! Longer reports are cut
 
-   !> A repeated body, whose errors would be found in each of its copies.
+   !> A repeated body. The same error would otherwise be reported for each of its copies.
    type :: repeated_t
       character(len=:), allocatable :: body !! Name, the start of the names of its copies
       character(len=:), allocatable :: region !! Name of its region, which is repeated too
@@ -107,8 +107,8 @@ contains
       end do
    end function problems_about
 
-   !> From now on report an error in the copies of a body, NAME_1, NAME_2 and so on, or in their
-   !! regions, which have the same names, only once.
+   !> Report an error in the copies of a body, NAME_1, NAME_2 and so on, or in their regions of the
+   !! same names, only once from now on.
    pure subroutine problems_repeat(self, body, region, copies)
       class(problems_t), intent(inout) :: self
       character(len=*), intent(in) :: body               !! Name of the body

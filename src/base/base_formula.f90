@@ -174,7 +174,7 @@ contains
       end do
    end subroutine parse_product
 
-   !> Parse a power with optional signs, which bind less than the power.
+   !> Parse a power with optional signs, which have lower precedence than the power.
    recursive subroutine parse_signed(self, parser)
       type(formula_t), intent(inout) :: self             !! Gets the operations
       type(parser_t), intent(inout) :: parser

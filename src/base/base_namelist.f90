@@ -116,7 +116,8 @@ contains
       call append(files, file)
    end subroutine add_file
 
-   !> Read one group up to its slash, or to where the slash must be missing.
+   !> Read one group up to its slash. If the slash is missing, the group ends before the next group
+   !! or at the end of the file.
    subroutine scan_group(self, scanner, head, problems)
       class(namelist_t), intent(inout) :: self           !! Gets the group
       type(scanner_t), intent(inout) :: scanner          !! After the name of the group

@@ -317,7 +317,7 @@ contains
       end associate
    end subroutine schema_words
 
-   !> True if a key is declared already; its first condition then allows one more word.
+   !> True if a key is declared already; then its first condition accepts one more word.
    logical function schema_extend_owner(self, group, name, word) result(declared)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group, name, word  !! Group and key; the further word
@@ -368,7 +368,7 @@ contains
       call move_alloc(longer, self%presets)
    end subroutine schema_preset
 
-   !> Keys that must be given where they apply.
+   !> Declare that some keys of a group must be given where they apply.
    subroutine schema_require(self, group, names)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Their group
@@ -395,7 +395,7 @@ contains
       if (place(1) > 0) self%groups(place(1))%keys(place(2))%range%hint = hint
    end subroutine schema_explain_range
 
-   !> Say that the texts of a key are names of groups of another kind.
+   !> Declare that the texts of a key are names of groups of another kind.
    subroutine schema_refer(self, group, name, target)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: group              !! Group of the key
@@ -422,7 +422,7 @@ contains
       call record_mistake(self, group//"."//name//", which is not declared")
    end function schema_locate
 
-   !> Note a mistake in a declaration; the first one is kept.
+   !> Record a mistake in a declaration. Only the first one is kept.
    subroutine record_mistake(self, what)
       class(schema_t), intent(inout) :: self
       character(len=*), intent(in) :: what               !! Error message

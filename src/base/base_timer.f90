@@ -133,7 +133,7 @@ contains
       phase%ticks = phase%ticks + ticks - phase%started
    end subroutine close_interval
 
-   !> Move seconds of one phase to another, if the phase of some work is known only afterwards.
+   !> Move seconds of one phase to another, for work whose phase is known only afterwards.
    subroutine timer_move(self, from, to, seconds)
       class(timer_t), intent(inout) :: self
       integer, intent(in) :: from                        !! Loses them
@@ -196,8 +196,8 @@ contains
       seconds = real(self%phases(index)%ticks, wp)/real(rate, wp)
    end function timer_seconds
 
-   !> Seconds of all phases over the ranks, and in the last element those outside of all phases.
-   !! Collective; all ranks must know the same phases.
+   !> Seconds of all phases, their minimum, mean and maximum over the ranks; the last element of
+   !! each is the time outside of all phases. Collective; all ranks must know the same phases.
    subroutine timer_spread(self, communicator, total, least, mean, greatest)
       class(timer_t), intent(in) :: self
       type(communicator_t), intent(in) :: communicator

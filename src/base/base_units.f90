@@ -165,7 +165,8 @@ contains
       if (known .and. self%system /= system_si) factor = 10.0_wp**nint(unit%exponent(self%system))
    end function output_factor
 
-   !> A number of SI in the unit of a system, rounded once, as powers of ten above one are exact.
+   !> A number in SI converted to the unit of a system. It is multiplied or divided by a power of
+   !! ten that is exact, so that it is rounded only once.
    elemental real(wp) function output_shown(self, value, unit_text) result(shown)
       class(output_units_t), intent(in) :: self
       real(wp), intent(in) :: value                      !! The number [SI]

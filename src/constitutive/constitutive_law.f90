@@ -262,10 +262,10 @@ contains
       end do
    end subroutine equivalent_stress
 
-   !> Trial deviator times strain increment, s* : e. From it laws compute the work that the mean of
-   !! the stresses before and after the step does on the plastic strain: as s* = s + 2 G e but for
-   !! the rotation, (s + s') : (s* - s')/(4 G) has s = s* - 2 G e. With the stress after the step
-   !! alone, grains without stress would lose energy on contact.
+   !> Trial deviator times strain increment, s* : e. Laws need it for the work on the plastic strain
+   !! of the mean of the stresses s before and s' after the step, (s + s') : (s* - s')/(4 G), where
+   !! s = s* - 2 G e except for the rotation. With s' alone in place of the mean, grains that come
+   !! into contact without stress would lose energy.
    pure subroutine strain_trial(first, last, gradient, stress, product_of_both)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
@@ -283,11 +283,10 @@ contains
       end do
    end subroutine strain_trial
 
-   !> Work per volume of a radial return on the plastic strain: that of the mean of the
-   !! stresses before and after the step, (s + s') : (s* - s')/(4 G), so that the energy balance is
-   !! of
-   !! second order. It is not negative: softening material under a rotating load would gain
-   !! energy. Equation (Y.2) of doc/theory/strength.md.
+   !> Work per volume of a radial return on the plastic strain: that of the mean of the stresses
+   !! before and after the step, (s + s') : (s* - s')/(4 G), so that the energy balance is of second
+   !! order. Negative work is replaced by 0; otherwise softening material under a rotating load
+   !! would gain energy. Equation (Y.2) of doc/theory/strength.md.
    elemental real(wp) function mean_work(shear, trial, limit, increment, product_of_both) &
       result(work)
       real(wp), intent(in) :: shear                        !! Shear modulus of the trial [Pa]
@@ -323,7 +322,7 @@ contains
          plastic_increment(i) = increment(i)
          plastic_work(i) = volume(k)*mean_work(shear, trial, limit(i), increment(i), &
             plastic_work(i))
-         ! 1 if nothing flows.
+         ! the factor is 1 if the particle does not flow
          scaling = limit(i)/max(trial, limit(i), tiny(1.0_wp))
          stress(k, 1) = scaling*stress(k, 1)
          stress(k, 2) = scaling*stress(k, 2)

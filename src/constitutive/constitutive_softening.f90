@@ -139,7 +139,7 @@ contains
       real(wp), intent(in) :: band_strain            !! e_u [1]
       real(wp), intent(in) :: stress                 !! s, without cracks, at least f [Pa]
       real(wp), intent(in) :: strain                 !! e, without cracks, above 0 [1]
-      ! Strength fraction below which a crack is fully open.
+      ! Fraction of the strength below which a crack counts as fully open.
       real(wp), parameter :: least = 0.005_wp
       integer, parameter :: most_steps = 50
       real(wp) :: opening, slope, change
@@ -264,8 +264,8 @@ contains
       pressure = -mean
    end subroutine crack
 
-   !> Energy [J] of a particle with cracks beyond that of the deviator and, if the pressure is not
-   !! that of an equation of state, the reduced pressure.
+   !> Energy [J] of a particle with cracks that is not part of the energy of its reduced deviator
+   !! and, without equation of state, of its reduced pressure.
    pure real(wp) function softening_hidden_energy(self, state, particle, of_pressure) result(energy)
       class(softening_t), intent(in) :: self
       type(material_state_t), intent(in) :: state           !! State of the store

@@ -147,8 +147,8 @@ contains
       if (allocated(self%failed)) call worker%whole("failed", "1", self%failed)
    end subroutine material_walk
 
-   !> Length of scratch arrays for a number of particles. It is not that number itself: columns
-   !! whose length is a power of two would map to few cache sets.
+   !> Length of scratch arrays for a number of particles. It is greater than this number, because
+   !! columns whose length is a power of two would map to few cache sets.
    pure integer function padded_length(particles) result(length)
       integer, intent(in) :: particles               !! Capacity
 

@@ -18,7 +18,8 @@ module damage_johnson_cook
 
    public :: damage_johnson_cook_t
 
-   !> Least strain to failure. Sets with negative D1 would give a negative strain in tension.
+   !> Least strain to failure. Parameter sets with negative D1 would give a negative strain in
+   !! tension.
    real(wp), parameter :: least_strain = 1.0e-6_wp
    !> Bounds of the triaxiality: the fit ends at 1.5, and below -10 the exponential would overflow.
    real(wp), parameter :: least_triaxiality = -10.0_wp, most_triaxiality = 1.5_wp
@@ -30,7 +31,7 @@ module damage_johnson_cook
    type, extends(damage_t) :: damage_johnson_cook_t
       real(wp) :: coefficient(5) = 0.0_wp            !! D1 to D5 [1]
       real(wp) :: reference_rate = 1.0_wp            !! Rate of the static strain [1/s]
-      type(melting_range_t), allocatable :: range    !! Only if temperature matters
+      type(melting_range_t), allocatable :: range    !! Allocated if temperature has an effect
    contains
       procedure :: declare => johnson_cook_declare   !! Declares its keys
       procedure :: uses_jc_rate => johnson_cook_uses_jc_rate !! Returns true
@@ -77,7 +78,7 @@ contains
       end if
    end subroutine johnson_cook_read
 
-   !> Damage grows with plastic strain, and the strain to failure may depend on temperature.
+   !> Damage grows with the plastic strain; the strain to failure may depend on temperature.
    pure subroutine johnson_cook_request(self, requests)
       class(damage_johnson_cook_t), intent(in) :: self
       class(field_requests_t), intent(inout) :: requests

@@ -120,8 +120,8 @@ contains
          first, last, mass, scatter)
    end subroutine principal_draw_strength
 
-   !> Fail overloaded particles. Few particles are near their strength, and only these are processed
-   !! one by one.
+   !> Mark overloaded particles as failed. Few particles are near their strength, and only these are
+   !! processed one by one.
    pure subroutine principal_update(self, state, deformation, first, last, dt)
       class(damage_principal_stress_t), intent(in) :: self
       type(material_state_t), intent(inout) :: state              !! State of the store

@@ -5,8 +5,7 @@
 !! The energy of a unit of reference volume is mu/2 (tr F^T F - 3) - mu ln J + lambda/2 (ln J)**2
 !! (J. Bonet, R. D. Wood, "Nonlinear continuum mechanics for finite element analysis", 1997). The
 !! stress does not depend on the path, so a released particle returns to its initial state.
-!! Equations
-!! (Y.9) and (Y.10) of doc/theory/strength.md.
+!! Equations (Y.9) and (Y.10) of doc/theory/strength.md.
 module law_neo_hookean
    use base_elementary, only: logarithm, take_logarithms
    use base_kinds, only: wp

@@ -24,12 +24,13 @@ module contact_sides
    real(wp), parameter :: enough = 0.2_wp
    real(wp), parameter :: few = 1.0e-3_wp            !! Ignored fraction of a side
 
-   !> Nodes of its cell at which a particle is on the other side.
+   !> Nodes of the cell of a particle at which the particle is on the second side.
    type :: lane_bits_t
-      integer, allocatable :: other(:)               !! (particle) Bit lane - 1 for each node
+      integer, allocatable :: other(:)               !! (particle) Bit lane - 1: on the second side
    end type lane_bits_t
 
-   !> The sides of one velocity field. The other side has a velocity field without particles.
+   !> The two sides of one velocity field. The second side uses a velocity field of its own, to
+   !! which no particles are assigned.
    type :: sides_t
       integer :: before = 0                          !! Stores before those of the field
       type(lane_bits_t), allocatable :: store(:)     !! (store of the field)
@@ -38,11 +39,11 @@ module contact_sides
       real(wp), allocatable :: slope(:, :, :)        !! (3, node, own tile) Its gradient [1/m]
       real(wp), allocatable :: axis(:, :, :)         !! (3, node, own tile) Axis of the sides [1]
       logical, allocatable :: split(:, :)            !! (node, tile) Are its sides separated?
-      logical, allocatable :: cut(:)                 !! (tile) Is there such a node?
+      logical, allocatable :: cut(:)                 !! (tile) Has it a node with split sides?
    contains
       procedure :: reserve => sides_reserve          !! Memory for a number of tiles
-      procedure :: take_cells => sides_take_cells    !! Plain gradient in cells with such nodes
-      procedure :: drop_cells => sides_drop_cells    !! No weight for cells with such nodes
+      procedure :: take_cells => sides_take_cells    !! Plain gradient in cells with split nodes
+      procedure :: drop_cells => sides_drop_cells    !! No weight for cells with split nodes
    end type sides_t
 
 contains
@@ -60,7 +61,7 @@ contains
       allocate (self%cut(all + all/16), self%split(nodes, all + all/16))
    end subroutine sides_reserve
 
-   !> Does a cell have a node with separated sides?
+   !> True if a cell has a node whose sides are separated.
    pure logical function is_cut(grid, cell, split) result(cut)
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: cell                    !! Cell of the tile, from 0
@@ -73,7 +74,7 @@ contains
       end do
    end function is_cut
 
-   !> The gradient of particles in cells with such nodes is that of the cell alone.
+   !> Use the gradient of the cell alone for particles in cells with separated sides.
    pure subroutine sides_take_cells(self, grid, tile, shape)
       class(sides_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
@@ -91,7 +92,7 @@ contains
       end do
    end subroutine sides_take_cells
 
-   !> The dual gradient passes over cells with such nodes.
+   !> Give cells with separated sides no weight in the dual gradient.
    pure subroutine sides_drop_cells(self, grid, tile, weight)
       class(sides_t), intent(in) :: self
       type(grid_t), intent(in) :: grid

@@ -42,7 +42,7 @@ module ductile_flow
       real(wp) :: strength(most_lanes)               !! Of the matrix before the step [Pa]
       !> New pores per unit of strain; 0 without pores, because their volume cannot grow [1]
       real(wp) :: making(most_lanes)
-      real(wp) :: making_later(most_lanes)           !! Those that count from the next step on [1]
+      real(wp) :: making_later(most_lanes) !! New pores that count from the next step on [1]
       real(wp) :: scaling(most_lanes)                !! Of the deviator (out) [1]
       real(wp) :: pressure(most_lanes)               !! After the step (out) [Pa]
       real(wp) :: gained(most_lanes)                 !! Volume gained over that after it (out) [1]
@@ -55,8 +55,8 @@ module ductile_flow
       real(wp) :: unit(most_lanes)                   !! Flow at s = 1 [1/Pa]
       real(wp) :: s(most_lanes)                      !! Present value [1]
       real(wp) :: last(most_lanes)                   !! Value before [1]
-      real(wp) :: miss(most_lanes)                   !! Of the yield function at s [1]
-      real(wp) :: last_miss(most_lanes)              !! At the value before [1]
+      real(wp) :: miss(most_lanes)                   !! Residual of the yield function at s [1]
+      real(wp) :: last_miss(most_lanes)              !! Residual at the value before [1]
       real(wp) :: lower(most_lanes)                  !! Lower bound of s [1]
       real(wp) :: upper(most_lanes)                  !! Upper bound of s, huge: unknown [1]
       real(wp) :: going(most_lanes)                  !! 1 if s is to be found, else 0

@@ -24,7 +24,7 @@ module explosive_burn
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: speed = 0.0_wp                     !! [m/s]
    contains
-      procedure :: foot => detonator_foot            !! Its point nearest to a place
+      procedure :: foot => detonator_foot            !! Its point nearest to a position
    end type detonator_t
 
    !> Burn of an explosive.
@@ -35,8 +35,8 @@ module explosive_burn
       real(wp) :: cells = 0.0_wp                     !! Width of the front over that of a cell [1]
       real(wp) :: density = 0.0_wp                   !! Of the explosive [kg/m3]
       real(wp) :: detonated = 1.0_wp                 !! Relative volume behind the front [1]
-      logical :: compressed = .false.                !! Does compression burn as well?
-      type(detonator_t), allocatable :: detonators(:) !! Those that reach it
+      logical :: compressed = .false.                !! Does compression also burn the explosive?
+      type(detonator_t), allocatable :: detonators(:) !! Detonators that can reach it
    contains
       procedure :: read => burn_read                 !! From the &material
       procedure :: apply => burn_apply               !! Pressure times the fraction

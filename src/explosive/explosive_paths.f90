@@ -152,13 +152,13 @@ contains
       end do
    end function touches_open
 
-   !> Route the path of a corner by its neighbours where that is earlier.
+   !> Route the path of a corner through a neighbour if the detonation then arrives earlier.
    subroutine improve(paths, map, counts, number, changed)
       type(detonation_paths_t), intent(inout) :: paths
       type(sight_map_t), intent(in) :: map
       integer, intent(in) :: counts(3)               !! Corners along each direction
       integer, intent(in) :: number                  !! Of the corner
-      logical, intent(inout) :: changed              !! Becomes true if it is earlier
+      logical, intent(inout) :: changed              !! Becomes true if the path has changed
       integer :: place(3), beside(3), i, j, k, n
       real(wp) :: here(3)
       type(bend_t) :: corner
@@ -182,7 +182,7 @@ contains
 
    contains
 
-      !> Use a path from a bend if it is earlier and open.
+      !> Use a path from a bend if the detonation arrives earlier by it and the line is open.
       subroutine try(bend)
          type(bend_t), intent(in) :: bend            !! Whole part before the line to the corner
          real(wp) :: time

@@ -27,7 +27,7 @@ module grains_cell
       real(wp) :: kinetic(9) = 0.0_wp                !! Of m u u, times dt [J s]
    end type mean_t
 
-   !> The coordinates at which the present pairs were found.
+   !> The coordinates at which the current pairs were found.
    type :: reference_t
       real(wp), allocatable :: place(:, :)           !! (axis, row)
       real(wp) :: edges(3, 3) = 0.0_wp               !! [m]
@@ -45,7 +45,7 @@ module grains_cell
       type(halo_t) :: halo
       type(reference_t) :: reference
       integer(int64) :: step = 0
-      integer(int64) :: searches = 0                 !! How often pairs were found
+      integer(int64) :: searches = 0                 !! Number of neighbour searches
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: dt = 0.0_wp                        !! [s]
       real(wp) :: collision = 0.0_wp                 !! Duration of the shortest collision [s]

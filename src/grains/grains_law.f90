@@ -6,9 +6,9 @@
 !! k_n = normal q, the tangential one k_t = tangential q, the dashpot g = damping sqrt(q m) with the
 !! reduced mass m. Linear: q = 1 (P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47). Hertz
 !! and Mindlin: q = sqrt(R overlap) with the reduced radius R, normal = 4/3 E, tangential = 8 G of
-!! the
-!! pair (K. L. Johnson, Contact Mechanics, 1985, eq. 4.23 and 7.42); its damping gives a restitution
-!! that does not depend on the speed (Y. Tsuji and others, Powder Technology 71 (1992) 239).
+!! the pair (K. L. Johnson, Contact Mechanics, 1985, eq. 4.23 and 7.42); its damping gives a
+!! restitution that does not depend on the speed (Y. Tsuji and others, Powder Technology 71 (1992)
+!! 239).
 !!
 !! Equations of doc/theory/grains.md.
 module grains_law

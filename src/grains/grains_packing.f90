@@ -30,7 +30,7 @@ contains
       key = [(random_bits(seed, int(n, int64), of_size)/2_int64, n=1, count)]
       order = sort_order(key)
       do n = 1, count
-         ! ranks, not random numbers, so that the mean is the mean
+         ! diameters are spaced evenly, not drawn at random, so that their mean is exact
          if (two_sizes) then
             radius(order(n)) = 0.5_wp*diameter*(1.0_wp + spread*merge(1.0_wp, -1.0_wp, &
                2*n > count))
@@ -125,7 +125,7 @@ contains
    pure subroutine fill_lattice(number, spacing, cell)
       integer, intent(in) :: number(3)               !! Of the rectangular cells of the lattice
       real(wp), intent(in) :: spacing                !! Between neighbours [m]
-      type(cell_t), intent(inout) :: cell            !! With room for 2 or 4 grains a lattice cell
+      type(cell_t), intent(inout) :: cell !! With capacity for 2 or 4 grains a lattice cell
       real(wp), parameter :: discs(3, 2) = reshape([0.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 0.5_wp, &
          0.0_wp], [3, 2])
       real(wp), parameter :: spheres(3, 4) = reshape([0.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 0.5_wp, &

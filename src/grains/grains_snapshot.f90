@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Snapshots of a cell as VTKHDF files, which ParaView opens: the grains as points with a radius,
-!! and
-!! the contacts as lines with a force.
+!! and the contacts as lines with a force.
 module grains_snapshot
    use base_communicator, only: communicator_t
    use base_error, only: error_t

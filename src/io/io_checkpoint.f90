@@ -5,8 +5,7 @@
 !! Layout: step and time are attributes of the root; /particles/MATERIAL/FIELD is one data set a
 !! field, in the particle order of all files; /state has the scalar data; /deck and /deck_echo are
 !! texts. Every data set has an attribute `check`, a hash that is verified on reading; the file has
-!! a
-!! seal (io_seal).
+!! a seal (io_seal).
 module io_checkpoint
    use base_agreement, only: agree
    use base_communicator, only: communicator_t

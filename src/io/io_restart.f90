@@ -25,8 +25,7 @@ module io_restart
    integer, parameter :: block_rows = 65536
 
    !> Reads the fields of one store. A failure is stored and raised at the end, so that all ranks
-   !! make
-   !! the same collective calls.
+   !! make the same collective calls.
    type, extends(field_worker_t) :: reader_t
       type(communicator_t) :: communicator
       type(hdf5_source_t) :: source                       !! The open file
@@ -48,8 +47,7 @@ contains
    !> Read the newest undamaged checkpoint of a case. Collective.
    !!
    !! A checkpoint of another deck ends the search: a restart from an older one would overwrite
-   !! newer
-   !! results.
+   !! newer results.
    subroutine checkpoint_find(communicator, place, stores, state, path, notes, error, changes)
       type(communicator_t), intent(in) :: communicator
       type(checkpoint_place_t), intent(in) :: place       !! Folder, case and keys of this run

@@ -2,9 +2,8 @@
 !> Writes and verifies the seal of a file: a title and a hash of all preceding bytes at its end.
 !!
 !! The hashes inside a checkpoint protect its data, but not the metadata of HDF5, which can crash
-!! the
-!! program when damaged. So the seal of a file is verified before the library opens it. HDF5 ignores
-!! bytes after its own end of file.
+!! the program when damaged. So the seal of a file is verified before the library opens it. HDF5
+!! ignores bytes after its own end of file.
 module io_seal
    use base_agreement, only: agree
    use base_communicator, only: communicator_t

@@ -2,10 +2,9 @@
 !> A periodic cell whose edges are columns of a matrix that follows a uniform velocity gradient.
 !!
 !! Positions are r = h s with the edges h and coordinates s in [0, 1). The cell is sheared by
-!! tilting
-!! its edges (A. W. Lees, S. F. Edwards, J. Phys. C 5 (1972) 1921, in coordinates that move along);
-!! an edge that tilts by more than half of another one is replaced by the equivalent edge on the
-!! other side.
+!! tilting its edges (A. W. Lees, S. F. Edwards, J. Phys. C 5 (1972) 1921, in coordinates that move
+!! along); an edge that tilts by more than half of another one is replaced by the equivalent edge on
+!! the other side.
 module mesh_box
    use base_kinds, only: wp
    implicit none

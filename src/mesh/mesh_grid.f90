@@ -16,8 +16,7 @@ module mesh_grid
 
    integer, parameter, public :: lanes = 8                     !! Nodes of a cell
    !> Bit of a direction in the number of a lane: inactive directions have the high bits, so that
-   !! the
-   !! lanes with weight come first.
+   !! the lanes with weight come first.
    integer, parameter, public :: lane_bit(3) = [0, 2, 1]
    integer, parameter :: least_width = 4                       !! Layers of cells before the halo
    integer, parameter :: default_width(3) = [64, 5, 6]         !! Cells along a tile, by dimensions

@@ -57,8 +57,7 @@ contains
    end function motion_velocity
 
    !> Displacement from the time at which the wall began, or from 0, to another time: the integral
-   !! of the
-   !! velocity, exact but for rounding [m]. Equation (R.4) of doc/theory/rigid.md.
+   !! of the velocity, exact but for rounding [m]. Equation (R.4) of doc/theory/rigid.md.
    pure function motion_shift(self, time) result(shift)
       class(motion_t), intent(in) :: self
       real(wp), intent(in) :: time                   !! [s]

@@ -2,11 +2,9 @@
 !> Solids whose surface is given by triangles.
 !!
 !! A point is inside if the winding number of the surface around it is not 0: the signed crossings
-!! of
-!! a ray from the point along z are counted. Corners are rounded to an integer lattice and all side
-!! tests are exact, with more than 64 bits where needed. A ray through an edge or a corner is
-!! shifted
-!! by an infinitesimal, so no crossing is lost or counted twice (simulation of simplicity,
+!! of a ray from the point along z are counted. Corners are rounded to an integer lattice and all
+!! side tests are exact, with more than 64 bits where needed. A ray through an edge or a corner is
+!! shifted by an infinitesimal, so no crossing is lost or counted twice (simulation of simplicity,
 !! H. Edelsbrunner and E. P. Mücke, ACM Trans. Graph. 9 (1990) 66). A grid over x and y finds the
 !! facets above a point.
 module particle_facets

@@ -393,8 +393,7 @@ contains
    end function random_shift
 
    !> Set the initial size and velocity gradient of a particle, as far as the store has them. Along
-   !! a
-   !! missing direction its size is 0.
+   !! a missing direction its size is 0.
    pure subroutine set_size(half, p, store)
       real(wp), intent(in) :: half(3)                 !! Half its edges [m]
       integer, intent(in) :: p

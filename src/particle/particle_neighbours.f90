@@ -217,10 +217,10 @@ contains
       end do
    end function separation_vector
 
-   !> Length of the longest vector of the shortest basis of a lattice, given any basis. Vectors
-   !! are shortened by integer multiples of each other until none gets shorter (C. F. Gauss,
-   !! Disquisitiones
-   !! Arithmeticae (1801); in space by pairs, and by all sums and differences of the others).
+   !> Length of the longest vector of the shortest basis of a lattice, given any basis. Vectors are
+   !! shortened by integer multiples of each other until none gets shorter (C. F. Gauss,
+   !! Disquisitiones Arithmeticae (1801); in space by pairs, and by all sums and differences of the
+   !! others).
    pure real(wp) function shortest_longest(edge) result(length)
       real(wp), intent(in) :: edge(:, :)             !! (component, vector) One to three vectors [m]
       integer, parameter :: most = 60                ! sweeps; shears of 1e15 need fewer

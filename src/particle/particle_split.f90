@@ -200,9 +200,8 @@ contains
    end subroutine list_long
 
    !> Edge along which a particle is to be split, 0 = none. A particle is not split outside its
-   !! tile,
-   !! where a half would be outside the domain or close to the axis, or when it has failed. Equation
-   !! (P.1) of doc/theory/splitting.md.
+   !! tile, where a half would be outside the domain or close to the axis, or when it has failed.
+   !! Equation (P.1) of doc/theory/splitting.md.
    pure integer function too_long(splitting, grid, store, p) result(edge)
       type(splitting_t), intent(in) :: splitting
       type(grid_t), intent(in) :: grid

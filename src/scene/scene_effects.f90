@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> The group &effects: its keys that do not belong to materials, gravity, and the list of effects
-!! and
-!! models of a simulation with their reasons: named by the deck, or by default.
+!! and models of a simulation with their reasons: named by the deck, or by default.
 module scene_effects
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp

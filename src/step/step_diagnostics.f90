@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Examines all particles for errors that balances cannot show: how far neighbours are apart,
-!! whether the
-!! volumes of particles fit into the cells, whether pressures follow those of the nodes, and the
-!! greatest speed and energy. Sums are exact and sums of tiles are in the order of particles, so all
-!! numbers are the same for any ranks and threads.
+!! whether the volumes of particles fit into the cells, whether pressures follow those of the nodes,
+!! and the greatest speed and energy. Sums are exact and sums of tiles are in the order of
+!! particles, so all numbers are the same for any ranks and threads.
 module step_diagnostics
    use base_exact_sum, only: exact_sum_t
    use base_kinds, only: int64, wp

@@ -41,8 +41,7 @@ contains
    end subroutine record_losses
 
    !> Does the PIC fraction dissipate kinetic energy that is not recorded elsewhere, and can this
-   !! loss
-   !! be measured?
+   !! loss be measured?
    pure logical function damps(method, carries) result(measurable)
       type(method_t), intent(in) :: method           !! Its transfer
       logical, intent(in) :: carries                 !! Does some material carry an internal energy?

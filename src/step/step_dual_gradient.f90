@@ -259,8 +259,7 @@ contains
    end subroutine store_gradient
 
    !> Sum of the packed patches of a node gradient, divided by the volumes of the nodes. Equation
-   !! (M.6) of
-   !! doc/theory/method.md.
+   !! (M.6) of doc/theory/method.md.
    subroutine node_gradient(space, field, tile, shares, gradient)
       type(space_t), intent(in) :: space
       type(velocity_field_t), intent(in) :: field

@@ -407,8 +407,7 @@ contains
    end subroutine fill_held
 
    !> Factors of the edges of a cell from their sums. Less material than volume may be a free
-   !! surface;
-   !! more material than volume is always an error. Equation (Q.7).
+   !! surface; more material than volume is always an error. Equation (Q.7).
    ! gate: long kernel because an edge needs all quantities of its integral
    pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
       real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
