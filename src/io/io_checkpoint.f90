@@ -265,7 +265,7 @@ contains
       allocate (names(count(numbers >= 0)))
       do index = 1, size(found)
          if (numbers(index) < 0) cycle
-         ! 1 and 0001 are the same number; sorting by name would give them one position
+         ! file names are counted, because 1 and 0001 are the same number and need two positions
          names(1 + count(numbers > numbers(index)) &
             + count(numbers(:index - 1) == numbers(index))) = found(index)
       end do

@@ -178,7 +178,7 @@ contains
       end select
    end subroutine find_column
 
-   !> Add a column unless it is there.
+   !> Add a column unless it is already in the list.
    pure subroutine append(columns, column)
       type(column_t), allocatable, intent(inout) :: columns(:)
       type(column_t), intent(in) :: column

@@ -39,7 +39,7 @@ module io_gauge
       real(wp) :: point(3) = 0.0_wp                      !! Position, or initial position [m]
       real(wp) :: radius = 0.0_wp                        !! Of the observed material [m]
       real(wp) :: depth = 0.0_wp                         !! The same below a surface [m]
-      integer :: axis = 1                                !! Normal of the surface, about
+      integer :: axis = 1                                !! Axis closest to the surface normal
       real(wp) :: side = 1.0_wp                          !! 1: the upper side along it, -1: lower
       integer(int64) :: identity = -1_int64              !! Of the particle, -1 = not found yet
       type(mean_t), allocatable :: means(:)              !! Fields
@@ -219,7 +219,7 @@ contains
    !> Values at the centre of linear functions that are fitted to the particles. Collective.
    subroutine fit(communicator, active, stores, picks, weight, offset, means, row)
       type(communicator_t), intent(in) :: communicator
-      logical, intent(in) :: active(3)                   !! Directions that there are
+      logical, intent(in) :: active(3)                   !! (direction) Does the scene have it?
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
       real(wp), intent(in) :: weight(:)                  !! (row)
@@ -314,7 +314,7 @@ contains
       type(communicator_t), intent(in) :: communicator
       type(store_t), intent(inout) :: stores(:)          !! Particles, not changed
       type(picks_t), intent(in) :: picks(:)              !! (store) Selected particles
-      logical, intent(in) :: single                      !! One particle, whose values stay exact
+      logical, intent(in) :: single                      !! One particle: its values are not divided
       type(mean_t), intent(in) :: means(:)
       real(wp), intent(inout) :: row(:)                  !! Gets all
       type(exact_sum_t), allocatable :: total(:)

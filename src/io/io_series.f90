@@ -146,8 +146,8 @@ contains
       call agree(communicator, error)
    end subroutine series_close
 
-   !> Add a snapshot to the list; those of this and later numbers are of an earlier run and are
-   !! dropped.
+   !> Add a snapshot to the list. Listed snapshots of the same or a later number are of an earlier
+   !! run and are removed from the list.
    subroutine append(steps, info)
       type(snapshot_info_t), allocatable, intent(inout) :: steps(:)
       type(snapshot_info_t), intent(in) :: info          !! A further one

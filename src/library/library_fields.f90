@@ -60,7 +60,7 @@ contains
    !> Memory of a field, in which the particles of this rank are contiguous. It is valid until the
    !! next step.
    subroutine find_field(store, name, view)
-      type(store_t), intent(inout) :: store            !! Gets its particles in one piece
+      type(store_t), intent(inout) :: store            !! Its particles are made contiguous
       character(len=*), intent(in) :: name             !! Name of the field
       type(field_view_t), intent(out) :: view
       type(finder_t) :: finder

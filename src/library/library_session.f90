@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> A simulation in the process of another program. It goes through `program_session` as the program
-!! scree does, writes to the screen only on request, and does not change the signals and the number
-!! of threads of the caller.
+!> A simulation in the process of another program. Like the program scree it uses `program_session`,
+!! but it writes to the screen only on request, and does not change the signals and the number of
+!! threads of the caller.
 module library_session
    use base_communicator, only: message_passing_has_ended, message_passing_has_started
    use base_error, only: error_t, exit_input, exit_success, fail
@@ -123,7 +123,7 @@ contains
    integer function session_step(self, steps, until) result(code)
       class(library_session_t), intent(inout) :: self
       integer(int64), intent(in) :: steps            !! Maximum number of steps
-      real(wp), intent(in) :: until                  !! Not beyond the first time from here on [s]
+      real(wp), intent(in) :: until                  !! No step starts at or after this time [s]
       type(error_t), allocatable :: error
       integer(int64) :: last
       integer :: host

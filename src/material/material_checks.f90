@@ -101,8 +101,8 @@ contains
       end if
    end subroutine check_models
 
-   !> Check that some model uses the rate of Johnson and Cook. The default itself is accepted,
-   !! because the echo of a deck holds it for every material.
+   !> Check that some model uses the rate of Johnson and Cook if it is given. The default value is
+   !! always accepted, because the echo of a deck gives it for every material.
    subroutine check_rate(material, group, deck)
       class(models_t), intent(in) :: material        !! With its models chosen
       type(group_t), intent(in) :: group             !! Group &material
@@ -201,7 +201,7 @@ contains
 
       call group%get("strength_model", strength)
       call group%get("eos_model", eos)
-      ! The default itself is accepted, because the echo of a deck contains it for every material.
+      ! the default value is always accepted, because the echo of a deck gives it for every material
       if (group%given("eos_model") .and. eos /= "linear") call deck%complain(group, &
          "eos_model is not used, as strength_model = '"//strength//"' gives the whole stress; "// &
          "remove it", "eos_model")

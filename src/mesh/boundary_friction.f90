@@ -80,7 +80,7 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(in) :: pic                    !! Fraction of PIC in the transfer, 0 to 1
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
-      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With the others [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) With all other walls [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: along(3), inward, taken, speed
       integer :: n, node, normal

@@ -66,13 +66,13 @@ contains
       inward = merge(1.0_wp, -1.0_wp, mod(face, 2) == 1)
    end function inward_sign
 
-   !> By default a condition has no keys.
+   !> By default a condition declares no keys.
    subroutine condition_declare(self, schema)
       class(boundary_condition_t), intent(in) :: self
       type(schema_t), intent(inout) :: schema
    end subroutine condition_declare
 
-   !> Nor does it read any.
+   !> By default a condition reads no keys.
    subroutine condition_read(self, group)
       class(boundary_condition_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! The &boundary

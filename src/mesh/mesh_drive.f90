@@ -10,8 +10,8 @@ module mesh_drive
 
    public :: drive_t, read_drive, stage_duration
 
-   real(wp), parameter :: waves = 3.0_wp             !! Rate of a servo over that of a wave
-   real(wp), parameter :: part = 0.2_wp              !! Rate of a servo over the greatest rate
+   real(wp), parameter :: waves = 3.0_wp             !! Servo rate over the rate of a wave
+   real(wp), parameter :: part = 0.2_wp              !! Servo rate over the greatest shear rate
    real(wp), parameter :: most = 0.25_wp !! Greatest relative change of a held stress in a step
 
    !> How the cell is driven.
@@ -21,7 +21,7 @@ module mesh_drive
       logical :: isotropic = .false.                 !! Same rate on all axes, mean pressure held
       real(wp) :: pressure = 0.0_wp                  !! Held [Pa]
       real(wp) :: servo_rate = 0.0_wp                !! Strain rate at an error of 1 [1/s]
-      real(wp) :: haste = 20.0_wp                    !! Times that of a cell without stress [1]
+      real(wp) :: haste = 20.0_wp !! Factor of the rate in a cell without stress [1]
    contains
       procedure :: set_rate => drive_set_rate        !! Rate of the servo
       procedure :: steer => drive_steer              !! Velocity gradient of the next step

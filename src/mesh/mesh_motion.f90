@@ -19,7 +19,7 @@ module mesh_motion
       procedure :: acts => motion_acts               !! Does the wall act?
       procedure :: velocity => motion_velocity       !! At a time
       procedure :: shift => motion_shift             !! Displacement since the wall began
-      procedure :: mean => motion_mean               !! Mean velocity of some time
+      procedure :: mean => motion_mean               !! Mean velocity over a time interval
       procedure :: moves => motion_moves             !! Does it move at all?
       procedure :: steer => motion_steer             !! Change the velocity from a time on
    end type motion_t

@@ -22,7 +22,7 @@ module mesh_rigid
 
    !> All rigid regions of a scene.
    type :: rigid_t
-      type(wall_t), allocatable :: wall(:)           !! The regions, the later ones winning
+      type(wall_t), allocatable :: wall(:)           !! The regions; later ones take precedence
       type(held_t), allocatable :: held(:)           !! (tile) The nodes in them
       logical :: switched = .true. !! Has one started or stopped since nodes were found?
       real(wp) :: kick = 0.0_wp                      !! Time that forces act in this step [s]
@@ -317,7 +317,7 @@ contains
       end associate
    end subroutine rigid_remove_prevented
 
-   !> Does a node not leave a region?
+   !> True if a node does not move out of a region.
    pure logical function stays(wall, normal, velocity) result(held)
       real(wp), intent(in) :: wall(3)                !! Velocity of the region [m/s]
       real(wp), intent(in) :: normal(3)              !! Outward

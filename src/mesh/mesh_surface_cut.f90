@@ -152,8 +152,8 @@ contains
       end do
    end subroutine cut_cell
 
-   !> Whether an order of the directions is the one that counts: inactive ones come
-   !! last, in ascending order.
+   !> True for one of the permutations of the directions that differ only in inactive ones: that in
+   !! which the inactive directions come last, in ascending order.
    pure logical function in_order(order, active) result(counts)
       integer, intent(in) :: order(3)                !! A permutation of 1, 2, 3
       logical, intent(in) :: active(3)               !! Active directions

@@ -127,7 +127,7 @@ contains
       if (same) same = all(self%key(:self%own) == own)
    end function same_own
 
-   !> Give the cuts of the curve. Tiles and particles stay where they are until they are sent.
+   !> Set the cuts of the curve. Tiles and particles are not moved to other ranks here.
    pure subroutine tiles_cut(self, border)
       class(tiles_t), intent(inout) :: self
       integer(int64), intent(in) :: border(0:)       !! (0:ranks) r owns border(r) <= key < next

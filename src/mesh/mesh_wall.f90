@@ -19,7 +19,7 @@ module mesh_wall
       class(point_set_t), allocatable :: region      !! Its region, if not everywhere
       type(motion_t) :: motion                       !! Motion, and time interval of action
       logical :: acts = .true.                       !! Does it act now?
-      logical :: stays = .false.                     !! Does it move with the material?
+      logical :: stays = .false. !! Is the region fixed although it has a velocity?
       real(wp) :: shift(3) = 0.0_wp                  !! Displacement of the region so far [m]
    contains
       procedure :: advance => wall_advance           !! Set position and velocity at a time
