@@ -71,9 +71,10 @@ contains
       duration = min(duration, strain/maxval(abs(drive%gradient)))
    end function stage_duration
 
-   !> Set the rate of the servo, (G.3): a little faster than a wave crosses the cell, and a part of
-   !! the shear. With a given time step, the prescribed stress changes by at most a quarter of its
-   !! error per step, so that stiff material does not oscillate.
+   !> Set the rate of the servo, (G.3): the sum of three times the rate at which a wave crosses the
+   !! cell and a fifth of the greatest shear rate. With a given time step it is bounded such that
+   !! the prescribed stress changes by at most a quarter of its error per step; stiff material then
+   !! does not oscillate.
    pure subroutine drive_set_rate(self, density, speed, height, dt)
       class(drive_t), intent(inout) :: self
       real(wp), intent(in) :: density                !! [kg/m3]

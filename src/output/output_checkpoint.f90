@@ -55,7 +55,7 @@ contains
    end subroutine write_checkpoint
 
    !> Properties that the deck of a restart must not change: the number of directions, and whether
-   !! they are axisymmetric.
+   !! the scene is axisymmetric.
    pure function space_of(simulation) result(space)
       type(simulation_t), intent(in) :: simulation
       integer(int64) :: space(2)

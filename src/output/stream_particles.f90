@@ -109,8 +109,8 @@ contains
       call choose_columns(stores, [field], columns, error)
    end subroutine particles_try_field
 
-   !> The field `fragment` numbers the rows of the first table of fragments; without a table,
-   !! fragments are all material separated by gaps.
+   !> The field `fragment` is the row number in the first table of fragments. Without such a table,
+   !! fragments are connected parts of the material.
    subroutine particles_take_fragments(self, fragments)
       class(stream_particles_t), intent(inout) :: self
       type(fragments_t), intent(in) :: fragments     !! Definition of that table

@@ -17,9 +17,9 @@ module particle_disks
 
    public :: disks_t, start_disks
 
-   !> Fraction of space, by dimensions, that balls with the least distance as diameter fill where
-   !! as many points are tried as below; found by counting. For infinitely many trials it is 0.748,
-   !! 0.547 and 0.384: A. Rényi (1958), J. Feder, J. Theor. Biol. 87 (1980) 237.
+   !> Fraction of space that balls with the least distance as diameter fill after `trials` random
+   !! points per expected particle, by dimensions; measured by counting. For infinitely many trials
+   !! it is 0.748, 0.547 and 0.384: A. Rényi (1958), J. Feder, J. Theor. Biol. 87 (1980) 237.
    real(wp), parameter :: filled(3) = [0.71_wp, 0.461_wp, 0.277_wp]
    !> Volume of a ball of diameter one, by dimensions.
    real(wp), parameter :: ball(3) = [1.0_wp, 0.785398163397448_wp, 0.523598775598299_wp]

@@ -19,7 +19,7 @@ module particle_sort_store
       integer, allocatable :: source(:) !! (particle) Old index > 0, row < 0, 0 = unused
       integer(int64), pointer, contiguous :: rows(:, :) => null() !! (word, row) Newcomers
       integer :: word = 0                             !! Words of the rows used so far
-      ! the old array of a field becomes the new one of the next field of its shape
+      ! the old array of a field is reused as the new array of the next field of the same shape
       real(wp), allocatable :: spare(:)               !! (particle) For scalars
       real(wp), allocatable :: spare_vector(:, :)     !! (particle, component) For vectors
       integer(int64), allocatable :: spare_whole(:)   !! (particle) For integers

@@ -77,9 +77,9 @@ contains
       end associate
    end subroutine enter_stage
 
-   !> Drive, friction and servo of the present stage. The servo follows a little faster than a wave
-   !! crosses the cell as it was at the start of the stage, so that a restart has the same rate, and
-   !! a fraction of the shear.
+   !> Set velocity gradient, friction and servo of the current stage. The servo rate depends on the
+   !! height of the cell at the start of the stage, not on its current height, so that a restart has
+   !! the same rate.
    subroutine set_stage(run)
       type(grains_run_t), intent(inout) :: run
       real(wp) :: speed, modulus

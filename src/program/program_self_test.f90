@@ -229,7 +229,7 @@ contains
       text = what//": "//trim(one)//" instead of "//trim(other)
    end function compared
 
-   !> Count a check and keep what failed.
+   !> Count a check, and record it if it failed.
    subroutine self_test_check(self, what, passed, word)
       class(self_test_t), intent(inout) :: self
       character(len=*), intent(in) :: what           !! For the list of failures

@@ -30,7 +30,7 @@ module program_trial_steps
    type :: trial_t
       type(mark_t) :: first                          !! After the warm steps, or at the time `from`
       type(mark_t) :: middle                         !! At the time `to`
-      type(mark_t) :: clocked                        !! Then, or after the least processor time
+      type(mark_t) :: clocked                        !! At `to` or later, after least time
       type(mark_t) :: last                           !! At the end of the trial
       logical :: whole = .false.                     !! Did the trial reach the end of the run?
    end type trial_t

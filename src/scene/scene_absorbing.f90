@@ -124,7 +124,7 @@ contains
       allocate (beyond(0:last(1), 0:last(2), 0:last(3)), source=0)
       allocate (beside(0:max(last(1) - 1, 0), 0:max(last(2) - 1, 0), 0:max(last(3) - 1, 0)), &
          source=0)
-      ! of bodies that overlap the later one counts
+      ! where bodies overlap, the later one counts
       do n = 1, size(bodies)
          call find_beside(grid, bodies(n), face, beside)
       end do

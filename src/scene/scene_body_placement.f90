@@ -129,7 +129,7 @@ contains
       end do
    end subroutine check_elastic
 
-   !> Say why a body holds no point.
+   !> Report why a body has no particle.
    subroutine refuse_empty(deck, grid, body, place)
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid

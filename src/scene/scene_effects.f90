@@ -121,10 +121,11 @@ contains
          new_line("a")
    end function effects_text
 
-   !> Names of the effects that are on, and that the deck names or does not name.
+   !> Names of the effects that are on: either those that the deck gives, or those that are on by
+   !! default.
    function switches_on(group, named) result(text)
       type(group_t), intent(in) :: group             !! &effects
-      logical, intent(in) :: named                   !! By the deck?
+      logical, intent(in) :: named                   !! Those that the deck gives?
       character(len=:), allocatable :: text
       logical :: on
       integer :: n

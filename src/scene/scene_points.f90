@@ -263,7 +263,7 @@ contains
                   "widen &grid or move the points with translate", "region")
                return
             end if
-            ! adding 0 makes one zero of the two
+            ! adding 0 turns -0 into 0, so that equal positions have equal keys
             key(n) = 0
             do k = 1, 3
                key(n) = mix(ieor(key(n), transfer(x(k) + 0.0_wp, key(n))))
