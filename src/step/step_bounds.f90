@@ -38,8 +38,8 @@ module step_bounds
       real(wp) :: strain_max = sqrt(huge(1.0_wp))    !! Greatest dt |grad v| of a step [1]
       real(wp) :: collapse = 0.0_wp                  !! Least step over the longest so far [1]
       real(wp) :: dt_min = 0.0_wp                    !! Least step [s]
-      logical :: dt_free = .true.                    !! May a step be shorter than was chosen?
-      logical :: retire = .false.                    !! Do bad particles go, and the run on?
+      logical :: dt_free = .true.                    !! May a step be shortened?
+      logical :: retire = .false.                    !! Are bad particles removed?
       real(wp) :: retire_max = 0.0_wp !! Greatest fraction of the mass that may be retired [1]
    end type bounds_t
 
@@ -52,7 +52,7 @@ module step_bounds
       integer :: rule = rule_signal                  !! Limit of the next step
       integer(int64) :: steps(rules) = 0             !! Steps that each rule has limited
       real(wp) :: expected = 0.0_wp                  !! Steps of the whole run, as estimated
-      integer :: counted = rule_signal               !! Rule for which the present one was counted
+      integer :: counted = rule_signal               !! Rule by which the current step was counted
    end type guard_t
 
 contains
@@ -86,8 +86,8 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)  !! (particle) [m3]
       real(wp), contiguous, intent(in) :: mass(:)    !! (particle) [kg]
       real(wp), intent(in) :: fastest                !! Square of the greatest speed [m2/s2]
-      real(wp), intent(in) :: least                  !! Volume of a mass [m3/kg]
-      real(wp), intent(in) :: most                   !! The same [m3/kg]
+      real(wp), intent(in) :: least                  !! Least volume per mass [m3/kg]
+      real(wp), intent(in) :: most                   !! Greatest volume per mass [m3/kg]
       real(wp) :: square, load
       integer :: p
 
@@ -165,9 +165,10 @@ contains
       end if
    end subroutine find_fault
 
-   !> Note the steepest velocity gradient of a tile if it is the steepest so far and may limit the
-   !! next step. Of equal gradients the lowest identity counts, so that the order of tiles has no
-   !! effect. Most tiles have no such gradient; a vectorised count finds these tiles.
+   !> Record the steepest velocity gradient of a tile if it is the steepest so far and may limit the
+   !! next step. Of particles with equal gradients the one with the lowest identity is recorded, so
+   !! that the order of tiles has no effect. Most tiles have no such gradient; a vectorised count
+   !! finds these tiles.
    pure subroutine find_steepest(gradient, identity, dt, matters, steepest, who)
       real(wp), contiguous, intent(in) :: gradient(:, :)    !! (particle, 9) dt du_k/dx_l [1]
       integer(int64), contiguous, intent(in) :: identity(:) !! (particle) Identities
@@ -230,7 +231,7 @@ contains
    pure real(wp) function limiting_gradient(bounds, growth, dt) result(rate)
       type(bounds_t), intent(in) :: bounds           !! Bounds of the state
       real(wp), intent(in) :: growth                 !! Greatest ratio of two steps [1]
-      real(wp), intent(in) :: dt                     !! Stable step that was [s]
+      real(wp), intent(in) :: dt                     !! Previous stable step [s]
       real(wp), parameter :: rounding = 1.0e-12_wp
 
       rate = 0.0_wp

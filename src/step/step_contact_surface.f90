@@ -194,16 +194,16 @@ contains
       end associate
    end subroutine area_of_side
 
-   !> Velocity field of the first side of a field with two.
+   !> The first of the two velocity fields of a body with two sides.
    pure integer function first_side(fields, field) result(first)
       type(velocity_field_t), intent(in) :: fields(:)
-      integer, intent(in) :: field                   !! Index of the velocity field of one side
+      integer, intent(in) :: field                   !! Index of either of them
 
       first = field
       if (.not. allocated(fields(field)%sides)) first = fields(field)%other
    end function first_side
 
-   !> Side of a velocity field with two sides: 0 or 1.
+   !> Side of a body that a velocity field belongs to: 0 for the first, 1 for the second.
    pure integer function side_of(fields, field) result(side)
       type(velocity_field_t), intent(in) :: fields(:)
       integer, intent(in) :: field                   !! Index of the velocity field

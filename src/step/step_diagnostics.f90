@@ -35,11 +35,11 @@ module step_diagnostics
    !> Distances of neighbours, volumes in cells, and noise of pressures.
    type :: shapes_sample_t
       real(wp) :: longest = 0.0_wp                   !! Greatest distance of neighbours [cells]
-      real(wp) :: share = 0.0_wp                     !! Of the mass, with neighbours apart [1]
+      real(wp) :: share = 0.0_wp                     !! Mass fraction with separated neighbours [1]
       real(wp) :: overlap = 0.0_wp                   !! Volume in excess of the cells [1]
       real(wp) :: pressure = 0.0_wp                  !! Root mean square of pressure [Pa]
-      real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy of a volume [Pa]
-      real(wp) :: difference = 0.0_wp                !! The same, of that from the node means [Pa]
+      real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy per volume [Pa]
+      real(wp) :: difference = 0.0_wp                !! Root mean square from node means [Pa]
       integer(int64) :: longest_identity = huge(1_int64)    !! Of the farthest neighbour
       integer(int64) :: difference_identity = huge(1_int64) !! Of the greatest pressure noise
    end type shapes_sample_t
@@ -370,7 +370,8 @@ contains
       end do
    end subroutine examine_lengths
 
-   !> Are particles of a material tied to their neighbours? In fluids and loose grains they are not.
+   !> True if particles of a material stay close to their neighbours, as those of fluids and loose
+   !! grains do not.
    pure logical function is_solid(material) result(solid)
       type(material_t), intent(in) :: material
 
@@ -378,7 +379,7 @@ contains
       if (allocated(material%law)) solid = material%law%has_shear() .and. .not. is_loose(material)
    end function is_solid
 
-   !> Does a material open without tension?
+   !> True if a material can separate without tension.
    pure logical function is_loose(material) result(loose)
       type(material_t), intent(in) :: material
 

@@ -20,9 +20,8 @@ module step_node_fields
    !> Columns of the sums for differences of stress: those of the force, and force of unit stress
    integer, parameter, public :: difference_columns = dual_columns + 3
 
-   !> Nodes with less mass or volume than this are empty: below the contribution of any particle,
-   !! but with a finite inverse
-   !> it divides stays finite.
+   !> Nodes with less mass or volume than this count as empty. The value is below the contribution
+   !! of any particle, and its inverse is finite.
    real(wp), parameter, public :: empty_mass = 1.0e-290_wp
 
    !> Node fields that a run needs, with the components that they have.

@@ -158,8 +158,8 @@ contains
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
-      real(wp), intent(inout) :: fastest             !! Fastest signal and motion in it [m/s]
-      real(wp), intent(in) :: steepest               !! Square of |grad v| without it [1/s2]
+      real(wp), intent(inout) :: fastest             !! Fastest signal and motion of tile [m/s]
+      real(wp), intent(in) :: steepest               !! Square of |grad v|, tile excluded [1/s2]
       logical :: sound
 
       associate (store => simulation%stores(index))

@@ -108,7 +108,7 @@ contains
       end do
    end function count_own
 
-   !> Does no effect need the fields of all nodes beyond the step itself?
+   !> True if no effect needs the fields of all nodes after the step.
    pure logical function may_be_lean(scheme, effects) result(lean)
       type(scheme_t), intent(in) :: scheme
       type(simulation_effects_t), intent(in) :: effects

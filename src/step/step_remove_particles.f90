@@ -19,8 +19,8 @@ module step_remove_particles
 
 contains
 
-   !> Remove the particles of a tile that have left their bounds. Those with a NaN stay and stop the
-   !! run: the NaN has already reached their neighbours.
+   !> Remove the particles of a tile that have left their bounds. Particles with NaN are not removed
+   !! and end the run, because the NaN has already reached their neighbours.
    subroutine retire_tile(materials, stores, clock, scratch, index, tile, sound)
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(inout) :: stores(:)
@@ -28,7 +28,7 @@ contains
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, for its ledger
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile                    !! Which tile, after its particles moved
-      logical, intent(out) :: sound                  !! Is all well now?
+      logical, intent(out) :: sound                  !! Are all other particles in their bounds?
       type(bounds_t) :: bounds
       integer :: p, fault
       real(wp) :: value

@@ -21,13 +21,13 @@ module step_retry
 
 contains
 
-   !> Would a node move too far in the step, or two nodes of a cell too far apart? If so, restore
-   !! the state before the nodes moved; the step is repeated with a shorter time step. Collective.
-   !! Equation (S.7) of doc/theory/time_step.md.
+   !> Find whether a node would move too far in the step, or two nodes of a cell too far apart. If
+   !! so, restore the state before the nodes moved, so that the step can be repeated with a shorter
+   !! time step. Collective. Equation (S.7) of doc/theory/time_step.md.
    subroutine check_node_displacement(simulation, dt, again, error)
       type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
       real(wp), intent(inout) :: dt                  !! Time step [s]
-      logical, intent(out) :: again                  !! Is the step to be done again?
+      logical, intent(out) :: again                  !! Must the step be repeated?
       type(error_t), allocatable, intent(out) :: error !! No step is short enough
       type(reach_t) :: worst, reach
       real(wp) :: excess

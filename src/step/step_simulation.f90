@@ -39,7 +39,7 @@ module step_simulation
       phases_t, reach_t, requests_t, scheme_t, scratch_t, simulation_t, space_t, &
       velocity_field_t
 
-   integer, parameter, public :: guesses = 3         !! Of the normal between two bodies
+   integer, parameter, public :: guesses = 3         !! Candidates for the normal between two bodies
 
    !> Bodies with one velocity field: all bodies, if there is no contact.
    type :: velocity_field_t
@@ -97,9 +97,9 @@ module step_simulation
 
    !> The node that would exceed the bounds on displacement most in a step.
    type :: reach_t
-      real(wp) :: excess = 0.0_wp                    !! Over the bounds, the worst of both [1]
+      real(wp) :: excess = 0.0_wp                    !! Greater of both over its bound [1]
       real(wp) :: moved = 0.0_wp                     !! Displacement of that node over a cell [1]
-      real(wp) :: strain = 0.0_wp                    !! Or difference of two over a cell, else 0 [1]
+      real(wp) :: strain = 0.0_wp                    !! Or difference of two nodes over a cell [1]
       integer :: node = 0                            !! The node, in the tile
       integer(int64) :: number = huge(1_int64)       !! The same in the grid
       integer :: place(3) = 0                        !! Its place in the grid, from 0
@@ -142,7 +142,7 @@ module step_simulation
       real(wp) :: total = 0.0_wp                     !! Sum over the measured steps [1]
       real(wp) :: greatest = 1.0_wp                  !! After the first hundred steps [1]
    contains
-      procedure :: look => load_look                 !! Note a measured step
+      procedure :: look => load_look                 !! Record a measured step
    end type load_t
 
    !> Indices of the timed phases.
@@ -176,7 +176,7 @@ module step_simulation
       logical :: keeps_nodes = .false.               !! Are the fields of all nodes requested?
       logical :: erosion = .false.                   !! Are failed particles removed?
       logical :: carries_energy = .false.            !! Does some material carry internal energy?
-      logical :: works = .false.                     !! Is work found, of that energy or of loads?
+      logical :: works = .false.                     !! Is work of stress or loads computed?
    end type scheme_t
 
    !> Physical effects in addition to stress. Those that a scene does not use are not allocated.

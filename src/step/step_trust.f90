@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Watches whether the results of a run can be trusted beyond its balances: speeds and
-!! energies, distances of neighbours, volumes and pressures. It warns once of each and stops the run
-!! where a number is impossible. The values and their limits are (L.8) to (L.11) of
-!! doc/theory/ledger.md.
+!! energies, distances of neighbours, volumes and pressures. It warns once of each quantity and
+!! stops the run if a value is physically impossible. The values and their limits are (L.8) to
+!! (L.11) of doc/theory/ledger.md.
 module step_trust
    use base_error, only: error_t, exit_physics, fail
    use base_exact_sum, only: exact_sum_t

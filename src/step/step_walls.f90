@@ -210,8 +210,8 @@ contains
       if (allocated(space%rigid)) number = number + size(space%rigid%wall)
    end function number_of_walls
 
-   !> Does any wall act in a stage? Before the forces act, nodes that they press on a wall must not
-   !! strain away from it.
+   !> True if walls may act in a stage. Friction also acts in the strain before the forces, from the
+   !! second step on: nodes that were pressed on a wall must not move away from it.
    pure logical function stage_acts(simulation, stage, dt) result(acts)
       type(simulation_t), intent(in) :: simulation
       integer, intent(in) :: stage

@@ -17,7 +17,7 @@ module transfer_gather
    public :: gather_gradient, gather_dual_gradient, gather_hoop, gather_motion, gather_values, &
       gather_vector
 
-   integer, parameter :: tensor = 12                 !! Of its components three have no meaning
+   integer, parameter :: tensor = 12                 !! Nine components and three unused elements
    integer, parameter :: one(3) = [3, 1, 1]          !! First of the other directions
    integer, parameter :: other(3) = [2, 3, 2]        !! Second of them
    !> Terms with the coordinate along a direction: alone, with that of the first of the other

@@ -231,7 +231,7 @@ contains
       integer, intent(in) :: nodes                           !! Nodes of the tile
       integer, intent(in) :: node                            !! First node of the cell
       real(wp), intent(in) :: u(vector, nodes, terms)        !! (component, node, term) Gain [m/s]
-      real(wp), intent(in) :: c(vector, nodes, terms)        !! (component, node, term) Way [m]
+      real(wp), intent(in) :: c(vector, nodes, terms) !! (component, node, term) Displacement [m]
       real(wp), intent(in) :: flip_fraction                  !! Fraction of the old velocity [1]
       real(wp), contiguous, intent(in) :: x(:), z(:)         !! Local coordinates [1]
       real(wp), contiguous, intent(inout) :: vx(:), vz(:)    !! (particle) Velocity [m/s]

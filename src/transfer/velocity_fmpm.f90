@@ -57,7 +57,7 @@ contains
       if (power == 1) weight = 0.0_wp
    end function fmpm_loss_weight
 
-   !> The sum of the series is all.
+   !> The new velocity is the sum of the series alone.
    pure subroutine fmpm_increment(self, dt, acceleration, filtered, increment)
       class(velocity_fmpm_t), intent(in) :: self
       real(wp), intent(in) :: dt                             !! Time step [s]
