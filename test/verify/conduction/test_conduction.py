@@ -52,7 +52,7 @@ BODY = """
 
 
 def material(name, conductivity, density=DENSITY, heat=HEAT):
-    """A material; with conductivity None it has no strength and no conductivity."""
+    """A material; with conductivity None it does not conduct heat."""
     more = "" if conductivity is None else f"conductivity={conductivity!r}"
     # the same speed of sound for all
     return MATERIAL.format(name=name, density=density, bulk=BULK * density / DENSITY, heat=heat, more=more)
