@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes the table of a known equation of state in the form that eos_model = 'table' reads.
 
-It shows the form and gives a table with exact answers. A line holds a density, a temperature, a
+It shows the format and gives a table with known values. A line has a density, a temperature, a
 pressure and an energy per mass in SI units; the temperatures of a density follow each other and
-are the same for all densities. Both have equal ratios, and the density and the temperature of rest
-are among them. The solid has the free energy of a constant specific heat, with which pressure and
-energy belong together.
+are the same for all densities. Densities and temperatures have equal ratios, and those of the
+state at rest are among them. The solid has a free energy with constant specific heat, so that
+pressure and energy are consistent.
 """
 from __future__ import annotations
 
@@ -48,7 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def nodes(name: str, bounds: Sequence[float], count: int, rest: float | None = None) -> Array:
-    """Numbers with equal ratios, and one that must be among them if it lies between."""
+    """Numbers with equal ratios, and a given one that must be among them if it is within the
+    range."""
     if count < LEAST or not 0.0 < bounds[0] < bounds[1]:
         raise ScreeError(f"--{name} needs two numbers above 0 that ascend, and --nodes at least {LEAST}", EXIT_USAGE)
     numbers = axis(bounds[0], bounds[1], count)

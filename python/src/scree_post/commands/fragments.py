@@ -2,10 +2,10 @@
 """Finds fragments: connected particles that have not failed.
 
 Particles are neighbours if their distance is at most --reach times the mean of their widths (on a
-lattice 1.5 ties those along edges and across faces), or with --cell if they lie in the same or in
-touching cells. The table has one line a fragment, the heaviest first. In axisymmetry fragments are
-rings, because that is what such a run can hold. Mirror planes are completed: a piece across one is
-whole, others are there twice. Pieces go on across periodic faces.
+lattice 1.5 connects those along edges and across faces), or with --cell if they are in the same
+or in touching cells. The table has one line per fragment, the heaviest first. In axisymmetry all
+fragments are rings. Mirror images are included: a fragment across a mirror plane is whole, others
+occur twice. Fragments continue across periodic boundaries.
 """
 from __future__ import annotations
 
@@ -62,14 +62,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def chosen(frames: Sequence[Moment], arguments: argparse.Namespace) -> Sequence[Moment]:
-    """The snapshots asked for."""
+    """The requested snapshots."""
     if arguments.all:
         return frames
     return nearest(frames, arguments.time or [frames[-1][0]])
 
 
 def write_table(path: str, found: Sequence[Fragments]) -> None:
-    """The table as comma separated values; lines that begin with # say what it is."""
+    """The table as comma separated values; lines that begin with # describe it."""
     try:
         with open(path + ".part", "w", encoding="utf-8") as handle:
             handle.write(f"# {found[-1].note}\n" + ",".join(COLUMNS) + "\n")
@@ -82,7 +82,7 @@ def write_table(path: str, found: Sequence[Fragments]) -> None:
 
 
 def say(one: Fragments) -> None:
-    """The heaviest fragments, and where the mass is."""
+    """The heaviest fragments, and the distribution of the mass."""
     masses = one.masses
     lone = sum(row[2] == 1 for row in one.rows)
     print(f"t = {one.time:.6g} s: {len(masses)} fragments, {lone} of them single particles")
@@ -100,7 +100,7 @@ def say(one: Fragments) -> None:
 
 
 def picture(found: Sequence[Fragments], title: str) -> Figure:
-    """Histogram of masses and cumulated numbers of the times."""
+    """Histogram of masses and cumulative numbers at the times."""
     plot = look.pyplot()
     figure: Figure
     figure, (left, right) = plot.subplots(1, 2, figsize=(11.0, 4.6), layout="constrained")
@@ -135,7 +135,7 @@ def picture(found: Sequence[Fragments], title: str) -> Figure:
 
 
 def check_arguments(arguments: argparse.Namespace) -> None:
-    """What the parser cannot check."""
+    """Checks that the parser cannot do."""
     if not (np.isfinite(arguments.reach) and arguments.reach > 0.0):
         raise ScreeError("--reach must be above 0", EXIT_USAGE)
     if arguments.cell is not None and not arguments.cell > 0.0:

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Means over time of a steady state, with standard errors.
 
-Of a table (history, gauge, forces) each column: mean and standard error; a change between both
-halves of more than three of its errors and 5 % of the mean is marked as a drift. Of a series of
-grids each field in each cell: FIELD and FIELD_error in an image for ParaView. Errors are those of
-blocks of rows, the greatest over lengths of blocks (H. Flyvbjerg, H. G. Petersen, J. Chem. Phys.
-91 (1989) 461). Sums since the start, such as impulses, have no mean; take forces.
+For a table (history, gauge, forces): mean and standard error of each column; a change between the
+two halves of more than three of its standard errors and 5 % of the mean is marked as a drift. For
+a series of grids: each field in each cell, FIELD and FIELD_error in an image for ParaView. Errors
+are those of means over blocks of rows, the greatest over all block lengths (H. Flyvbjerg, H. G.
+Petersen, J. Chem. Phys. 91 (1989) 461). Sums since the start, such as impulses, have no steady
+mean; use forces.
 """
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 SUMMARY = "means over time with errors, of tables and of fields on the grid"
 EXAMPLES = ("means out/two_discs/two_discs_history.csv --from 1s",
             "means out/two_discs/two_discs_history.csv --columns kinetic,internal --out means.csv")
-FEWEST = 4               # rows of a mean
+FEWEST = 4               # fewest rows for a mean
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,7 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def of_table(arguments: argparse.Namespace) -> int:
-    """Print the means of the columns of a table; rows (name, unit, mean, error, drift) are written if asked for."""
+    """Print the means of the columns of a table; rows (name, unit, mean, error, drift) are
+    written on request."""
     table = history(arguments.source)
     time = table["time"]
     inside = (time >= arguments.begin) & (time <= arguments.end)
@@ -80,7 +82,7 @@ def box_of(handle: Any) -> tuple[Array, Array]:
 
 
 def of_grids(arguments: argparse.Namespace, frames: Sequence[Moment]) -> int:
-    """Mean and error of each field in each cell; cells without material count with 0."""
+    """Mean and error of each field in each cell; a cell without material counts as 0."""
     import h5py
     frames = [(time, path) for time, path in frames if arguments.begin <= time <= arguments.end]
     if len(frames) < FEWEST:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A film of a series: the particles of all times, coloured by a field.
+"""A film of a series: the particles at all times, coloured by a field.
 
-Window and colours are the same on all pages. An .mp4 is written with ffmpeg, a .gif without; with
---out NAME.png the pages become pictures NAME_000000.png and so on.
+Window and colours are the same for all frames. An .mp4 is written with ffmpeg, a .gif without;
+with --out NAME.png the frames become pictures NAME_000000.png and so on.
 """
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 """Draws the particles of one time.
 
 Runs in one and two dimensions are drawn in their plane (axisymmetric ones with both halves), runs
-in three dimensions as spheres. Models with mirror planes are completed.
+in three dimensions as spheres. Mirror images of models with mirror planes are included.
 """
 from __future__ import annotations
 

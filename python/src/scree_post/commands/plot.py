@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Plots histories: the whole ledger of a run, or chosen columns of one or several runs.
 
-Without --y the page holds energies, momenta, masses and their errors. With --y there is a panel
-for each unit among the columns; several histories are drawn into the same panels.
+Without --y the page shows energies, momenta, masses and their errors. With --y there is a panel
+for each unit of the columns; several histories are drawn in the same panels.
 """
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def chosen_columns(paths: Sequence[str], arguments: argparse.Namespace) -> Figur
         tables[case_of(path) if case_of(path) not in tables else path] = table
     if arguments.log and not any(table[name].any() for table in tables.values() for name in names):
         raise ScreeError("--log: all these columns are zero", EXIT_USAGE)
-    look.pyplot()                                        # its letters and colours
+    look.pyplot()                                        # fonts and colours of the common style
     figure = plot.columns_of(tables, names, x=arguments.x, log=arguments.log, log_x=arguments.log_x)
     title = arguments.title or (look.words(case_of(paths[0])) if len(paths) == 1 else "")
     if title:

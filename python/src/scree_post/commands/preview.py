@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws a scene before it runs: bodies, walls, boundaries with their types, and cells.
 
-`scree --preview DECK` writes the first state into OUTDIR_preview and calls this command. It takes
-the results of a run as well and then draws its first snapshot. Nothing is completed at mirror
-planes: the picture shows what is computed.
+`scree --preview DECK` writes the first state into OUTDIR_preview and calls this command. It also
+accepts the results of a run and then draws its first snapshot. Mirror images are not drawn: the
+picture shows the computed domain.
 """
 from __future__ import annotations
 
