@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Abstract law of strength: it corrects the deviator of the stress after an elastic trial, or
-!> gives the whole stress itself.
+!> Abstract law of strength: it corrects the deviator of the stress after an elastic trial, or gives
+!! the whole stress itself.
 module constitutive_law
    use base_deck_group, only: group_t
    use base_kinds, only: wp

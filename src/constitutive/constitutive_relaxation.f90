@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> Kernels of a stress that rotates, grows elastically and relaxes simultaneously, exact for a
-!! velocity
-!> gradient that is constant over the step.
+!! velocity gradient that is constant over the step.
 !!
 !! With x from 0 to 1 along the step, the spin increment W, the relaxation k = dt/tau and the strain
 !! increment D the deviator follows ds/dx = W s - s W - k s + 2 G D'. In a frame whose third axis is

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !> State of the material of particles, which laws read and write: arrays over particles, without
-!> particles or grid.
+!! particles or grid.
 module constitutive_state
    use base_field_worker, only: field_worker_t
    use base_kinds, only: int64, wp

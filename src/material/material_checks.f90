@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Checks of combinations of keys of a material: compatible models, the
-!> moduli and the effects.
+!> Checks of combinations of keys of a material: compatible models, the moduli and the effects.
 module material_checks
    use base_deck, only: deck_t, group_t
    use base_kinds, only: wp
