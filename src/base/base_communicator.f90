@@ -223,7 +223,7 @@ contains
    !> Replace each number of an array by its maximum over the ranks. Collective.
    subroutine communicator_maxima(self, values)
       class(communicator_t), intent(inout) :: self
-      real(wp), contiguous, intent(inout) :: values(:) !! Of this rank on entry, maxima on return
+      real(wp), contiguous, intent(inout) :: values(:) !! Of this rank in, maxima over ranks out
       real(wp), allocatable :: greatest(:)
       integer(int64) :: begin
 

@@ -273,7 +273,7 @@ contains
    !> Powers with one exponent; they overwrite their bases.
    pure subroutine take_powers(count, exponent, x)
       integer, intent(in) :: count                         !! Numbers
-      real(wp), intent(in) :: exponent                     !! Of all bases
+      real(wp), intent(in) :: exponent                     !! Common exponent of all bases
       real(wp), contiguous, intent(inout) :: x(:)          !! (at least count)
       real(wp) :: bounded, at_zero, at_infinity
       integer :: i
@@ -292,7 +292,7 @@ contains
    !! The power of 0 is 0 if the exponent is above 0.01.
    pure subroutine take_fast_powers(count, exponent, x)
       integer, intent(in) :: count                         !! Numbers
-      real(wp), intent(in) :: exponent                     !! Of all bases
+      real(wp), intent(in) :: exponent                     !! Common exponent of all bases
       real(wp), contiguous, intent(inout) :: x(:)          !! (at least count)
       real(wp), parameter :: least = -1.0e5_wp
       integer :: i

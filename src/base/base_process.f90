@@ -52,7 +52,7 @@ module base_process
          import :: c_int, c_int64_t, c_size_t
          implicit none
          integer(c_int), value :: thread                 !! 0: this one
-         integer(c_size_t), value :: bytes               !! Of the mask
+         integer(c_size_t), value :: bytes               !! Number of bytes of the mask
          integer(c_int64_t), intent(inout) :: mask(*)    !! Bit n: processor n
          integer(c_int) :: status
       end function c_sched_getaffinity
@@ -63,7 +63,7 @@ module base_process
          import :: c_int, c_int64_t, c_size_t
          implicit none
          integer(c_int), value :: thread                 !! 0: this one
-         integer(c_size_t), value :: bytes               !! Of the mask
+         integer(c_size_t), value :: bytes               !! Number of bytes of the mask
          integer(c_int64_t), intent(in) :: mask(*)       !! Bit n: processor n
          integer(c_int) :: status
       end function c_sched_setaffinity
@@ -221,7 +221,7 @@ contains
    subroutine restart_process(path, name, arguments)
       character(len=*), intent(in) :: path               !! Path of the program
       character(len=*), intent(in) :: name               !! Name under which it was called
-      type(text_t), intent(in) :: arguments(:)           !! Of the command line
+      type(text_t), intent(in) :: arguments(:)           !! Arguments of the command line
       character(len=:), allocatable, target :: letters
       type(c_ptr), allocatable :: pointers(:)
       integer, allocatable :: first(:)

@@ -50,7 +50,7 @@ module base_schema
       logical :: required = .false.                      !! Must be given where it applies
       character(len=:), allocatable :: target            !! Group whose names it refers to
       type(text_t), allocatable :: words(:)              !! Texts that are allowed, empty: any
-      type(text_t), allocatable :: meanings(:)           !! Of presets: name and title, for hints
+      type(text_t), allocatable :: meanings(:)           !! Names and titles of presets, for hints
       type(condition_t), allocatable :: owners(:)        !! All must be true
    end type key_t
 
@@ -117,7 +117,7 @@ contains
       character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
-      character(len=*), intent(in), optional :: unit     !! Of SI, or deg; without: 1
+      character(len=*), intent(in), optional :: unit     !! Unit in SI, or deg; default: 1
       character(len=*), intent(in), optional :: default  !! In SI
       character(len=*), intent(in), optional :: range    !! In SI: > 0, >= 0 < 1
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
@@ -173,7 +173,7 @@ contains
       character(len=*), intent(in), optional :: default  !! Without quotes
       character(len=*), intent(in), optional :: words    !! Allowed words, separated by blanks
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
-      character(len=*), intent(in), optional :: unit     !! Of the value of a formula
+      character(len=*), intent(in), optional :: unit     !! Unit of the value of a formula
       type(key_t) :: key
       logical :: known
 

@@ -45,7 +45,7 @@ module base_units
 
    !> A unit of SI as powers of its base units. Angles stay in degrees and have no dimension here.
    type :: unit_t
-      real(wp) :: power(4) = 0.0_wp                      !! Of length, time, mass, temperature
+      real(wp) :: power(4) = 0.0_wp !! Powers of length, time, mass, temperature
    contains
       procedure :: exponent => unit_exponent             !! Decimal exponent of the conversion to SI
    end type unit_t

@@ -61,7 +61,7 @@ contains
       type(weibull_t), intent(in) :: weibull         !! Modulus and volume
       real(wp), intent(in) :: density                !! Density of the reference state [kg/m3]
       integer(int64), intent(in) :: seed             !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]

@@ -121,7 +121,7 @@ contains
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), contiguous, intent(in) :: load(:)    !! Over strength, after the step (range) [1]
-      real(wp), contiguous, intent(inout) :: overload(:) !! Of the previous step, on return of this
+      real(wp), contiguous, intent(inout) :: overload(:) !! Of the last step in, of this step out
       real(wp), contiguous, intent(inout) :: damage(:) !! (store) [1]
       integer :: i, k
 

@@ -12,7 +12,7 @@ module constitutive_heat
    !> Heating of a material.
    type :: heat_t
       real(wp) :: specific_heat = 0.0_wp             !! At constant volume [J/(kg K)]
-      real(wp) :: conductivity = 0.0_wp              !! Of heat; 0: no conduction [W/(m K)]
+      real(wp) :: conductivity = 0.0_wp !! Thermal conductivity; 0: no conduction [W/(m K)]
    end type heat_t
 
    !> Temperatures between which a material softens.
@@ -46,7 +46,7 @@ contains
       integer, intent(in) :: first                   !! First particle of the range
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: specific_heat          !! At constant volume [J/(kg K)]
-      real(wp), intent(in) :: plastic_share          !! Of plastic work, becomes heat [1]
+      real(wp), intent(in) :: plastic_share !! Fraction of plastic work that becomes heat [1]
       real(wp), contiguous, intent(in) :: gruneisen(:) !! Gamma rho (range) [kg/m3]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! After the step (store) [m3]

@@ -22,7 +22,7 @@ module constitutive_law
       real(wp) :: shear = 0.0_wp                     !! Shear modulus [Pa]
       real(wp) :: bulk = 0.0_wp                      !! Bulk modulus of the reference state [Pa]
       real(wp) :: density = 0.0_wp                   !! Density of the reference state [kg/m3]
-      real(wp) :: heat_share = 0.9_wp !! Of plastic work, becomes heat (Taylor, Quinney 1934) [1]
+      real(wp) :: heat_share = 0.9_wp !! Heated by plastic work (Taylor, Quinney 1934) [1]
    contains
       procedure :: declare => law_declare            !! Declares its keys, if it has any
       procedure :: read_mode => law_read_mode        !! Reads keys that decide on other models
@@ -292,7 +292,7 @@ contains
       real(wp), intent(in) :: shear                        !! Shear modulus of the trial [Pa]
       real(wp), intent(in) :: trial                        !! Equivalent trial stress [Pa]
       real(wp), intent(in) :: limit                        !! Equivalent stress after the step [Pa]
-      real(wp), intent(in) :: increment                    !! Of the plastic strain [1]
+      real(wp), intent(in) :: increment                    !! Increment of the plastic strain [1]
       real(wp), intent(in) :: product_of_both              !! s* : e, of `strain_trial` [Pa]
 
       work = increment*max(0.0_wp, 0.5_wp*(trial + limit) &
@@ -306,7 +306,7 @@ contains
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: shear                  !! Shear modulus of the trial [Pa]
       real(wp), contiguous, intent(in) :: limit(:)   !! Equivalent stress at yield (range) [Pa]
-      real(wp), contiguous, intent(in) :: increment(:) !! Of the plastic strain (range) [1]
+      real(wp), contiguous, intent(in) :: increment(:) !! Plastic strain (range) [1]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)          !! Deviator (store, 6) [Pa]
       !> Equivalent trial stress [Pa] in, plastic increment [1] out (range).

@@ -104,7 +104,7 @@ contains
    pure subroutine grady_kipp_draw_strength(self, seed, identity, first, last, mass, scatter)
       class(damage_grady_kipp_t), intent(in) :: self
       integer(int64), intent(in) :: seed                   !! Seed of the random numbers
-      integer(int64), contiguous, intent(in) :: identity(:) !! Of the particles (store)
+      integer(int64), contiguous, intent(in) :: identity(:) !! Identities of the particles (store)
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
@@ -145,7 +145,7 @@ contains
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       real(wp), contiguous, intent(in) :: pressure(:)      !! (range) [Pa]
-      real(wp), contiguous, intent(in) :: bound(:) !! Of the principal deviators (range) [Pa]
+      real(wp), contiguous, intent(in) :: bound(:) !! Bound of the principal deviators (range) [Pa]
       !> Mean number of flaws at which the weakest one grows (range) [1]
       real(wp), contiguous, intent(in) :: weakest(:)
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]

@@ -154,7 +154,7 @@ contains
       integer, intent(in) :: first                         !! First particle of the range
       integer, intent(in) :: last                          !! Last particle of the range
       real(wp), contiguous, intent(in) :: old_damage(:)    !! Before the step (range) [1]
-      real(wp), contiguous, intent(in) :: rate(:)          !! Of strain (range) [1/s]
+      real(wp), contiguous, intent(in) :: rate(:)          !! Strain rate (range) [1/s]
       real(wp), contiguous, intent(in) :: damage(:)        !! After it (store) [1]
       real(wp), contiguous, intent(in) :: mass(:)          !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)        !! (store) [m3]

@@ -106,7 +106,7 @@ contains
    pure subroutine find_failure_strains(model, count, rate, strain)
       class(damage_johnson_cook_t), intent(in) :: model
       integer, intent(in) :: count                         !! States
-      real(wp), intent(inout) :: rate(most_lanes)    !! Of plastic strain, lost on return [1/s]
+      real(wp), intent(inout) :: rate(most_lanes)    !! Plastic strain rate, overwritten [1/s]
       !> Mean over equivalent stress in, strain to failure out [1].
       real(wp), intent(inout) :: strain(most_lanes)
       integer :: l
@@ -192,7 +192,7 @@ contains
       integer, intent(in) :: count                         !! Particles of the group
       integer, intent(in) :: filled                        !! Lanes, whole vectors
       integer, intent(in) :: place(most_lanes)             !! In the range, of a lane
-      integer, intent(in) :: before                        !! Of the store before the range
+      integer, intent(in) :: before !! Number of particles of the store before the range
       real(wp), intent(in) :: dt                           !! Time step [s]
       real(wp), contiguous, intent(in) :: stress(:, :)           !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(in) :: pressure(:)            !! (range) [Pa]

@@ -145,7 +145,7 @@ contains
    !> Failed volume of a particle [m3].
    pure real(wp) function measure_failed(store, particle) result(volume)
       type(store_t), intent(in) :: store
-      integer, intent(in) :: particle                !! Of the store
+      integer, intent(in) :: particle                !! Index in the store
 
       volume = 0.0_wp
       if (.not. allocated(store%state%failed)) return
@@ -200,8 +200,8 @@ contains
    !> Axis of a node: the direction along which the gradients around it differ most. Zero where
    !! nothing or too little has failed. Its sign is that of its greatest component. Equation (C.11).
    pure function find_axis(sums, volume) result(axis)
-      real(wp), intent(in) :: sums(product_rows)     !! Of the particles
-      real(wp), intent(in) :: volume                 !! Of the node [m3]
+      real(wp), intent(in) :: sums(product_rows)     !! Sums over the particles
+      real(wp), intent(in) :: volume                 !! Volume of the node [m3]
       real(wp) :: axis(3), a(3, 3), v(3, 3), all
       integer :: turn, k
 
@@ -310,7 +310,7 @@ contains
    !! axis, as is its gradient; sides whose gradients point towards each other are one body.
    !! Equation (C.13).
    pure logical function is_split(sums) result(split)
-      real(wp), intent(in) :: sums(part_rows)        !! Of the particles
+      real(wp), intent(in) :: sums(part_rows)        !! Sums over the particles
 
       split = min(sums(1), sums(2)) > few*(sums(1) + sums(2))
       if (split) split = sums(3)/sums(1) > sums(4)/sums(2)

@@ -74,7 +74,7 @@ contains
    !> Velocity field of a particle at a position near it [m/s].
    pure function velocity_at(store, particle, away) result(velocity)
       type(store_t), intent(in) :: store
-      integer, intent(in) :: particle                !! Of the store
+      integer, intent(in) :: particle                !! Index in the store
       real(wp), intent(in) :: away(3)                !! Position relative to the particle [m]
       real(wp) :: velocity(3)
       integer :: l
@@ -114,8 +114,8 @@ contains
       integer, intent(in) :: other(:)                !! (particle) Bits of the nodes
       logical, intent(in) :: split(:)                !! (node)
       real(wp), intent(in) :: factor                 !! Such as the step [s]
-      real(wp), intent(in) :: mine(:, :)             !! (column, node) Of the first side
-      real(wp), intent(in) :: theirs(:, :)           !! (column, node) Of the other side
+      real(wp), intent(in) :: mine(:, :)             !! (column, node) Node values of the first side
+      real(wp), intent(in) :: theirs(:, :)           !! (column, node) Node values of the other side
       integer, intent(in) :: before                  !! Rows of the values before the tile
       real(wp), intent(inout) :: values(:, :)        !! (particle, column)
       real(wp) :: weight, away(3), local(3)

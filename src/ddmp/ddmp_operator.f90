@@ -196,7 +196,7 @@ contains
       integer, intent(in) :: first                   !! First node
       integer, intent(in) :: last                    !! Last index
       integer, intent(in) :: before                  !! Components before the three
-      integer, intent(in) :: nodes                   !! Of the tile
+      integer, intent(in) :: nodes                   !! Number of nodes of the tile
       real(wp), intent(in) :: tensor(9*nodes)        !! (component and node)
       real(wp), intent(inout) :: field(parts*nodes + 1) !! (number)
       integer :: node, k
@@ -217,7 +217,7 @@ contains
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(inout) :: field(numbers)      !! On the nodes in, between them out
       integer :: n
 
@@ -229,7 +229,7 @@ contains
 
    !> Add the value at the next node, minus that at the previous node.
    pure subroutine add_change(numbers, pad, low, high, shift, sums, patch)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: pad                     !! Offset in memory
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
@@ -320,7 +320,7 @@ contains
 
    !> The two directions other than a given one.
    pure subroutine others(direction, one, other)
-      integer, intent(in) :: direction               !! Of the derivative
+      integer, intent(in) :: direction               !! Direction of the derivative
       integer, intent(out) :: one                    !! The lower of the others
       integer, intent(out) :: other                  !! The higher one
 
@@ -330,7 +330,7 @@ contains
 
    !> Integrals along a direction of the node values.
    pure subroutine mean_along(numbers, low, high, shift, line, field, means)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
@@ -347,7 +347,7 @@ contains
 
    !> The transpose of that.
    pure subroutine add_line(numbers, low, high, shift, line, sums, field)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
@@ -365,7 +365,7 @@ contains
 
    !> Add products to the numbers of the next node.
    pure subroutine add_shifted(numbers, low, high, shift, line, sums, field)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
@@ -382,7 +382,7 @@ contains
 
    !> Differences along a direction, times a factor.
    pure subroutine difference_along(numbers, low, high, shift, factor, field, differences)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
@@ -399,7 +399,7 @@ contains
 
    !> Minus its transpose: the gain of one node is the loss of the other.
    pure subroutine add_difference(numbers, low, high, shift, factor, sums, field)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First index in use
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
@@ -423,7 +423,7 @@ contains
    !! the next node along the third direction.
    ! gate: long kernel because directions are given by their shifts
    pure subroutine apply_mass(numbers, pad, low, high, one, other, third, weight, field, sums)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: pad                     !! Offset in memory
       integer, intent(in) :: low                     !! First number of a cell
       integer, intent(in) :: high                    !! Last index
@@ -465,7 +465,7 @@ contains
 
    !> The same along a single direction.
    pure subroutine apply_line_mass(numbers, low, high, shift, mass, weight, field, sums)
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       integer, intent(in) :: low                     !! First number of a cell
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Numbers to the next node, 0 if missing

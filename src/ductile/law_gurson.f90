@@ -36,7 +36,7 @@ module law_gurson
    type, extends(law_t) :: law_gurson_t
       type(porous_t) :: porous                       !! Yield surface
       type(nucleation_t), allocatable :: nucleation  !! Only if pores appear
-      real(wp) :: yield = 0.0_wp                     !! Of the matrix without strain [Pa]
+      real(wp) :: yield = 0.0_wp !! Yield stress of the matrix without strain [Pa]
       real(wp) :: start = 0.0_wp                     !! Porosity of the reference state [1]
    contains
       procedure :: declare => gurson_declare         !! Declares its keys

@@ -30,10 +30,10 @@ module explosive_burn
    !> Burn of an explosive.
    type :: burn_t
       real(wp) :: time = 0.0_wp                      !! At the end of the step [s]
-      real(wp) :: rate = 0.0_wp                      !! Of growth of the burn fraction [1/s]
-      real(wp) :: speed = 0.0_wp                     !! Of detonation [m/s]
+      real(wp) :: rate = 0.0_wp                      !! Growth rate of the burn fraction [1/s]
+      real(wp) :: speed = 0.0_wp                     !! Detonation speed [m/s]
       real(wp) :: cells = 0.0_wp                     !! Width of the front over that of a cell [1]
-      real(wp) :: density = 0.0_wp                   !! Of the explosive [kg/m3]
+      real(wp) :: density = 0.0_wp                   !! Density of the explosive [kg/m3]
       real(wp) :: detonated = 1.0_wp                 !! Relative volume behind the front [1]
       logical :: compressed = .false.                !! Does compression also burn the explosive?
       type(detonator_t), allocatable :: detonators(:) !! Detonators that can reach it
@@ -69,7 +69,7 @@ contains
    pure subroutine burn_read(self, group, eos)
       class(burn_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! &material
-      class(eos_t), intent(in) :: eos                !! Of its products
+      class(eos_t), intent(in) :: eos                !! Equation of state of its products
       character(len=:), allocatable :: word
 
       call group%get("burn_cells", self%cells)

@@ -19,7 +19,7 @@ module explosive_paths
    !> Bend from which a straight part of a path begins.
    type :: bend_t
       real(wp) :: place(3) = 0.0_wp                  !! [m]
-      real(wp) :: time = never_burns                 !! Of the detonation there [s]
+      real(wp) :: time = never_burns                 !! Arrival time of the detonation [s]
       real(wp) :: speed = 1.0_wp                     !! From there on [m/s]
    end type bend_t
 
@@ -157,7 +157,7 @@ contains
       type(detonation_paths_t), intent(inout) :: paths
       type(sight_map_t), intent(in) :: map
       integer, intent(in) :: counts(3)               !! Corners along each direction
-      integer, intent(in) :: number                  !! Of the corner
+      integer, intent(in) :: number                  !! Number of the corner
       logical, intent(inout) :: changed              !! Becomes true if the path has changed
       integer :: place(3), beside(3), i, j, k, n
       real(wp) :: here(3)

@@ -26,8 +26,8 @@ module grains_measures
       real(wp) :: springs = 0.0_wp                   !! Stored along the lines of centres
       real(wp) :: shear = 0.0_wp                     !! Stored tangentially
       real(wp) :: lost(losses) = 0.0_wp              !! By dashpots, friction, time step
-      real(wp) :: work = 0.0_wp                      !! Of the stress on the cell
-      real(wp) :: total = 0.0_wp                     !! Of all but work, with half steps
+      real(wp) :: work = 0.0_wp                      !! Work of the stress on the cell
+      real(wp) :: total = 0.0_wp !! Sum of all energies except work, with half steps
    end type energy_t
 
    !> Counts and means of contacts. A rattler has fewer contacts than a grain needs for equilibrium:
@@ -212,7 +212,7 @@ contains
    pure subroutine mean_stress(cell, stress, agitation)
       type(cell_t), intent(in) :: cell
       real(wp), intent(out) :: stress(3, 3)
-      real(wp), intent(out) :: agitation(3, 3)       !! Of m u u only
+      real(wp), intent(out) :: agitation(3, 3)       !! Stress from m u u only
       real(wp), parameter :: none(9) = 0.0_wp
 
       associate (mean => cell%mean)

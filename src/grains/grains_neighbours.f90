@@ -162,7 +162,7 @@ contains
       type(box_t), intent(in) :: box
       real(wp), intent(in) :: skin                   !! [m]
       integer, intent(in) :: row, other              !! Rows
-      real(wp), intent(out) :: shift(3)              !! Of the nearest image [1]
+      real(wp), intent(out) :: shift(3)              !! Shift of the nearest image [1]
       logical, intent(out) :: is_near
       real(wp) :: apart(3)
 

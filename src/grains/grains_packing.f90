@@ -18,7 +18,7 @@ contains
 
    !> Radii of grains: uniform in diameter, or two sizes of equal number.
    pure subroutine grain_radii(seed, diameter, spread, two_sizes, radius)
-      integer(int64), intent(in) :: seed             !! Of the random numbers
+      integer(int64), intent(in) :: seed             !! Seed of the random numbers
       real(wp), intent(in) :: diameter               !! Mean [m]
       real(wp), intent(in) :: spread                 !! Half the range over the mean, or of the two
       logical, intent(in) :: two_sizes               !! Only the ends of the range?
@@ -56,7 +56,7 @@ contains
    !> Put grains on a square or cubic lattice in random order, shifted at random without overlap,
    !! with random velocities and no mean momentum.
    pure subroutine fill_random(seed, fraction, aspect, speed, cell)
-      integer(int64), intent(in) :: seed             !! Of the random numbers
+      integer(int64), intent(in) :: seed             !! Seed of the random numbers
       real(wp), intent(in) :: fraction               !! Solid volume over cell volume [1]
       real(wp), intent(in) :: aspect(3)              !! Edges of the cell relative to each other
       real(wp), intent(in) :: speed                  !! Root of the mean square of a component [m/s]
@@ -123,7 +123,7 @@ contains
    !> Fill the cell with a triangular lattice of discs, rows along x, or a face-centred cubic one of
    !! spheres whose neighbours are `spacing` apart.
    pure subroutine fill_lattice(number, spacing, cell)
-      integer, intent(in) :: number(3)               !! Of the rectangular cells of the lattice
+      integer, intent(in) :: number(3)               !! Number of rectangular cells of the lattice
       real(wp), intent(in) :: spacing                !! Between neighbours [m]
       type(cell_t), intent(inout) :: cell !! With capacity for 2 or 4 grains a lattice cell
       real(wp), parameter :: discs(3, 2) = reshape([0.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 0.5_wp, &

@@ -113,7 +113,7 @@ contains
    subroutine read_stages(deck, cell, friction, path)
       type(deck_t), intent(in) :: deck
       type(cell_t), intent(in) :: cell               !! With grains; its edges may change later
-      real(wp), intent(in) :: friction               !! Of &grains
+      real(wp), intent(in) :: friction               !! Key `friction` of &grains
       type(path_t), intent(out) :: path
       integer :: n
 
@@ -128,7 +128,7 @@ contains
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: n                       !! Number
       type(cell_t), intent(in) :: cell
-      real(wp), intent(in) :: friction               !! Of &grains
+      real(wp), intent(in) :: friction               !! Key `friction` of &grains
       type(stage_t), intent(out) :: stage
       type(group_t) :: group
       real(wp) :: number
@@ -162,7 +162,7 @@ contains
    !> True if a row of the history is due after a step.
    pure logical function path_is_row(self, step, dt) result(due)
       class(path_t), intent(in) :: self
-      integer(int64), intent(in) :: step             !! Of the run
+      integer(int64), intent(in) :: step             !! Step of the run
       real(wp), intent(in) :: dt                     !! [s]
 
       due = is_due(step - self%start, self%steps(dt), self%stages(self%now)%rows)
@@ -171,7 +171,7 @@ contains
    !> True if a snapshot is due after a step.
    pure logical function path_is_snapshot(self, step, dt) result(due)
       class(path_t), intent(in) :: self
-      integer(int64), intent(in) :: step             !! Of the run
+      integer(int64), intent(in) :: step             !! Step of the run
       real(wp), intent(in) :: dt                     !! [s]
 
       due = is_due(step - self%start, self%steps(dt), self%stages(self%now)%snapshots)

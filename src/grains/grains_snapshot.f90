@@ -22,7 +22,7 @@ module grains_snapshot
 
    character(len=*), parameter :: root = "/VTKHDF"
    integer, parameter :: vertex = 1, line = 3        !! Types of cells in VTK
-   integer, parameter :: contact_words = 15          !! Of a contact that is sent to all ranks
+   integer, parameter :: contact_words = 15          !! Values per contact sent to all ranks
 
 contains
 

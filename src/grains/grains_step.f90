@@ -24,7 +24,7 @@ module grains_step
    public :: advance_cell, renew_pairs, servo_gradient, start_cell
 
    real(wp), parameter :: sort_strain = 0.5_wp       !! Shear strain between two sorts of rows
-   integer, parameter :: curve_cells = 1024          !! Of the space-filling curve along an edge
+   integer, parameter :: curve_cells = 1024          !! Cells of the curve along an edge
 
 contains
 

@@ -42,7 +42,7 @@ module io_checkpoint
    !> Sums the bytes of the fields of a store.
    type, extends(field_worker_t) :: measure_t
       type(rows_t) :: rows                                !! Rows of the store
-      integer(int64) :: bytes = 0                         !! Of all fields so far
+      integer(int64) :: bytes = 0                         !! Number of bytes of all fields so far
    contains
       procedure :: scalar => measure_scalar               !! Count a scalar field
       procedure :: vector => measure_vector               !! Count a vector or tensor field

@@ -130,8 +130,8 @@ contains
 
    !> Compare the keys of a group that both decks have.
    pure subroutine compare_groups(was, is, changes)
-      type(echo_group_t), intent(in) :: was                   !! Of the checkpoint
-      type(echo_group_t), intent(in) :: is                    !! Of this run
+      type(echo_group_t), intent(in) :: was                   !! Value in the checkpoint
+      type(echo_group_t), intent(in) :: is                    !! Value in this run
       type(changes_t), intent(inout) :: changes          !! Gets the keys that differ
       integer :: n, other
 

@@ -311,7 +311,7 @@ contains
       class(collector_t), intent(inout) :: self
       character(len=*), intent(in) :: name
       character(len=*), intent(in) :: unit
-      integer, intent(in) :: components                  !! Of a particle
+      integer, intent(in) :: components                  !! Number of components of a particle
       logical, intent(in) :: is_real                     !! Real, not integer
       type(column_t) :: column
 

@@ -35,7 +35,7 @@ contains
       character(len=*), intent(in) :: path
       type(snapshot_info_t), intent(out) :: info
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
-      logical, intent(in) :: of_grid                     !! Of a grid, not of particles
+      logical, intent(in) :: of_grid                     !! True for a grid, false for particles
       type(hdf5_source_t) :: source
       real(wp) :: times(1)
       integer(int64) :: counts(1)
@@ -99,7 +99,7 @@ contains
    !> Description of a data set that is not a field.
    pure function plain(name, components, is_real, bytes) result(info)
       character(len=*), intent(in) :: name               !! Name
-      integer, intent(in) :: components                  !! Of a row
+      integer, intent(in) :: components                  !! Number of components of a row
       logical, intent(in) :: is_real                     !! Real, not integer
       integer, intent(in) :: bytes                       !! Bytes of a value
       type(data_info_t) :: info

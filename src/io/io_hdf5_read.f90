@@ -287,7 +287,7 @@ contains
       class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
       integer, intent(in) :: dimensions                  !! 1: scalars, 2: vectors or tensors
-      integer, intent(in) :: components                  !! Of a row
+      integer, intent(in) :: components                  !! Number of components of a row
       integer(int64), intent(in) :: last_row             !! Least number of rows
       type(error_t), allocatable, intent(out) :: error   !! The form is another
       type(data_info_t) :: info
@@ -440,7 +440,7 @@ contains
    subroutine source_names(self, name, length, names, error)
       class(hdf5_source_t), intent(in) :: self
       character(len=*), intent(in) :: name               !! From the root
-      integer, intent(out) :: length                     !! Of a text
+      integer, intent(out) :: length                     !! Length of a text
       character(len=:), allocatable, intent(out), target :: names !! Concatenated
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       type(data_info_t) :: info

@@ -170,7 +170,7 @@ contains
 
    !> Parse one point.
    subroutine read_row(words, column, row, list, fault)
-      type(text_t), intent(in) :: words(:)               !! Of its line
+      type(text_t), intent(in) :: words(:)               !! Words of its line
       integer, intent(in) :: column(:)                   !! (name) Number of its column, 0: none
       integer, intent(in) :: row
       type(point_list_t), intent(inout) :: list
@@ -207,7 +207,7 @@ contains
 
    !> Set the material number of a point by its name.
    subroutine number_material(name, row, list)
-      character(len=*), intent(in) :: name               !! Of the material
+      character(len=*), intent(in) :: name               !! Name of the material
       integer, intent(in) :: row
       type(point_list_t), intent(inout) :: list
       integer :: n
@@ -299,7 +299,7 @@ contains
 
       !> Value of an attribute, if it exists and is valid.
       real(wp) function provenance_value(name, without) result(time)
-         character(len=*), intent(in) :: name            !! Of the attribute
+         character(len=*), intent(in) :: name            !! Name of the attribute
          real(wp), intent(in) :: without                 !! Default value [s]
          type(error_t), allocatable :: error
          real(wp), allocatable :: values(:)

@@ -23,7 +23,7 @@ module io_seal
    integer, parameter, public :: seal_bytes = 48         !! Title, blanks, digits, end of line
    integer, parameter :: block_words = 131072            !! Words that are read together
    integer, parameter :: word_bytes = 8
-   character(len=*), parameter :: title_prefix = "scree-"       !! Of all titles
+   character(len=*), parameter :: title_prefix = "scree-"       !! Beginning of all titles
 
 contains
 

@@ -65,7 +65,7 @@ contains
    subroutine collect(series, names, length, next_number, note)
       type(series_t), intent(inout) :: series            !! Gets the snapshots
       character(len=*), intent(in) :: names(:)           !! Names in the folder, sorted
-      integer, intent(in) :: length                      !! Of the names that are collected
+      integer, intent(in) :: length                      !! Length of the collected names
       integer, intent(in) :: next_number                 !! Number of the next snapshot
       character(len=:), allocatable, intent(inout) :: note !! Omitted files
       type(snapshot_info_t) :: info

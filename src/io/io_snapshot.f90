@@ -58,7 +58,7 @@ module io_snapshot
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       real(wp) :: dt = 0.0_wp                            !! Time step [s]
       real(wp) :: dt_next = 0.0_wp                       !! Next stable time step [s]
-      real(wp) :: velocity_lag = 0.0_wp                  !! Of velocities behind positions [s]
+      real(wp) :: velocity_lag = 0.0_wp                  !! Lag of velocities behind positions [s]
       integer(int64) :: step = 0                         !! Steps done
       !> (3, 4) In a cell that deforms: its deformation, and the fixed corner [m]
       real(wp), allocatable :: stretch(:, :)

@@ -120,7 +120,7 @@ contains
    !> Write the record to the state of a checkpoint.
    subroutine save_trust(trust, state)
       type(trust_t), intent(in) :: trust             !! Measures of trust
-      type(state_t), intent(inout) :: state          !! Of the checkpoint
+      type(state_t), intent(inout) :: state          !! State of the checkpoint
 
       call state%set("trust", [trust%worst, trust%longest, trust%pressure, trust%difference, &
          trust%start_speed, trust%start_energy, trust%least_energy, trust%work])
@@ -131,7 +131,7 @@ contains
    !> Read it from a checkpoint. If the checkpoint lacks it, the record starts empty.
    subroutine load_trust(trust, state)
       type(trust_t), intent(inout) :: trust          !! Measures of trust
-      type(state_t), intent(in) :: state             !! Of the checkpoint
+      type(state_t), intent(in) :: state             !! State of the checkpoint
       real(wp), allocatable :: values(:)
       integer(int64), allocatable :: flags(:)
       type(error_t), allocatable :: error

@@ -18,7 +18,7 @@ module io_walls
    character(len=*), parameter :: group = "/walls"       !! Names and types of the walls
    integer, parameter, public :: wall_name_length = 96   !! Longest name of a wall
    real(wp), parameter, public :: never = 1.0e30_wp      !! Stands for infinite time [s]
-   integer, parameter :: cell_types(4) = [1, 3, 5, 9]    !! Of VTK: vertex, line, triangle, quad
+   integer, parameter :: cell_types(4) = [1, 3, 5, 9]    !! VTK vertex, line, triangle, quad
 
    !> Walls. The same on all ranks.
    type :: walls_t

@@ -14,7 +14,7 @@ module library_fields
    !> Memory of a field. Component k of particle p, both from 0, is element p + k stride.
    type, bind(c) :: field_view_t
       type(c_ptr) :: address = c_null_ptr              !! First particle, null without particles
-      integer(c_int64_t) :: particles = 0              !! Of this rank
+      integer(c_int64_t) :: particles = 0              !! Number of particles of this rank
       integer(c_int64_t) :: stride = 0                 !! Elements from component to component
       integer(c_int) :: components = 0                 !! 1 for a scalar, 0 = there is no such field
       integer(c_int) :: whole = 0                      !! 1 = integers of 8 bytes, 0 = real numbers

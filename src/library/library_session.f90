@@ -26,7 +26,7 @@ module library_session
       logical :: copied = .false.                    !! Has it a duplicated communicator?
       integer :: threads = 1                         !! Threads between calls
       integer(int64) :: generation = 0               !! Changes whenever views become invalid
-      character(len=:), allocatable :: message       !! Of the last error
+      character(len=:), allocatable :: message       !! Message of the last error
       character(kind=c_char), allocatable :: answer(:) !! Text for the caller, ends with a null
    contains
       procedure :: open => session_open              !! Deck to first state

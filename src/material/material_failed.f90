@@ -39,7 +39,7 @@ module material_failed
       type(fracture_t), allocatable :: fracture      !! Permanent failure
       type(softening_t), allocatable :: softening    !! Cracks open with an energy of their own
       type(failed_law_t), allocatable :: failed_law  !! Law of failed material
-      integer(int64) :: seed = 0                     !! Of random strength
+      integer(int64) :: seed = 0                     !! Seed of the random strength
    end type failure_t
 
    !> The failed particles of a range.

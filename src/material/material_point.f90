@@ -103,7 +103,7 @@ contains
       real(wp), intent(in) :: dt                         !! Time step [s]
       type(material_state_t), intent(inout) :: state            !! State of the point
       type(deformation_t), intent(inout) :: deformation  !! Step of the point
-      real(wp), parameter :: spacing = 1.0e-3_wp !! Of a cell, for the width of cracks [m]
+      real(wp), parameter :: spacing = 1.0e-3_wp !! Cell size, for the width of cracks [m]
       type(material_state_t) :: before
       real(wp) :: volume, power
       integer :: pass

@@ -215,7 +215,7 @@ contains
       class(boundary_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
-      real(wp), intent(in) :: factor                 !! Of a boundary
+      real(wp), intent(in) :: factor                 !! Factor of a boundary
       real(wp), intent(inout) :: values(:)           !! (node)
       integer :: nodes(grid%tile_nodes), number, n, wall
 

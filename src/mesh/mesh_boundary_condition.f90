@@ -17,8 +17,8 @@ module mesh_boundary_condition
    !> A boundary condition. Boundaries are numbered from 1 to 6: xlo, xhi, ylo, yhi, zlo, zhi.
    type, abstract :: boundary_condition_t
       character(len=16) :: name = ""                 !! Word of the deck
-      real(wp) :: velocity(3) = 0.0_wp !! Of the wall, at the time of those of nodes [m/s]
-      real(wp) :: acceleration(3) = 0.0_wp           !! Of the wall in this step [m/s2]
+      real(wp) :: velocity(3) = 0.0_wp !! At the time of the node velocities [m/s]
+      real(wp) :: acceleration(3) = 0.0_wp           !! Acceleration of the wall in this step [m/s2]
       real(wp) :: friction = 0.0_wp                  !! Coefficient of friction [1]
    contains
       procedure(meaning_i), deferred, nopass :: meaning !! One line for the help on the key `type`

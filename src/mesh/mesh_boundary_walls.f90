@@ -81,8 +81,8 @@ contains
    !> Set velocities of moving walls at a time, and whether walls act.
    pure subroutine walls_advance(self, time, lag, kick, switched)
       class(boundary_walls_t), intent(inout) :: self
-      real(wp), intent(in) :: time                   !! Of the positions [s]
-      real(wp), intent(in) :: lag                    !! Of velocities behind positions [s]
+      real(wp), intent(in) :: time                   !! Time of the positions [s]
+      real(wp), intent(in) :: lag                    !! Lag of velocities behind positions [s]
       real(wp), intent(in) :: kick                   !! Time for which forces act, 0 = none [s]
       logical, intent(out) :: switched               !! Has a wall begun or ceased to act?
       logical :: acted

@@ -103,7 +103,7 @@ contains
 
    !> Inverse of a matrix that has one.
    pure function inverse(matrix) result(dual)
-      real(wp), intent(in) :: matrix(3, 3)           !! Of a determinant that is not 0
+      real(wp), intent(in) :: matrix(3, 3)           !! Matrix with a determinant that is not 0
       real(wp) :: dual(3, 3)
       integer :: i, j, i1, i2, j1, j2
 

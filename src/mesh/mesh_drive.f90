@@ -78,7 +78,7 @@ contains
    pure subroutine drive_set_rate(self, density, speed, height, dt)
       class(drive_t), intent(inout) :: self
       real(wp), intent(in) :: density                !! [kg/m3]
-      real(wp), intent(in) :: speed                  !! Of a wave [m/s]
+      real(wp), intent(in) :: speed                  !! Wave speed [m/s]
       real(wp), intent(in) :: height                 !! Greatest distance of faces [m]
       real(wp), intent(in), optional :: dt           !! Time step [s]
 
@@ -114,7 +114,7 @@ contains
    !> Strain rate of a held axis, (G.3) [1/s].
    pure real(wp) function response(drive, pressure) result(strain_rate)
       type(drive_t), intent(in) :: drive
-      real(wp), intent(in) :: pressure               !! Of the axis, or the mean [Pa]
+      real(wp), intent(in) :: pressure               !! Pressure on the axis, or mean pressure [Pa]
       real(wp), parameter :: greatest = 20.0_wp, far = 0.1_wp
       real(wp) :: error
 

@@ -190,7 +190,7 @@ contains
    subroutine send_words(self, communicator, words)
       type(halo_t), intent(inout) :: self            !! The plan, with the words
       type(communicator_t), intent(inout) :: communicator
-      integer, intent(in) :: words                   !! Of an entry
+      integer, intent(in) :: words                   !! Number of words of an entry
 
       associate (length => words*(self%before(2:) - self%before(:size(self%rank))))
          call communicator%post(self%rank, length, self%posted)

@@ -291,7 +291,7 @@ contains
       integer, intent(in) :: number                  !! Number
       real(wp), intent(in) :: values(number)         !! Flattened
       integer, intent(in) :: before                  !! Index offset in the patch
-      integer, intent(in) :: numbers                 !! Of the patch
+      integer, intent(in) :: numbers                 !! Number of elements of the patch
       real(wp), intent(inout) :: patch(numbers)      !! Flattened
 
       patch(before + 1:before + number) = values

@@ -20,7 +20,7 @@ contains
       integer, intent(in) :: corner(3)               !! Lowest node of the packed patch
       integer, intent(in) :: length(3)               !! Its nodes along each direction
       real(wp), contiguous, intent(in) :: packed(:)   !! (row, node) Flat
-      integer, intent(in) :: numbers                 !! Of the sums
+      integer, intent(in) :: numbers                 !! Number of elements of the sums
       real(wp), intent(inout) :: sums(numbers)       !! (row, node) Flat
       integer :: y, z, here, there, line, top(2)
 
@@ -142,7 +142,7 @@ contains
       integer, intent(in) :: number                  !! Number
       integer, intent(in) :: before                  !! Index offset in the sums
       real(wp), intent(in) :: packed(number)         !! Flattened
-      integer, intent(in) :: numbers                 !! Of the sums
+      integer, intent(in) :: numbers                 !! Number of elements of the sums
       real(wp), intent(inout) :: sums(numbers)       !! Flattened
       integer :: n
 

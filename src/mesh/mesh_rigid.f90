@@ -58,8 +58,8 @@ contains
    !> Bring the regions to a time.
    pure subroutine rigid_advance(self, time, lag, kick)
       class(rigid_t), intent(inout) :: self
-      real(wp), intent(in) :: time                   !! Of the positions [s]
-      real(wp), intent(in) :: lag                    !! Of velocities behind positions [s]
+      real(wp), intent(in) :: time                   !! Time of the positions [s]
+      real(wp), intent(in) :: lag                    !! Lag of velocities behind positions [s]
       real(wp), intent(in) :: kick                   !! Time that forces act, 0 = none [s]
       logical :: acted
       integer :: n
@@ -151,7 +151,7 @@ contains
       type(boundary_t), intent(in) :: boundary       !! Its boundaries
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer, intent(in) :: node                    !! Node of the tile
-      real(wp), intent(in) :: place(3)               !! Of the node [m]
+      real(wp), intent(in) :: place(3)               !! Position of the node [m]
       real(wp), intent(out) :: normal(3)             !! Unit normal, or 0 if the node sticks [1]
       real(wp), parameter :: least = 1.0e-3_wp       ! a boundary and a region side by side
       integer :: k, wall, face, global(3)
@@ -223,7 +223,7 @@ contains
       class(rigid_t), intent(in) :: self
       integer, intent(in) :: tile                    !! Index of the tile
       real(wp), intent(in) :: dt                     !! Time step, above 0 [s]
-      real(wp), intent(in) :: share                  !! Of PIC in the transfer, 0 to 1
+      real(wp), intent(in) :: share                  !! Share of PIC in the transfer, 0 to 1
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
       real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With walls [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
@@ -321,7 +321,7 @@ contains
    pure logical function stays(wall, normal, velocity) result(held)
       real(wp), intent(in) :: wall(3)                !! Velocity of the region [m/s]
       real(wp), intent(in) :: normal(3)              !! Outward
-      real(wp), intent(in) :: velocity(3)            !! Of the node [m/s]
+      real(wp), intent(in) :: velocity(3)            !! Velocity of the node [m/s]
       real(wp), parameter :: little = 1.0e-12_wp     ! remainder of a removed velocity
 
       held = .not. dot_product(velocity - wall, normal) > little*(norm2(velocity) + norm2(wall))

@@ -21,7 +21,7 @@ module mesh_surface_load
    !> A load.
    type :: surface_load_t
       real(wp) :: stress(6) = 0.0_wp                 !! Stress tensor at a factor of 1 [Pa]
-      real(wp) :: factor = 1.0_wp                    !! Of this step [1]
+      real(wp) :: factor = 1.0_wp                    !! Factor of this step [1]
       type(motion_t), allocatable :: course          !! Factor over time in its first component
       class(point_set_t), allocatable :: region      !! Where it acts, if not everywhere
       integer(int64), allocatable :: bodies(:)       !! On which bodies, if not on all

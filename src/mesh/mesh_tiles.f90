@@ -25,7 +25,7 @@ module mesh_tiles
       integer(int64), allocatable :: border(:)       !! (0:ranks) r owns border(r) <= key < next
       integer(int64) :: version = 0                  !! Grows when own tiles or cuts change
       type(key_table_t) :: table                     !! From key to index
-      integer, private :: shape(7) = -1              !! Of the grid that the neighbours hold for
+      integer, private :: shape(7) = -1 !! Shape of the grid to which the neighbours belong
    contains
       procedure :: set => tiles_set                  !! Give the tiles and find their neighbours
       procedure :: cut => tiles_cut                  !! Divide the curve among the ranks
@@ -273,7 +273,7 @@ contains
    !> True if the middle of a tile is before a cut, by accumulated weight.
    pure logical function lies_before(before, weight, total, cut, ranks) result(lower)
       integer(int64), intent(in) :: before           !! Weight of the tiles before
-      integer(int64), intent(in) :: weight           !! Of the tile
+      integer(int64), intent(in) :: weight           !! Weight of the tile
       integer(int64), intent(in) :: total            !! Weight of all tiles
       integer, intent(in) :: cut                     !! Ranks before the cut
       integer, intent(in) :: ranks                   !! Number of ranks

@@ -246,7 +246,7 @@ contains
    !! files, so that a deck with more or fewer streams finds those that it has.
    subroutine outputs_save(self, state)
       class(outputs_t), intent(in) :: self
-      type(state_t), intent(inout) :: state          !! Of the checkpoint
+      type(state_t), intent(inout) :: state          !! State of the checkpoint
       integer :: n
 
       do n = 1, size(self%streams)
@@ -268,7 +268,7 @@ contains
    !! The state of the schedules follows from the time, because intervals may have changed.
    subroutine outputs_load(self, state)
       class(outputs_t), intent(inout) :: self
-      type(state_t), intent(in) :: state             !! Of the checkpoint
+      type(state_t), intent(in) :: state             !! State of the checkpoint
       integer(int64), allocatable :: counters(:)
       type(error_t), allocatable :: error
       integer :: n

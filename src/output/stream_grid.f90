@@ -31,7 +31,7 @@ module stream_grid
       real(wp) :: cells = 0.0_wp                     !! Most cells of a file
    contains
       procedure :: about => grid_about               !! For the help
-      procedure :: ending => grid_ending             !! Of names
+      procedure :: ending => grid_ending             !! End of file names
       procedure :: declare => grid_declare           !! Keys
       procedure :: read => grid_read                 !! Read the keys
       procedure :: try_field => grid_try_field       !! Check a name

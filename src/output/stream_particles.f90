@@ -26,7 +26,7 @@ module stream_particles
       type(fragments_t) :: fragments                 !! Definition of the field `fragment`
    contains
       procedure :: about => particles_about          !! For the help
-      procedure :: ending => particles_ending        !! Of names
+      procedure :: ending => particles_ending        !! End of file names
       procedure :: declare => particles_declare      !! Keys
       procedure :: read => particles_read            !! Read the keys
       procedure :: read_default => particles_read_default !! Without &output

@@ -17,7 +17,7 @@ module stream_slice
    type, extends(stream_particles_t) :: stream_slice_t
    contains
       procedure :: about => slice_about              !! For the help
-      procedure :: ending => slice_ending            !! Of names
+      procedure :: ending => slice_ending            !! End of file names
       procedure :: declare => slice_declare          !! Keys
       procedure :: read => slice_read                !! Read the keys
       procedure :: default_count => slice_default_count !! Not without &output

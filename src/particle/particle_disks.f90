@@ -57,8 +57,8 @@ contains
       type(disks_t), intent(out) :: disks
       type(grid_t), intent(in) :: grid
       integer, intent(in) :: per_cell                 !! Particles of a cell
-      integer(int64), intent(in) :: seed              !! Of the run
-      integer(int64), intent(in) :: key               !! Of the body
+      integer(int64), intent(in) :: seed              !! Seed of the run
+      integer(int64), intent(in) :: key               !! Key of the body
       type(thrown_t) :: thrown
       integer :: k, n
       logical, allocatable :: near(:)
@@ -87,7 +87,7 @@ contains
 
    !> Cells along a block. In a periodic direction the blocks must divide the domain.
    pure integer function block_width(cells, periodic, usual) result(width)
-      integer, intent(in) :: cells                    !! Of the grid
+      integer, intent(in) :: cells                    !! Number of cells of the grid
       logical, intent(in) :: periodic
       integer, intent(in) :: usual                     !! Usual width
       integer :: trial

@@ -17,8 +17,8 @@ module particle_facets
 
    public :: facets_t, set_facets
 
-   integer, parameter :: most_columns = 512              !! Of the grid along x or y
-   integer(int64), parameter :: ticks = 2_int64**28      !! Of the lattice, along the longest edge
+   integer, parameter :: most_columns = 512 !! Largest number of columns of the grid along x or y
+   integer(int64), parameter :: ticks = 2_int64**28      !! Lattice points along the longest edge
 
    !> A solid.
    type, extends(shape_t) :: facets_t
@@ -27,7 +27,7 @@ module particle_facets
       real(wp), private :: lower(3) = 0.0_wp             !! Lower corner of the lattice [m]
       real(wp), private :: upper(3) = -1.0_wp            !! Upper corner of the facets [m]
       real(wp), private :: step = 1.0_wp                 !! Lattice constant [m]
-      integer, private :: columns(2) = 1                 !! Of the grid, along x and y
+      integer, private :: columns(2) = 1 !! Numbers of columns of the grid along x and y
       integer, allocatable, private :: first(:)          !! (column) First entry of its list
       integer, allocatable, private :: list(:)           !! Facets over each column
    contains

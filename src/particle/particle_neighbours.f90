@@ -102,7 +102,7 @@ contains
    !> The body of a particle, by bisection.
    pure integer function body_of(lattices, identity) result(body)
       type(lattice_t), intent(in) :: lattices(:)     !! (body) In the order of identities
-      integer(int64), intent(in) :: identity         !! Of a particle
+      integer(int64), intent(in) :: identity         !! Identity of a particle
       integer :: last, middle
 
       body = 1

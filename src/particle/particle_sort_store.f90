@@ -62,7 +62,7 @@ contains
    !! costs more than sorting, because the system clears it page by page.
    pure logical function keeps_length(used, length) result(keeps)
       integer, intent(in) :: used                     !! End of the last range
-      integer, intent(in) :: length                   !! Of the old arrays
+      integer, intent(in) :: length                   !! Length of the old arrays
 
       keeps = length >= used + used/64 + 64 .and. length <= used + used/24 + 64
    end function keeps_length

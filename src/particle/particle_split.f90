@@ -251,7 +251,7 @@ contains
    !> Mass and volume fractions of the half against the edge and the half along it. Equation (P.4).
    pure function fractions_of_halves(grid, radius, shift) result(share)
       type(grid_t), intent(in) :: grid
-      real(wp), intent(in) :: radius                 !! Of the whole, along x [m]
+      real(wp), intent(in) :: radius                 !! Radius of the whole particle, along x [m]
       real(wp), intent(in) :: shift                  !! Along x, of the half along the edge [m]
       real(wp) :: share(2)
 
@@ -323,14 +323,14 @@ contains
 
    !> Identity of the initial particle that a particle is a part of.
    pure integer(int64) function root_of(identity) result(root)
-      integer(int64), intent(in) :: identity         !! Of a particle
+      integer(int64), intent(in) :: identity         !! Identity of a particle
 
       root = ibits(identity, 0, root_bits)
    end function root_of
 
    !> Number of splits from the initial particle to a particle.
    pure integer function generation_of(identity) result(generation)
-      integer(int64), intent(in) :: identity         !! Of a particle
+      integer(int64), intent(in) :: identity         !! Identity of a particle
 
       generation = max(int(bit_size(identity)) - leadz(identity) - root_bits - 1, 0)
    end function generation_of

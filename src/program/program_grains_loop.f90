@@ -39,8 +39,8 @@ module program_grains_loop
       type(grains_output_t) :: output
       type(checkpoint_place_t) :: place
       character(len=:), allocatable :: reason        !! Reason of the end
-      character(len=:), allocatable :: note          !! Of a restart, for the log
-      integer(int64) :: first_step = 0               !! Of this process
+      character(len=:), allocatable :: note          !! Note about a restart, for the log
+      integer(int64) :: first_step = 0               !! First step of this process
       real(wp) :: steps_wall = 0.0_wp                !! Wall time of the steps [s]
       real(wp) :: last_line = 0.0_wp                 !! Wall time of the last progress line [s]
       real(wp) :: last_checkpoint = 0.0_wp           !! ... of the last checkpoint [s]

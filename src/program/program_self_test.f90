@@ -179,7 +179,7 @@ contains
    function row(test, scene, outcome, words, seconds) result(text)
       type(self_test_t), intent(inout) :: test
       character(len=*), intent(in) :: scene          !! One of scene_names
-      type(outcome_t), intent(in) :: outcome         !! Of the run from its start
+      type(outcome_t), intent(in) :: outcome         !! Outcome of the run from its start
       character(len=*), intent(in) :: words(:)       !! Results of the other checks
       real(wp), intent(in) :: seconds                !! Wall time of all runs of the scene [s]
       character(len=:), allocatable :: text

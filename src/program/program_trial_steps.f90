@@ -21,7 +21,7 @@ module program_trial_steps
    !> Cost of a run from its start to a time.
    type :: mark_t
       real(wp) :: time = 0.0_wp                      !! [s]
-      real(wp) :: processor = 0.0_wp                 !! Of all threads since the start [s]
+      real(wp) :: processor = 0.0_wp !! Processor time of all threads since the start [s]
       real(wp) :: wall = 0.0_wp                      !! Wall time since then [s]
       integer :: steps = 0                           !! Steps done
    end type mark_t

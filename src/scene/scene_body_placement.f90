@@ -22,7 +22,7 @@ module scene_body_placement
    !! [1]
    real(wp), parameter :: fast = 0.5_wp
    real(wp), parameter :: thinnest = 2.0_wp          !! Cells across a body
-   real(wp), parameter :: round_off = 1.0e-9_wp      !! Of lengths, in cells
+   real(wp), parameter :: round_off = 1.0e-9_wp      !! Rounding error of lengths [cells]
 
 contains
 

@@ -305,7 +305,7 @@ contains
       !> Set the law of two fields, in both orders, unless another group of the same precedence did.
       subroutine set_law(a, b, index)
          integer, intent(in) :: a, b                 !! Indices of two velocity fields
-         integer, intent(in) :: index                !! Of the group
+         integer, intent(in) :: index                !! Index of the group
          type(group_t) :: earlier
          type(text_t), allocatable :: before(:)
 

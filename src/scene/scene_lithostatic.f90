@@ -208,7 +208,7 @@ contains
 
       !> Pressure of undeformed material of some density.
       subroutine find(share, value)
-         real(wp), intent(in) :: share(:)            !! Of the density without stress [1]
+         real(wp), intent(in) :: share(:)            !! Fraction of the density without stress [1]
          real(wp), intent(out) :: value(:)           !! [Pa]
          integer :: p, body
 

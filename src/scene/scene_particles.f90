@@ -330,7 +330,7 @@ contains
    !> Index of the body of a particle.
    pure integer function body_of(bodies, identity) result(body)
       type(body_t), intent(in) :: bodies(:)
-      integer(int64), intent(in) :: identity         !! Of the particle
+      integer(int64), intent(in) :: identity         !! Identity of the particle
       integer :: last, middle
 
       body = 1

@@ -324,7 +324,7 @@ contains
    !> True for fields that particles read from a snapshot in addition to position and volume. They
    !! get new identities.
    pure logical function comes_from_file(name, stress) result(yes)
-      character(len=*), intent(in) :: name           !! Of the field
+      character(len=*), intent(in) :: name           !! Name of the field
       logical, intent(in) :: stress                  !! Is the stress requested?
 
       select case (name)
@@ -381,7 +381,7 @@ contains
 
       !> True if the method needs a field.
       pure logical function of_method(name) result(yes)
-         character(len=*), intent(in) :: name        !! Of the field
+         character(len=*), intent(in) :: name        !! Name of the field
 
          yes = (name == "extent" .and. traits%extent) .or. (name == "domain" .and. traits%domain) &
             .or. (name == "affine" .and. traits%affine) .or. (name == "spin" .and. traits%spin)

@@ -62,7 +62,7 @@ contains
    pure real(wp) function count_bad(store, tile, density, bounds) result(bad)
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
-      real(wp), intent(in) :: density                !! Of their material at rest [kg/m3]
+      real(wp), intent(in) :: density                !! Density of their material at rest [kg/m3]
       type(bounds_t), intent(in) :: bounds           !! Bounds of the state
       integer :: first, last
 
@@ -125,7 +125,7 @@ contains
    pure subroutine find_fault(store, p, density, bounds, fault, value)
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
-      real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
+      real(wp), intent(in) :: density                !! Density of its material at rest [kg/m3]
       type(bounds_t), intent(in) :: bounds           !! Bounds of the state
       integer, intent(out) :: fault                  !! One of the faults above
       real(wp), intent(out) :: value                 !! Speed, stress or ratio of volumes

@@ -307,7 +307,7 @@ contains
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: values(:, :)    !! (3, node) Temperature in row 1 [K]
-      real(wp), allocatable, intent(in) :: slope(:, :)    !! (9, node) Of the nodes, if dual [K/m]
+      real(wp), allocatable, intent(in) :: slope(:, :)    !! (9, node) Node gradient, if dual [K/m]
       real(wp), contiguous, intent(inout) :: patch(:, :)  !! (column, node)
       real(wp), allocatable :: volume(:), flux(:, :)
       integer :: p, k

@@ -394,7 +394,7 @@ contains
    subroutine reach_of_side(simulation, scratch, sides, tile, side, normal, reach)
       type(simulation_t), intent(in) :: simulation
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
-      type(sides_t), intent(in) :: sides             !! Of the field
+      type(sides_t), intent(in) :: sides             !! The two sides of the field
       integer, intent(in) :: tile
       integer, intent(in) :: side                    !! 0 or 1
       real(wp), contiguous, intent(in) :: normal(:, :) !! (3, node) [1]

@@ -40,7 +40,7 @@ module step_diagnostics
       real(wp) :: pressure = 0.0_wp                  !! Root mean square of pressure [Pa]
       real(wp) :: kinetic = 0.0_wp                   !! Kinetic energy per volume [Pa]
       real(wp) :: difference = 0.0_wp                !! Root mean square from node means [Pa]
-      integer(int64) :: longest_identity = huge(1_int64)    !! Of the farthest neighbour
+      integer(int64) :: longest_identity = huge(1_int64)    !! Particle with the farthest neighbour
       integer(int64) :: difference_identity = huge(1_int64) !! Of the greatest pressure noise
    end type shapes_sample_t
 
@@ -193,7 +193,7 @@ contains
    pure real(wp) function measure_of(store, p, density, measure, least_energy) result(value)
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
-      real(wp), intent(in) :: density                !! Of its material at rest [kg/m3]
+      real(wp), intent(in) :: density                !! Density of its material at rest [kg/m3]
       integer, intent(in) :: measure                 !! One of those above
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
 
@@ -327,7 +327,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: tile
       logical, intent(in) :: alone(:)                !! (node) Do its sums hold all particles?
-      real(wp), intent(in) :: patch(:, :)            !! (2, node) Of this store
+      real(wp), intent(in) :: patch(:, :)            !! (2, node) Patch of this store
       real(wp), intent(inout) :: found(:)            !! (column)
       integer(int64), intent(inout) :: who(longest:) !! (column)
       real(wp) :: all(5)

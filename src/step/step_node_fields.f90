@@ -126,8 +126,8 @@ module step_node_fields
       !> (7) Factors of the three directions [1/m3], fill of the cells around [1], and of the three
       !! directions those of the plain sums [1]
       real(wp), allocatable :: normal(:, :, :)
-      real(wp), allocatable :: present(:, :, :)      !! (1) Of all cells, with rigid regions [m3]
-      real(wp), allocatable :: factor(:, :, :)       !! (edge, cell, own tile) Of edges [1]
+      real(wp), allocatable :: present(:, :, :) !! (1) Volume of all cells, with rigid regions [m3]
+      real(wp), allocatable :: factor(:, :, :) !! (edge, cell, own tile) Factor of each edge [1]
    contains
       procedure :: count => count_normalised
    end type normalised_nodes_t

@@ -28,9 +28,9 @@ module step_node_view
 
    !> Kinetic energy lost at the nodes of a tile, for its particles.
    type :: loss_view_t
-      real(wp), allocatable :: heat(:, :)            !! (column, node) Of the particles
-      real(wp), allocatable :: scalar(:, :)          !! (1, node) Of the nodes [J/kg]
-      real(wp), allocatable :: turn(:, :)            !! (3, node) Of linear velocity fields [m/s]
+      real(wp), allocatable :: heat(:, :) !! (column, node) Fields gathered at the particles
+      real(wp), allocatable :: scalar(:, :)          !! (1, node) Value of the nodes [J/kg]
+      real(wp), allocatable :: turn(:, :) !! (3, node) Velocity from linear velocity fields [m/s]
       real(wp), allocatable :: moments(:, :)         !! (9, node) Their moments [m2/s]
    end type loss_view_t
 
@@ -41,7 +41,7 @@ module step_node_view
       real(wp), allocatable :: carry(:, :)           !! (3, node) Advection velocity [m/s]
       real(wp), allocatable :: after(:, :)           !! (3, node) Velocity after the step [m/s]
       real(wp), allocatable :: gradient(:, :)        !! (9, node) Node gradient of strain [1/s]
-      real(wp), allocatable :: middle(:, :)          !! (9, node) Of the mid-step velocity [1/s]
+      real(wp), allocatable :: middle(:, :) !! (9, node) Gradient of the mid-step velocity [1/s]
       real(wp), allocatable :: earlier(:, :)         !! (9, node) Before the step [1/s]
       type(loss_view_t) :: loss                      !! Lost kinetic energy
       type(increments_t) :: increments               !! Increments and heat, if gathered at once

@@ -337,9 +337,9 @@ contains
       integer, intent(in) :: tile
       real(wp), intent(in) :: full(:)                !! (cell) Fill, 0 to 1
       real(wp), intent(in) :: own(:)                 !! (cell) Degree of normalisation, 0 to 1
-      real(wp), intent(in) :: weight(:)              !! (cell) Of its part on the nodes
+      real(wp), intent(in) :: weight(:)              !! (cell) Weight of its part on the nodes
       real(wp), intent(in) :: shares(:, :)           !! (edge, cell) Fraction outside of walls [1]
-      real(wp), intent(in) :: ring(:, :)             !! (lane, cell) Of hoop terms at walls [1]
+      real(wp), intent(in) :: ring(:, :) !! (lane, cell) Factor of hoop terms at walls [1]
       real(wp) :: whole(cell_edges), rest(cell_edges)
       integer :: cell
 

@@ -218,7 +218,7 @@ contains
       type(velocity_field_t), intent(in) :: field    !! With sides
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
-      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Of the first side
+      real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Patch of the first side
       real(wp) :: both(size(patch, 1), size(patch, 2), 0:1)
       integer :: n, node
 
@@ -316,7 +316,7 @@ contains
    !> Force of the stress of the particles of a tile.
    subroutine push_nodes(simulation, shape, first, position, volume, stress, patch)
       type(simulation_t), intent(in) :: simulation
-      type(shape_data_t), intent(inout) :: shape        !! Of the tile
+      type(shape_data_t), intent(inout) :: shape        !! Shape data of the tile
       integer, intent(in) :: first                   !! First particle of the tile in the arrays
       real(wp), contiguous, intent(in) :: position(:, :) !! (particle, 3) Radius in column 1 [m]
       real(wp), contiguous, intent(in) :: volume(:)  !! (particle) [m3]

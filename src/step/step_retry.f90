@@ -122,7 +122,7 @@ contains
    subroutine name_node(simulation, dt, excess, worst, error)
       type(simulation_t), intent(in) :: simulation
       real(wp), intent(in) :: dt                     !! Time step that was tried [s]
-      real(wp), intent(in) :: excess                 !! Of the worst node of all ranks
+      real(wp), intent(in) :: excess                 !! Excess of the worst node of all ranks
       type(reach_t), intent(in) :: worst             !! That of this rank
       type(error_t), allocatable, intent(out) :: error !! Always
       integer(int64) :: least(1), number

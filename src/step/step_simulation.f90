@@ -230,11 +230,11 @@ module step_simulation
       type(communicator_t) :: communicator
       type(timer_t) :: timer                         !! Wall time by phase
       type(phases_t) :: phase                        !! Indices of the phases
-      type(requests_t) :: requests                   !! Of this rank, after a step of all
+      type(requests_t) :: requests !! Requests of this rank; after a step those of all ranks
       type(load_t) :: load                           !! How evenly the ranks work
       real(wp), allocatable :: cost(:)               !! (own tile) Work, if measured [s]
       integer(int64), allocatable :: cost_key(:)     !! (own tile) Its tile then
-      real(wp) :: worked = 0.0_wp                    !! Of the processor in its steps [s]
+      real(wp) :: worked = 0.0_wp                    !! Processor time of the rank in its steps [s]
       type(rank_work_t) :: work                      !! Counts of work and communication
    end type machine_t
 

@@ -20,7 +20,7 @@ module step_tile_rotation
 
    public :: smooth_tile_rotation
 
-   integer, parameter :: corners = 8                 !! Of a tile
+   integer, parameter :: corners = 8                 !! Number of corners of a tile
    integer, parameter :: columns = 4                 !! Mass times rotation, and mass
    integer, parameter :: chunk = 128                 !! Particles whose weights stay in cache
 

@@ -444,7 +444,7 @@ contains
    subroutine warn_of_particle(simulation, log, identity, words)
       type(simulation_t), intent(in) :: simulation
       type(log_t), intent(inout) :: log              !! Gets it
-      integer(int64), intent(in) :: identity         !! Of the particle
+      integer(int64), intent(in) :: identity         !! Identity of the particle
       character(len=*), intent(in) :: words          !! Error message
       character(len=:), allocatable :: who
 

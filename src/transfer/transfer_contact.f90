@@ -32,7 +32,7 @@ module transfer_contact
    integer, parameter, public :: state_closed = 1        !! True if the bodies touch
    integer, parameter, public :: state_bonded = 2        !! True if a bond holds
 
-   integer, parameter :: most_turns = 50             !! Of the pairs at a node
+   integer, parameter :: most_turns = 50 !! Largest number of rounds over the pairs at a node
    real(wp), parameter :: enough = 1.0e-12_wp        !! Relative gain for convergence
 
    !> Contact law of a pair of bodies.
@@ -109,7 +109,7 @@ contains
    pure real(wp) function bond_traction(push, normal, area, dt) result(stress)
       real(wp), intent(in) :: push(3)                !! On the body that n leads to [kg m/s]
       real(wp), intent(in) :: normal(3)              !! [1]
-      real(wp), intent(in) :: area(3)                !! Of the surface at the node, a vector [m2]
+      real(wp), intent(in) :: area(3)                !! Area vector of the surface at the node [m2]
       real(wp), intent(in) :: dt                     !! Duration [s]
       real(wp) :: pressed, sheared
 

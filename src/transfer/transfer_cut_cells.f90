@@ -149,8 +149,8 @@ contains
    pure real(wp) function cut_at(grid, wall, place, direction, sense) result(at)
       type(grid_t), intent(in) :: grid
       type(wall_t), intent(in) :: wall
-      real(wp), intent(in) :: place(3)               !! Of the node outside [m]
-      integer, intent(in) :: direction               !! Of the edge
+      real(wp), intent(in) :: place(3)               !! Position of the node outside [m]
+      integer, intent(in) :: direction               !! Direction of the edge
       real(wp), intent(in) :: sense                  !! 1 upwards, -1 downwards [1]
       real(wp) :: low, high, x(3)
       integer :: n

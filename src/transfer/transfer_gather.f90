@@ -144,8 +144,8 @@ contains
    !! polynomials of a tensor.
    ! gate: long kernel because its columns have lengths of their own
    pure subroutine blend_slopes(u, w, before, rows, local, shares, alpha, columns, slopes)
-      real(wp), intent(in) :: u(4, lanes)                    !! (component, term) Of the vector
-      real(wp), intent(in) :: w(tensor, lanes)                    !! (component, term) Of the tensor
+      real(wp), intent(in) :: u(4, lanes) !! (component, term) Coefficients of the vector
+      real(wp), intent(in) :: w(tensor, lanes) !! (component, term) Coefficients of the tensor
       integer, intent(in) :: before                          !! Rows before the lanes
       integer, intent(in) :: rows                            !! Length of the next
       real(wp), intent(in) :: local(rows, 3)                 !! (lane, 3) Local coordinates [1]

@@ -15,9 +15,9 @@ module transfer_gather_plane
 
    public :: dual_gradient_plane, gradient_plane, motion_plane
 
-   integer, parameter :: terms = 4                   !! Of a polynomial
+   integer, parameter :: terms = 4                   !! Number of terms of a polynomial
    integer, parameter :: vector = 3                  !! Components of a vector
-   integer, parameter :: tensor = 9                  !! Of a tensor
+   integer, parameter :: tensor = 9                  !! Number of components of a tensor
    integer, parameter :: in_plane(2) = [1, 3]        !! Components of a vector in the plane
    integer, parameter :: in_tensor(4) = [1, 3, 7, 9] !! Components of a tensor: xx, zx, xz, zz
    !> Components of a tensor with y, which are zero: yx, xy, yy, zy, yz.
@@ -128,7 +128,7 @@ contains
    pure subroutine find_terms(along_x, along_z, numbers, nodes, scale, u)
       integer, intent(in) :: along_x                 !! Numbers to the next node along x
       integer, intent(in) :: along_z                 !! The same along z
-      integer, intent(in) :: numbers                 !! Of the tile
+      integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(in) :: scale                  !! Factor
       real(wp), intent(inout) :: u(numbers, terms)   !! (component and node, term)

@@ -210,7 +210,7 @@ contains
       class(increments_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
       class(basis_t), intent(in) :: basis
-      type(shape_data_t), intent(inout) :: shape     !! Of the tile; gets the values at particles
+      type(shape_data_t), intent(inout) :: shape     !! Gets the values at particles
 
       call shape%reserve_increments(shape%count, self%columns)
       call basis%gather_values(grid, shape, self%nodes, shape%increments)

@@ -241,7 +241,7 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)          !! (particle) [m3]
       real(wp), contiguous, intent(in) :: stress(:, :)       !! (particle, 6) Cauchy stress [Pa]
       real(wp), contiguous, intent(inout) :: patch(:, :)     !! (column, node)
-      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Of the cell part
+      real(wp), contiguous, intent(in), optional :: factor(:, 0:) !! (edge, cell) Factor of edges
       integer, parameter :: columns(10) = [5, 6, 7, 8, 9, 10, 11, 15, 16, 17]
       real(wp), dimension(corners, 3) :: a, b, c, d, constant, slope
       real(wp) :: sums(corners, 10), x(corners), z(corners), rest_x(corners), rest_z(corners)

@@ -71,7 +71,7 @@ module transfer_shape_data
       real(wp), allocatable :: vector(:, :)          !! (particle, 3) Mapped values
       real(wp), allocatable :: values(:, :)          !! (particle, 9) Between two steps of a map
       real(wp), allocatable :: affine(:, :)          !! (particle, 9) Linear velocity fields [1/s]
-      real(wp), allocatable :: increments(:, :)      !! (particle, column) Of `transfer_increments`
+      real(wp), allocatable :: increments(:, :)      !! (particle, column) For `transfer_increments`
    contains
       procedure :: reserve => shape_reserve
       procedure :: reserve_affine => shape_reserve_affine

@@ -167,7 +167,7 @@ contains
    !> Values at some particles.
    pure subroutine find_values(reach, number, w, node, stride, nodes, u, found)
       integer, intent(in) :: reach                           !! Nodes along a line
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
       integer, intent(in) :: stride(3) !! Distance from node to node in the array
@@ -184,7 +184,7 @@ contains
 
    !> Values at particles that touch three nodes along each direction.
    pure subroutine find_values_three(number, w, node, stride, nodes, u, found)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
       integer, intent(in) :: stride(3) !! Distance from node to node in the array
@@ -219,7 +219,7 @@ contains
 
    !> Derivatives at particles that touch three nodes along each direction.
    pure subroutine find_slopes_three(number, w, s, node, stride, nodes, u, found)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       real(wp), intent(in) :: s(batch, line, 3)              !! The same: derivatives [1/m]
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
@@ -268,7 +268,7 @@ contains
 
    !> Values at particles that touch four nodes along each direction.
    pure subroutine find_values_four(number, w, node, stride, nodes, u, found)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node
       integer, intent(in) :: stride(3) !! Distance from node to node in the array
@@ -305,7 +305,7 @@ contains
 
    !> Derivatives at particles that touch four nodes along each direction.
    pure subroutine find_slopes_four(number, w, s, node, stride, nodes, u, found)
-      integer, intent(in) :: number                          !! Of particles
+      integer, intent(in) :: number                          !! Number of particles
       real(wp), intent(in) :: w(batch, line, 3)              !! (particle, node, direction)
       real(wp), intent(in) :: s(batch, line, 3)              !! The same: derivatives [1/m]
       integer, contiguous, intent(in) :: node(:)             !! (particle) First node

@@ -166,8 +166,8 @@ contains
       class(basis_t), intent(in) :: basis
       integer, intent(in) :: first                           !! First particle of the tile
       type(shape_data_t), intent(inout) :: shape
-      real(wp), contiguous, intent(in) :: fields(:, :)       !! (column, node) Of `heat_fields`
-      real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) Of `heat_fields`
+      real(wp), contiguous, intent(in) :: fields(:, :) !! (column, node) Fields as `heat_fields`
+      real(wp), contiguous, intent(in) :: scalar(:, :)       !! (1, node) Scalar as in `heat_fields`
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (particle, 3) Before the step [m/s]
       real(wp), contiguous, intent(inout) :: energy(:)       !! (particle) [J/kg]
 
