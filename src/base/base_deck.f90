@@ -71,7 +71,7 @@ contains
       class(deck_t), intent(out) :: self
       type(schema_t), intent(in) :: schema               !! Keys that are allowed
       character(len=*), intent(in) :: text               !! All lines
-      character(len=*), intent(in) :: file               !! Its name, for messages
+      character(len=*), intent(in) :: file               !! Name of the file, for messages
       type(text_t), intent(in) :: overrides(:)           !! GROUP.KEY=VALUE of the command line
       type(error_t), allocatable, intent(out) :: error   !! An error in the schema
       type(namelist_t) :: namelist
@@ -305,7 +305,7 @@ contains
    function deck_shown(self, value, unit_text) result(text)
       class(deck_t), intent(in) :: self
       real(wp), intent(in) :: value                      !! The number [SI]
-      character(len=*), intent(in) :: unit_text          !! Its unit of SI
+      character(len=*), intent(in) :: unit_text          !! SI unit of the key
       character(len=:), allocatable :: text
       type(unit_t) :: unit
       logical :: known
@@ -387,7 +387,7 @@ contains
       character(len=*), intent(in) :: group              !! Kind of the group, without &
       integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
-      real(wp), intent(in) :: value(:)                   !! Its values [SI]
+      real(wp), intent(in) :: value(:)                   !! Values of the key [SI]
       integer :: slot(2)
 
       slot = self%slot(group, place, key, kind_real)
@@ -404,7 +404,7 @@ contains
       character(len=*), intent(in) :: group              !! Kind of the group, without &
       integer, intent(in) :: place                       !! Index among the groups of its kind
       character(len=*), intent(in) :: key
-      real(wp), intent(in) :: value                      !! Its value [SI]
+      real(wp), intent(in) :: value                      !! Value of the key [SI]
 
       call self%set_default(group, place, key, [value])
    end subroutine set_default_number

@@ -128,7 +128,7 @@ contains
    pure subroutine get_number(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      real(wp), intent(out) :: value                     !! Its value [SI]
+      real(wp), intent(out) :: value                     !! Value of the key [SI]
       real(wp), allocatable :: values(:)
 
       call self%list(key, values)
@@ -140,7 +140,7 @@ contains
    pure subroutine get_numbers(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      real(wp), intent(out) :: value(:)                  !! Its values [SI]
+      real(wp), intent(out) :: value(:)                  !! Values of the key [SI]
       real(wp), allocatable :: values(:)
       integer :: filled
 
@@ -154,7 +154,7 @@ contains
    pure subroutine list_numbers(self, key, value)
       class(group_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      real(wp), allocatable, intent(out) :: value(:)     !! Its values [SI]
+      real(wp), allocatable, intent(out) :: value(:)     !! Values of the key [SI]
       integer :: place
 
       allocate (value(0))

@@ -202,7 +202,7 @@ contains
    elemental subroutine find_long_logarithm(x, high, low)
       real(wp), intent(in) :: x                            !! Number above 0
       real(wp), intent(out) :: high                        !! Logarithm
-      real(wp), intent(out) :: low                         !! Its rounding error
+      real(wp), intent(out) :: low                         !! Rounding error of the result
       !> Coefficients of ((ln((1 + s)/(1 - s))/s - 2)/s**2 - 2/3)/s**2 as a polynomial of s**2.
       real(wp), parameter :: c(8) = [0.4_wp, 0.2857142857142937_wp, 0.22222222221652765_wp, &
          0.18181818336099848_wp, 0.1538459488700718_wp, 0.1333480879881234_wp, &

@@ -75,8 +75,8 @@ contains
    !> Count a term that is not finite.
    pure subroutine count_special(special, undefined, negative)
       integer(int64), intent(inout) :: special(3)            !! Counts
-      logical, intent(in) :: undefined                   !! Is it NaN?
-      logical, intent(in) :: negative                    !! Is it negative?
+      logical, intent(in) :: undefined                   !! Is the sum NaN?
+      logical, intent(in) :: negative                    !! Is the sum negative?
 
       if (undefined) then
          special(1) = special(1) + 1_int64

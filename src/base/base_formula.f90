@@ -44,7 +44,7 @@ module base_formula
       integer :: stack = 0                               !! Values on the stack so far
       type(text_t), allocatable :: names(:)              !! Names of the variables
       character(len=:), allocatable :: fault             !! First error, empty if there is none
-      integer :: fault_place = 0                         !! Its letter
+      integer :: fault_place = 0                         !! Position of the wrong letter
    end type parser_t
 
 contains

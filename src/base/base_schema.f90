@@ -38,7 +38,7 @@ module base_schema
    !> One key.
    type :: key_t
       character(len=:), allocatable :: group             !! Group of the key
-      character(len=:), allocatable :: name              !! As in the deck
+      character(len=:), allocatable :: name              !! Name as in the deck
       integer :: kind = kind_real                        !! One of the constants above
       integer :: number_of_values = 1                    !! Greatest number of values
       logical :: exact = .true.                          !! All values must be given
@@ -56,7 +56,7 @@ module base_schema
 
    !> One group.
    type :: group_rule_t
-      character(len=:), allocatable :: name              !! As in the deck, without &
+      character(len=:), allocatable :: name              !! Name as in the deck, without &
       character(len=:), allocatable :: doc               !! Meaning
       logical :: many = .false.                          !! May be given more than once
       type(key_t), allocatable :: keys(:)                !! In the order of the echo
@@ -93,7 +93,7 @@ contains
    !> Declare a group, or add to it if it is declared already.
    subroutine schema_group(self, name, doc, many)
       class(schema_t), intent(inout) :: self
-      character(len=*), intent(in) :: name               !! As in the deck, without &
+      character(len=*), intent(in) :: name               !! Name as in the deck, without &
       character(len=*), intent(in) :: doc                !! Meaning
       logical, intent(in), optional :: many              !! May be given more than once
       type(group_rule_t), allocatable :: longer(:)
@@ -118,7 +118,7 @@ contains
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
       character(len=*), intent(in), optional :: unit     !! Unit in SI, or deg; default: 1
-      character(len=*), intent(in), optional :: default  !! In SI
+      character(len=*), intent(in), optional :: default  !! Default in SI
       character(len=*), intent(in), optional :: range    !! In SI: > 0, >= 0 < 1
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t) :: key
@@ -193,8 +193,8 @@ contains
       character(len=*), intent(in) :: group              !! Group of the key
       character(len=*), intent(in) :: name               !! Name and number of values
       character(len=*), intent(in) :: doc                !! Meaning
-      character(len=*), intent(in), optional :: default  !! In SI
-      character(len=*), intent(in), optional :: range    !! In SI
+      character(len=*), intent(in), optional :: default  !! Default in SI
+      character(len=*), intent(in), optional :: range    !! Range in SI
       character(len=*), intent(in), optional :: owner    !! Condition under which it applies
       type(key_t), allocatable :: longer(:)
       integer :: place

@@ -70,7 +70,7 @@ contains
 
    !> Number of a system of units, 0 if there is none of that name.
    pure integer function system_number(name) result(system)
-      character(len=*), intent(in) :: name               !! As in the deck
+      character(len=*), intent(in) :: name               !! Name as in the deck
 
       do system = size(system_names), 1, -1
          if (system_names(system) == name) return
@@ -170,7 +170,7 @@ contains
    elemental real(wp) function output_shown(self, value, unit_text) result(shown)
       class(output_units_t), intent(in) :: self
       real(wp), intent(in) :: value                      !! The number [SI]
-      character(len=*), intent(in) :: unit_text          !! Its unit of SI
+      character(len=*), intent(in) :: unit_text          !! SI unit of the key
       type(unit_t) :: unit
       integer :: exponent
       logical :: known

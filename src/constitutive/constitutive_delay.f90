@@ -22,7 +22,7 @@ module constitutive_delay
 
    !> Delay of failure.
    type :: delay_t
-      real(wp) :: time = 0.0_wp                      !! To failure at twice the strength, tau [s]
+      real(wp) :: time = 0.0_wp !! Time to failure at twice the strength, tau [s]
       real(wp) :: power = 0.0_wp                     !! n [1]
    contains
       procedure :: read => delay_read                !! Reads its keys

@@ -14,7 +14,7 @@ module constitutive_effects
       logical :: strength = .true.                   !! Stress has a deviator
       logical :: eos = .true. !! Pressure from an equation of state, else from the bulk modulus
       logical :: damage = .false.                    !! Particles fail permanently
-      logical :: size_scatter = .false.              !! Their strength scatters
+      logical :: size_scatter = .false.              !! Strength of particles scatters
       logical :: voids = .false.                     !! Volume includes voids
       logical :: thermal = .false.                   !! Temperature follows the work
       logical :: melting = .false.                   !! No strength when melted

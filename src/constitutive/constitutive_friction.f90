@@ -181,7 +181,7 @@ contains
       real(wp), contiguous, intent(in) :: gained(:)  !! Logarithm of the volume gained (store) [1]
       real(wp), contiguous, intent(in) :: mass(:)    !! (store) [kg]
       real(wp), contiguous, intent(in) :: volume(:)  !! (store) [m3]
-      real(wp), contiguous, intent(in) :: wave_speed(:)    !! Its square (range) [m2/s2]
+      real(wp), contiguous, intent(in) :: wave_speed(:) !! Square of the wave speed (range) [m2/s2]
       real(wp), contiguous, intent(inout) :: pressure(:)   !! (range) [Pa]
       real(wp), contiguous, intent(inout) :: tangent(:)    !! c**2 exp(gained) (range) [m2/s2]
       integer :: i, k

@@ -111,7 +111,7 @@ contains
    pure subroutine start_lanes(filled, power, hardening, lanes)
       integer, intent(in) :: filled                  !! Lanes
       type(hardening_power_t), intent(in) :: power
-      real(wp), intent(in) :: hardening(most_lanes)  !! At the start [Pa]
+      real(wp), intent(in) :: hardening(most_lanes)  !! Hardening at the start [Pa]
       type(flow_lanes_t), intent(inout) :: lanes
       real(wp) :: limit, slope, excess
       logical :: flows

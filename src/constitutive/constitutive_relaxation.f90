@@ -116,7 +116,7 @@ contains
    !! others, J. Comput. Graphics Tech. 6 (2017) 1).
    pure subroutine make_frame(w, angle, frame)
       real(wp), intent(in) :: w(3)                   !! Rotation vector [1]
-      real(wp), intent(in) :: angle                  !! Its length [1]
+      real(wp), intent(in) :: angle                  !! Length of the rotation vector [1]
       real(wp), intent(out) :: frame(3, 3)           !! Axis j in (:, j) [1]
       real(wp) :: n(3), a, b, up
 
@@ -134,7 +134,7 @@ contains
    pure subroutine to_frame(frame, s, z)
       real(wp), intent(in) :: frame(3, 3)            !! Axis j in (:, j) [1]
       real(wp), intent(in) :: s(6)                   !! xx, yy, zz, xy, yz, xz
-      type(harmonics_t), intent(out) :: z            !! The same in the frame
+      type(harmonics_t), intent(out) :: z            !! Combinations of s in the frame
       real(wp) :: t(3, 3)
 
       ! The tensor times each axis.

@@ -236,7 +236,7 @@ contains
       integer, intent(in) :: particle                    !! Index in the store
       real(wp), intent(inout) :: pressure                !! [Pa]
       real(wp), intent(inout) :: damage                  !! [1]
-      real(wp), intent(inout) :: plastic_work            !! In the step [J]
+      real(wp), intent(inout) :: plastic_work            !! Plastic work of the step [J]
       real(wp) :: tensor(6), values(3), axes(3, 3), strain(3), strength, width, grown, mean
 
       tensor(:) = stress(particle, :)

@@ -36,7 +36,7 @@ module constitutive_state
       real(wp), allocatable :: stress(:, :)          !! Cauchy stress with viscous part (:, 6) [Pa]
       real(wp), allocatable :: viscous_pressure(:)   !! Artificial viscosity, part of stress [Pa]
       real(wp), allocatable :: energy(:)             !! Internal energy per mass [J/kg]
-      real(wp), allocatable :: burn_time(:)          !! At which a detonation reaches it [s]
+      real(wp), allocatable :: burn_time(:)          !! Arrival time of the detonation [s]
       real(wp), allocatable :: temperature(:)        !! [K]
       real(wp), allocatable :: plastic_strain(:)     !! Equivalent plastic strain [1]
       real(wp), allocatable :: plastic_dilation(:)   !! Logarithm of volume gained by shear [1]

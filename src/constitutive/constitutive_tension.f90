@@ -82,7 +82,7 @@ contains
       integer, intent(in) :: last                    !! Last particle of the range
       real(wp), intent(in) :: strength               !! Greatest tension [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
       integer :: i
 
       do concurrent (i=1:last - first + 1)
@@ -122,7 +122,7 @@ contains
       real(wp), intent(in) :: strength               !! Tension at failure [Pa]
       integer(int64), contiguous, intent(in) :: failed(:)      !! Flag of failure (store)
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
       real(wp) :: cut, least
       integer :: i
 
@@ -148,10 +148,10 @@ contains
       real(wp), contiguous, intent(in) :: volume(:)            !! (store) [m3]
       real(wp), contiguous, intent(inout) :: stress(:, :)      !! Deviator (store, 6) [Pa]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
       real(wp), contiguous, intent(inout) :: damage(:)         !! (store) [1]
       integer(int64), contiguous, intent(inout) :: failed(:)   !! Flag of failure (store)
-      real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
+      real(wp), contiguous, intent(inout) :: plastic_work(:) !! Plastic work of the step (range) [J]
       integer :: i, k
 
       if (breaking(first, last, strength, pressure, damage, failed) > 0.0_wp) then
@@ -181,10 +181,10 @@ contains
       real(wp), intent(in) :: bulk                   !! Bulk modulus, 0 for a gas [Pa]
       real(wp), contiguous, intent(in) :: volume(:)            !! (store) [m3]
       real(wp), contiguous, intent(inout) :: pressure(:)       !! (range) [Pa]
-      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Its least value (range) [Pa]
+      real(wp), contiguous, intent(inout) :: pressure_floor(:) !! Least pressure (range) [Pa]
       real(wp), contiguous, intent(inout) :: damage(:)         !! (store) [1]
       integer(int64), contiguous, intent(inout) :: failed(:)   !! Flag of failure (store)
-      real(wp), contiguous, intent(inout) :: plastic_work(:)   !! In the step (range) [J]
+      real(wp), contiguous, intent(inout) :: plastic_work(:) !! Plastic work of the step (range) [J]
       integer :: i, k
 
       if (breaking(first, last, strength, pressure, damage, failed) > 0.0_wp) then

@@ -13,7 +13,7 @@ module law_elastic
    !> Elastic law with Jaumann rate.
    type, extends(law_t) :: law_elastic_t
    contains
-      procedure :: is_plastic => elastic_is_plastic  !! It does not flow
+      procedure :: is_plastic => elastic_is_plastic  !! False: there is no flow
       procedure :: request => elastic_request        !! Requests no fields
       procedure :: update => elastic_update          !! Keeps the trial
    end type law_elastic_t

@@ -171,7 +171,7 @@ contains
       real(wp), intent(in) :: pressure               !! Trial [Pa]
       real(wp), intent(in) :: trial(3)               !! Trial deviator in falling order [Pa]
       real(wp), intent(out) :: values(3)             !! Deviator [Pa]
-      real(wp), intent(out) :: multipliers           !! Their sum [1]
+      real(wp), intent(out) :: multipliers           !! Sum of the plastic multipliers [1]
       real(wp) :: a, b, main, side, one, other, up, down, middle
 
       associate (g => law%shear, f => law%friction, d => law%dilation)

@@ -26,7 +26,7 @@ module law_neo_hookean
    type, extends(law_t) :: law_neo_hookean_t
    contains
       procedure :: gives_whole_stress => neo_hookean_gives_whole_stress !! It gives the whole stress
-      procedure :: is_plastic => neo_hookean_is_plastic !! It does not flow
+      procedure :: is_plastic => neo_hookean_is_plastic !! False: there is no flow
       procedure :: request => neo_hookean_request    !! Requests the deformation gradient
       procedure :: predict_trial => neo_hookean_predict_trial !! Volume and deformation gradient
       procedure :: update => neo_hookean_update      !! Stress

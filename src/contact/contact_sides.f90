@@ -36,7 +36,7 @@ module contact_sides
       type(lane_bits_t), allocatable :: store(:)     !! (store of the field)
       real(wp), allocatable :: patch(:, :, :)        !! Sums of the particles of a tile
       real(wp), allocatable :: intact(:, :)          !! (node, own tile) Intact volume fraction [1]
-      real(wp), allocatable :: slope(:, :, :)        !! (3, node, own tile) Its gradient [1/m]
+      real(wp), allocatable :: slope(:, :, :)        !! (3, node, own tile) grad intact [1/m]
       real(wp), allocatable :: axis(:, :, :)         !! (3, node, own tile) Axis of the sides [1]
       logical, allocatable :: split(:, :)            !! (node, tile) Are its sides separated?
       logical, allocatable :: cut(:)                 !! (tile) Has it a node with split sides?
@@ -113,7 +113,7 @@ contains
       integer, intent(in) :: lane                    !! Number of a node of the cell
       real(wp), intent(in) :: local(3)               !! Local coordinates of the particle
       real(wp), intent(out) :: weight                !! Function of the node [1]
-      real(wp), intent(out) :: away(3)               !! From the node to the particle [m]
+      real(wp), intent(out) :: away(3)               !! Vector from the node to the particle [m]
       integer :: k
 
       weight = product(grid%lane_constant(lane, :) + grid%lane_slope(lane, :)*local)

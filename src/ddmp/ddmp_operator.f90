@@ -235,7 +235,7 @@ contains
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: sums(1 - pad:numbers)  !! Between a node and the next
-      real(wp), intent(inout) :: patch(numbers)      !! On the nodes
+      real(wp), intent(inout) :: patch(numbers)      !! Values on the nodes
       integer :: n
 
       !$omp simd
@@ -335,7 +335,7 @@ contains
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
-      real(wp), intent(in) :: field(numbers)         !! On the nodes
+      real(wp), intent(in) :: field(numbers)         !! Values on the nodes
       real(wp), intent(inout) :: means(numbers)      !! Between a node and the next [field m]
       integer :: n
 
@@ -353,7 +353,7 @@ contains
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: line(numbers, 2)       !! Integrals of the two functions [m]
       real(wp), intent(in) :: sums(numbers)          !! Between a node and the next
-      real(wp), intent(inout) :: field(numbers)      !! On the nodes
+      real(wp), intent(inout) :: field(numbers)      !! Values on the nodes
       integer :: n
 
       !$omp simd
@@ -387,7 +387,7 @@ contains
       integer, intent(in) :: high                    !! Last index
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: factor                 !! Factor
-      real(wp), intent(in) :: field(numbers)         !! On the nodes
+      real(wp), intent(in) :: field(numbers)         !! Values on the nodes
       real(wp), intent(inout) :: differences(numbers) !! Between a node and the next
       integer :: n
 
@@ -405,7 +405,7 @@ contains
       integer, intent(in) :: shift                   !! Distance to the next node in the array
       real(wp), intent(in) :: factor                 !! Factor
       real(wp), intent(in) :: sums(numbers)          !! Between a node and the next
-      real(wp), intent(inout) :: field(numbers)      !! On the nodes
+      real(wp), intent(inout) :: field(numbers)      !! Values on the nodes
       integer :: n
 
       !$omp simd
@@ -432,7 +432,7 @@ contains
       integer, intent(in) :: third                   !! The same, third direction
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
       real(wp), intent(in) :: field(numbers)         !! On the four corners of a face
-      real(wp), intent(inout) :: sums(1 - pad:numbers) !! On the same corners
+      real(wp), intent(inout) :: sums(1 - pad:numbers) !! Sums on the same corners
       real(wp) :: part(1 - pad:numbers, 4), a, a0, a1, b, b0, b1
       integer :: n, k
 
@@ -472,7 +472,7 @@ contains
       real(wp), intent(in) :: mass(numbers, 3)       !! Integrals of products [m]
       real(wp), intent(in) :: weight(numbers)        !! Weights of cells on their first nodes
       real(wp), intent(in) :: field(numbers)         !! On the two corners of an edge
-      real(wp), intent(inout) :: sums(numbers)       !! On the same corners
+      real(wp), intent(inout) :: sums(numbers)       !! Sums on the same corners
       integer :: n
 
       !$omp simd

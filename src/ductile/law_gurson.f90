@@ -242,7 +242,7 @@ contains
       type(pore_lanes_t), intent(in) :: group
       real(wp), intent(in) :: excess(most_lanes)     !! Over the yield surface [1]
       type(deformation_t), intent(inout) :: deformation !! Step of the range
-      type(pore_lanes_t), intent(inout) :: lanes     !! Those that flow
+      type(pore_lanes_t), intent(inout) :: lanes     !! Lanes that flow
       integer :: i, l, n
 
       lanes%count = 0

@@ -29,7 +29,7 @@ module exact_solution
       procedure(place_i), deferred :: place          !! Position and velocity of a point
       procedure(gradient_i), deferred :: gradient    !! Deformation gradient of a point
       procedure :: forced => exact_forced            !! Is it a manufactured solution?
-      procedure :: body_force => exact_body_force    !! Its body force
+      procedure :: body_force => exact_body_force    !! Body force of the solution
       procedure :: young => exact_young              !! Young's modulus of the material
       procedure :: stress => exact_stress            !! Cauchy stress of a deformation gradient
    end type exact_t

@@ -18,13 +18,13 @@ module explosive_burn
 
    !> Where and when detonations begin.
    type :: detonator_t
-      integer :: shape = detonator_point             !! One of those above
+      integer :: shape = detonator_point             !! One of the shapes above
       real(wp) :: point(3) = 0.0_wp                  !! The point, or one of line or plane [m]
       real(wp) :: other(3) = 0.0_wp                  !! End of the line, or normal of the plane
       real(wp) :: time = 0.0_wp                      !! [s]
       real(wp) :: speed = 0.0_wp                     !! [m/s]
    contains
-      procedure :: foot => detonator_foot            !! Its point nearest to a position
+      procedure :: foot => detonator_foot            !! Point of the detonator nearest to a position
    end type detonator_t
 
    !> Burn of an explosive.
@@ -38,7 +38,7 @@ module explosive_burn
       logical :: compressed = .false.                !! Does compression also burn the explosive?
       type(detonator_t), allocatable :: detonators(:) !! Detonators that can reach it
    contains
-      procedure :: read => burn_read                 !! From the &material
+      procedure :: read => burn_read                 !! Read the keys of &material
       procedure :: apply => burn_apply               !! Pressure times the fraction
    end type burn_t
 

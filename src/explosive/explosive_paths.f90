@@ -20,7 +20,7 @@ module explosive_paths
    type :: bend_t
       real(wp) :: place(3) = 0.0_wp                  !! [m]
       real(wp) :: time = never_burns                 !! Arrival time of the detonation [s]
-      real(wp) :: speed = 1.0_wp                     !! From there on [m/s]
+      real(wp) :: speed = 1.0_wp                     !! Detonation speed from this point on [m/s]
    end type bend_t
 
    !> Arrival at the corners of the cells of a map.

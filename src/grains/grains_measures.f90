@@ -34,7 +34,7 @@ module grains_measures
    !! two for discs, three for spheres.
    type :: contact_counts_t
       integer(int64) :: contacts = 0
-      integer(int64) :: sliding = 0                  !! Those that slipped in the last step
+      integer(int64) :: sliding = 0                  !! Contacts that slipped in the last step
       integer(int64) :: rattlers = 0                 !! Grains with too few contacts
       integer(int64) :: held = 0                     !! Contacts of non-rattlers, each end
       real(wp) :: fabric(6) = 0.0_wp                 !! Mean n n, xx yy zz xy xz yz [1]

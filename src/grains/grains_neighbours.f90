@@ -111,7 +111,7 @@ contains
    !> Number of a bin, from 1.
    pure integer function bin_of(number, cell) result(bin)
       integer, intent(in) :: number(3)               !! Bins along each edge
-      integer, intent(in) :: cell(3)                 !! Its place, from 0
+      integer, intent(in) :: cell(3)                 !! Index of the bin, from 0
 
       bin = 1 + cell(1) + number(1)*(cell(2) + number(2)*cell(3))
    end function bin_of

@@ -160,7 +160,7 @@ contains
    !> Coordinates of the sites of one lattice cell.
    pure function in_cell(sites, cell, number) result(place)
       real(wp), intent(in) :: sites(:, :)            !! (axis, site) In the lattice cell
-      integer, intent(in) :: cell(3), number(3)      !! Which of how many
+      integer, intent(in) :: cell(3), number(3)      !! Index of the cell, number of cells
       real(wp) :: place(3, size(sites, 2))
       integer :: n
 

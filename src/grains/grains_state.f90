@@ -17,7 +17,7 @@ module grains_state
 
    !> The grains.
    type :: grains_t
-      integer :: count = 0                           !! On all ranks
+      integer :: count = 0                           !! Number of grains on all ranks
       integer :: first = 1                           !! First own row
       integer :: last = 0                            !! Last own row
       integer, allocatable :: identity(:)            !! (row) 1 to count

@@ -179,7 +179,7 @@ contains
    !> Write a text.
    subroutine write_text(file, name, text)
       type(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name                !! From the root
+      character(len=*), intent(in) :: name                !! Path from the root
       character(len=*), intent(in) :: text
 
       call write_bytes(file, name, rows_of_root(file%communicator, len(text)), text)

@@ -156,7 +156,7 @@ contains
    !> Record a key that differs.
    pure subroutine add_key(changes, group, key, old, new)
       type(changes_t), intent(inout) :: changes          !! Gets a line
-      type(echo_group_t), intent(in) :: group                 !! Its group
+      type(echo_group_t), intent(in) :: group                 !! Group of the key
       character(len=*), intent(in) :: key
       character(len=*), intent(in) :: old                !! Value of the checkpoint
       character(len=*), intent(in) :: new                !! Value of this run

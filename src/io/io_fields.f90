@@ -152,7 +152,7 @@ contains
    pure subroutine find_column(carried, name, column, found)
       type(column_t), intent(in) :: carried(:)           !! Fields of the particles
       character(len=*), intent(in) :: name               !! Name of the field
-      type(column_t), intent(out) :: column              !! Its description
+      type(column_t), intent(out) :: column              !! Description of the column
       logical, intent(out) :: found                      !! True if it can be written
       integer :: index
 

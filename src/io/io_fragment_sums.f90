@@ -99,7 +99,7 @@ contains
       integer, intent(in) :: image(:, :)                 !! (3, cell) Periods by which it is shifted
       real(wp), intent(in) :: box(3)                     !! Edges of the domain [m]
       logical, intent(in) :: axisymmetric                !! If so, angular momentum is 0
-      real(wp), intent(out) :: columns(:)                !! As fragment_words lists them
+      real(wp), intent(out) :: columns(:)                !! Columns as in fragment_words
       real(wp) :: total(sum_words), shift(3), centre(3), velocity(3), angular(3)
       integer :: cell
 

@@ -38,7 +38,7 @@ module io_gauge
       integer :: kind = at_point                         !! One of the constants above
       real(wp) :: point(3) = 0.0_wp                      !! Position, or initial position [m]
       real(wp) :: radius = 0.0_wp                        !! Radius of the observed material [m]
-      real(wp) :: depth = 0.0_wp                         !! The same below a surface [m]
+      real(wp) :: depth = 0.0_wp !! Depth below a surface, instead of a height [m]
       integer :: axis = 1                                !! Axis closest to the surface normal
       real(wp) :: side = 1.0_wp                          !! 1: the upper side along it, -1: lower
       integer(int64) :: identity = -1_int64 !! Identity of the particle, -1 = not found yet

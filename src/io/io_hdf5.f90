@@ -212,7 +212,7 @@ contains
    !> Create a group. Collective.
    subroutine hdf5_group(self, name)
       class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: name                !! From the root
+      character(len=*), intent(in) :: name                !! Path from the root
       integer(hid_t) :: group
       integer :: status
 

@@ -25,7 +25,7 @@ module io_hdf5_index
       character(len=:), allocatable :: path
       real(wp) :: time = 0.0_wp                          !! Simulated time [s]
       integer(int64) :: points = 0                       !! Number of particles
-      type(data_info_t), allocatable :: fields(:)        !! Their fields
+      type(data_info_t), allocatable :: fields(:)        !! Fields of the particles
    end type snapshot_info_t
 
 contains
@@ -174,7 +174,7 @@ contains
    !> Write a row of integers.
    subroutine write_numbers(file, name, numbers)
       type(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer(int64), contiguous, intent(in) :: numbers(:)
 
       call write_data(file, name, rows_of_root(file%communicator, size(numbers)), numbers)
@@ -183,7 +183,7 @@ contains
    !> Write a column of integers, one a row.
    subroutine write_column(file, name, numbers)
       type(hdf5_file_t), intent(inout) :: file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       integer(int64), contiguous, intent(in) :: numbers(:, :) !! (1, row)
 
       call write_data(file, name, rows_of_root(file%communicator, size(numbers, 2)), numbers)

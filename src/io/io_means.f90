@@ -83,7 +83,7 @@ contains
       character(len=*), intent(in) :: name
       logical, intent(in) :: if_carried                  !! Skip fields that no particle has
       type(mean_t), allocatable, intent(inout) :: means(:)
-      type(error_t), allocatable, intent(out) :: error   !! It has no mean
+      type(error_t), allocatable, intent(out) :: error   !! If the field has no mean
       type(column_t), allocatable :: columns(:)
       type(mean_t) :: mean
 

@@ -334,7 +334,7 @@ contains
    !> Factor that converts a data set to SI.
    real(wp) function factor_of(source, name) result(factor)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(error_t), allocatable :: error
       real(wp), allocatable :: values(:)
 
@@ -347,7 +347,7 @@ contains
    !> Read vectors and convert them to SI.
    subroutine read_vectors(source, name, values, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       real(wp), contiguous, intent(out) :: values(:, :)  !! (component, row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
 
@@ -358,7 +358,7 @@ contains
    !> Read scalars and convert them to SI.
    subroutine read_numbers(source, name, values, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       real(wp), contiguous, intent(out) :: values(:)     !! (row)
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
 
@@ -369,7 +369,7 @@ contains
    !> Read names, if there are any.
    subroutine read_names(source, name, names, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
-      character(len=*), intent(in) :: name               !! From the root
+      character(len=*), intent(in) :: name               !! Path from the root
       type(text_t), allocatable, intent(out) :: names(:) !! Without trailing blanks
       type(error_t), allocatable, intent(out) :: error   !! Cannot be read
       character(len=:), allocatable :: texts, one

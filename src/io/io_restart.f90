@@ -126,7 +126,7 @@ contains
    !> Read the text of the deck ("/deck") or the echo ("/deck_echo") of a checkpoint.
    subroutine checkpoint_text(path, name, text, error)
       character(len=*), intent(in) :: path
-      character(len=*), intent(in) :: name                !! From the root
+      character(len=*), intent(in) :: name                !! Path from the root
       character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error    !! Cannot be read
       type(hdf5_source_t) :: source
@@ -140,7 +140,7 @@ contains
    !> Read a text of an open file and compare its hash.
    subroutine read_text(source, name, text, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
-      character(len=*), intent(in) :: name                !! From the root
+      character(len=*), intent(in) :: name                !! Path from the root
       character(len=:), allocatable, intent(out) :: text
       type(error_t), allocatable, intent(out) :: error    !! Cannot be read, or damaged
       integer(int64) :: check
@@ -218,7 +218,7 @@ contains
    !> Read one entry of the scalar data.
    subroutine read_entry(source, member, state, error)
       type(hdf5_source_t), intent(in) :: source           !! Open file
-      type(data_info_t), intent(in) :: member             !! Its data set
+      type(data_info_t), intent(in) :: member             !! Data set of the field
       type(state_t), intent(inout) :: state               !! The entry is set
       type(error_t), allocatable, intent(out) :: error    !! Damaged
       integer(int64), allocatable :: owners(:), integers(:)

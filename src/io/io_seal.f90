@@ -78,7 +78,7 @@ contains
    !> Read the seal of a file.
    subroutine read_seal(path, seal, error)
       character(len=*), intent(in) :: path
-      character(len=seal_bytes), intent(out) :: seal     !! Its last bytes
+      character(len=seal_bytes), intent(out) :: seal     !! Last bytes of the file
       type(error_t), allocatable, intent(out) :: error   !! Missing or unreadable
       integer(int64) :: bytes
       integer :: status, unit

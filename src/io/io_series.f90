@@ -91,7 +91,7 @@ contains
    !> True if a snapshot of a series is before another one: of two numbers with at least six digits
    !! the longer one is greater.
    pure logical function comes_before(path, other) result(before)
-      character(len=*), intent(in) :: path               !! Its path
+      character(len=*), intent(in) :: path               !! Path of the file
       character(len=*), intent(in) :: other              !! Path of the other one
 
       before = len(path) < len(other) .or. (len(path) == len(other) .and. llt(path, other))

@@ -185,7 +185,7 @@ contains
       character(len=*), intent(in) :: dataset            !! Name of the data set
       type(marker_t), intent(inout) :: marker
       type(voxel_file_t), intent(inout) :: voxels
-      type(error_t), allocatable, intent(out) :: error   !! It cannot be read
+      type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read
       type(hdf5_source_t) :: source
       integer, allocatable :: extent(:)
       real(wp), allocatable :: edge(:), corner(:)
@@ -219,10 +219,10 @@ contains
    subroutine read_layers(source, dataset, extent, marker, mask, error)
       type(hdf5_source_t), intent(in) :: source          !! The open file
       character(len=*), intent(in) :: dataset            !! Name of the data set
-      integer, intent(in) :: extent(:)                   !! Its extents, the fastest first
+      integer, intent(in) :: extent(:) !! Extents of the data, the fastest index first
       type(marker_t), intent(inout) :: marker
       character(len=:), allocatable, intent(inout) :: mask !! Mask of all voxels
-      type(error_t), allocatable, intent(out) :: error   !! It cannot be read
+      type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read
       real(wp), allocatable :: values(:)
       integer :: wanted(size(extent)), layers, before, n
       integer(int64) :: layer
@@ -247,7 +247,7 @@ contains
       character(len=*), intent(in) :: path               !! The file with the text
       type(marker_t), intent(inout) :: marker
       type(voxel_file_t), intent(inout) :: voxels
-      type(error_t), allocatable, intent(out) :: error   !! It cannot be read
+      type(error_t), allocatable, intent(out) :: error   !! If the file cannot be read
       character(len=:), allocatable :: text
       type(image_t) :: image
       integer(int64) :: bytes, voxel, start

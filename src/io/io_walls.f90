@@ -23,8 +23,8 @@ module io_walls
    !> Walls. The same on all ranks.
    type :: walls_t
       real(wp), allocatable :: point(:, :)               !! (3, point) [m]
-      integer, allocatable :: corners(:)                 !! (cell) Its points, in order
-      integer, allocatable :: wall(:)                    !! (cell) Its wall, from 1
+      integer, allocatable :: corners(:)                 !! (cell) Corners of the cell, in order
+      integer, allocatable :: wall(:)                    !! (cell) Wall of the cell, from 1
       character(len=wall_name_length), allocatable :: name(:) !! (wall) Region, or face
       character(len=wall_name_length), allocatable :: kind(:) !! (wall) Type of boundary
       integer, allocatable :: face(:)                    !! (wall) 1 to 6, 0 = rigid region

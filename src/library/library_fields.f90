@@ -28,7 +28,7 @@ module library_fields
    !> Finds the memory of a field.
    type, extends(field_worker_t) :: finder_t
       character(len=:), allocatable :: name            !! Field to find
-      type(field_view_t) :: view                       !! Gets its memory
+      type(field_view_t) :: view                       !! Gets the memory of the field
    contains
       procedure :: scalar => finder_scalar             !! Real numbers
       procedure :: vector => finder_vector             !! Vectors and tensors

@@ -46,7 +46,7 @@ contains
       class(library_session_t), intent(inout) :: self
       type(text_t), intent(in) :: arguments(:)       !! As on the command line of scree
       logical, intent(in) :: given                   !! Is there a communicator?
-      integer, intent(in) :: communicator            !! Its Fortran handle
+      integer, intent(in) :: communicator            !! Fortran handle of the communicator
       type(error_t), allocatable :: error
       integer :: host
 
@@ -93,7 +93,7 @@ contains
    subroutine join_ranks(self, given, communicator, error)
       class(library_session_t), intent(inout) :: self
       logical, intent(in) :: given                   !! Is there a communicator?
-      integer, intent(in) :: communicator            !! Its Fortran handle
+      integer, intent(in) :: communicator            !! Fortran handle of the communicator
       type(error_t), allocatable, intent(out) :: error !! MPI is not available
       integer :: all, hints
 

@@ -36,7 +36,7 @@ contains
 
    !> Check that the moduli are given by exactly one pair of keys, without unused ones.
    subroutine check_moduli(material, group, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(deck_t), intent(inout) :: deck
       logical :: young, poisson, bulk, shear, derived, strong
@@ -71,7 +71,7 @@ contains
 
    !> Check that models are compatible with each other and with the effects.
    subroutine check_models(material, group, effects, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
@@ -103,7 +103,7 @@ contains
    !> Check that some model uses the rate of Johnson and Cook if it is given. The default value is
    !! always accepted, because the echo of a deck gives it for every material.
    subroutine check_rate(material, group, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(deck_t), intent(inout) :: deck
       real(wp) :: rate
@@ -120,7 +120,7 @@ contains
 
    !> Check that melting material has a melting temperature.
    subroutine check_melting(material, group, effects, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
@@ -142,7 +142,7 @@ contains
 
    !> Only material without cohesion can get its density from the nodes.
    subroutine check_packing(material, group, effects, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
@@ -159,7 +159,7 @@ contains
 
    !> Check that the failure model is compatible with the law and the effects.
    subroutine check_failure(material, group, effects, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! &material
       type(effects_t), intent(in) :: effects
       type(deck_t), intent(inout) :: deck
@@ -193,7 +193,7 @@ contains
 
    !> A law that gives the whole stress excludes other models.
    subroutine check_whole_stress(material, group, deck)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! &material
       type(deck_t), intent(inout) :: deck
       character(len=:), allocatable :: strength, eos
@@ -217,7 +217,7 @@ contains
 
    !> True if strength or damage follows the temperature up to melting.
    logical function needs_melting(material, group) result(needed)
-      class(models_t), intent(in) :: material        !! With its models chosen
+      class(models_t), intent(in) :: material        !! Material whose models are chosen
       type(group_t), intent(in) :: group             !! Group &material
       real(wp) :: coefficient(5)
 

@@ -20,7 +20,7 @@ module mesh_box
       real(wp) :: gradient(3, 3) = 0.0_wp            !! du_i/dx_j, upper triangular [1/s]
       real(wp) :: strain = 0.0_wp                    !! Integral of the sizes of shear rates [1]
    contains
-      procedure :: volume => box_volume              !! Its volume [m3]
+      procedure :: volume => box_volume              !! Volume of the cell [m3]
       procedure :: heights => box_heights            !! Distances of its faces [m]
       procedure :: advance => box_advance            !! Deform it for a time step
       procedure :: reduce => box_reduce              !! Replace an edge that tilts too far

@@ -18,7 +18,7 @@ module mesh_drive
    type :: drive_t
       real(wp) :: gradient(3, 3) = 0.0_wp            !! Given velocity gradient [1/s]
       logical :: servo(3) = .false.                  !! Axes with prescribed stress
-      logical :: isotropic = .false.                 !! Same rate on all axes, mean pressure held
+      logical :: isotropic = .false. !! Same rate on all axes, mean pressure controlled
       real(wp) :: pressure = 0.0_wp                  !! Held [Pa]
       real(wp) :: servo_rate = 0.0_wp                !! Strain rate at an error of 1 [1/s]
       real(wp) :: haste = 20.0_wp !! Factor of the rate in a cell without stress [1]

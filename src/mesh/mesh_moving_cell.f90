@@ -29,8 +29,8 @@ module mesh_moving_cell
    !> Mesh and cell at the start of a step, in its middle and at its end.
    type :: stretch_t
       real(wp) :: before(3, 3) = 0.0_wp              !! F at the begin [1]
-      real(wp) :: back(3, 3) = 0.0_wp                !! Its inverse [1]
-      real(wp) :: volume = 1.0_wp                    !! Its determinant [1]
+      real(wp) :: back(3, 3) = 0.0_wp                !! Inverse of F at the begin [1]
+      real(wp) :: volume = 1.0_wp                    !! Determinant of F at the begin [1]
       real(wp) :: middle(3, 3) = 0.0_wp              !! Inverse of F in the middle of the step [1]
       real(wp) :: ahead(3, 3) = 0.0_wp               !! F at the end times `middle` [1]
       real(wp) :: strain(3, 3) = 0.0_wp !! Strain of the cell in the step, F1 F0^-1 - 1 [1]

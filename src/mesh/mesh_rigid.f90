@@ -76,7 +76,7 @@ contains
    pure subroutine rigid_find_nodes(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary       !! Its boundaries
+      type(boundary_t), intent(in) :: boundary       !! Boundaries of the domain
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       type(held_t), intent(inout) :: held            !! In: previous nodes
       real(wp), parameter :: near = 4.0_wp           ! maximum search distance [cells]
@@ -109,7 +109,7 @@ contains
    pure subroutine find_nodes(self, grid, boundary, coordinate, held)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary       !! Its boundaries
+      type(boundary_t), intent(in) :: boundary       !! Boundaries of the domain
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       type(held_t), intent(inout) :: held            !! Receives them
       integer :: owner(grid%tile_nodes), node, count
@@ -148,7 +148,7 @@ contains
    pure subroutine find_normal(self, grid, boundary, coordinate, node, place, normal)
       class(rigid_t), intent(in) :: self
       type(grid_t), intent(in) :: grid
-      type(boundary_t), intent(in) :: boundary       !! Its boundaries
+      type(boundary_t), intent(in) :: boundary       !! Boundaries of the domain
       integer, intent(in) :: coordinate(3)           !! Tile, counted from 0
       integer, intent(in) :: node                    !! Node of the tile
       real(wp), intent(in) :: place(3)               !! Position of the node [m]
@@ -225,7 +225,7 @@ contains
       real(wp), intent(in) :: dt                     !! Time step, above 0 [s]
       real(wp), intent(in) :: share                  !! Share of PIC in the transfer, 0 to 1
       real(wp), contiguous, intent(in) :: free(:, :) !! (3, node) Velocity without walls [m/s]
-      real(wp), contiguous, intent(inout) :: velocity(:, :)     !! (3, node) With walls [m/s]
+      real(wp), contiguous, intent(inout) :: velocity(:, :) !! (3, node) Velocity after walls [m/s]
       real(wp), contiguous, intent(inout) :: acceleration(:, :) !! (3, node) [m/s2]
       real(wp) :: along(3), change(3), seen(3), taken, speed
       integer :: n, node

@@ -16,7 +16,7 @@ module mesh_wall
       character(len=64) :: name = ""                 !! Name of its region, for pictures
       integer :: face = 0                            !! Boundary of the domain, 0 = a rigid region
       class(boundary_condition_t), allocatable :: condition !! Condition; open without one
-      class(point_set_t), allocatable :: region      !! Its region, if not everywhere
+      class(point_set_t), allocatable :: region      !! Region of the wall, if not everywhere
       type(motion_t) :: motion                       !! Motion, and time interval of action
       logical :: acts = .true.                       !! Does it act now?
       logical :: stays = .false. !! Is the region fixed although it has a velocity?

@@ -42,7 +42,7 @@ contains
    !> Allocate the sums, 0.
    pure subroutine sums_start(self, walls)
       class(wall_sums_t), intent(inout) :: self
-      integer, intent(in) :: walls                   !! Their number
+      integer, intent(in) :: walls                   !! Number of walls
 
       if (allocated(self%total)) deallocate (self%total)
       allocate (self%total(wall_entries, walls))
@@ -129,7 +129,7 @@ contains
    !> Before walls act on a tile.
    pure subroutine push_begin(self, walls, dt, share, velocity, acceleration)
       class(wall_push_t), intent(inout) :: self
-      integer, intent(in) :: walls                   !! Their number
+      integer, intent(in) :: walls                   !! Number of walls
       real(wp), intent(in) :: dt                     !! Time that forces act [s]
       real(wp), intent(in) :: share                  !! Share of PIC in the transfer, 0 to 1
       real(wp), intent(in) :: velocity(:, :)         !! (3, node) [m/s]

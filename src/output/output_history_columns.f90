@@ -136,7 +136,7 @@ contains
 
    !> Error message for a name; empty if it is valid.
    pure function find_fault(name, number, with_exact, grid, with_gravity) result(text)
-      character(len=*), intent(in) :: name           !! As in the deck
+      character(len=*), intent(in) :: name           !! Name as in the deck
       integer, intent(in) :: number                  !! Number of the column, 0 = none
       logical, intent(in) :: with_exact              !! Is there an exact solution?
       type(grid_t), intent(in) :: grid               !! The grid and its directions
@@ -181,7 +181,7 @@ contains
    !> Values of a line. Collective.
    subroutine history_row(simulation, columns, row)
       type(simulation_t), intent(inout) :: simulation
-      type(history_columns_t), intent(in) :: columns !! Its columns
+      type(history_columns_t), intent(in) :: columns !! Columns of the history
       real(wp), allocatable, intent(out) :: row(:)   !! (column)
       real(wp) :: values(every)
       type(balance_t) :: now

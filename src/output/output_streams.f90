@@ -45,7 +45,7 @@ contains
    subroutine outputs_plan(self, deck, simulation, shapes, time_end)
       class(outputs_t), intent(inout) :: self        !! The streams; folder and case are set
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
       type(named_shape_t), intent(in) :: shapes(:)
       real(wp), intent(in) :: time_end               !! End of the run [s]
       type(stream_holder_t) :: next
@@ -198,7 +198,7 @@ contains
    subroutine outputs_limit(self, deck, particles, time_end, steps)
       class(outputs_t), intent(in) :: self
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      integer(int64), intent(in) :: particles        !! In all bodies
+      integer(int64), intent(in) :: particles        !! Number of particles in all bodies
       real(wp), intent(in) :: time_end               !! End of the run [s]
       real(wp), intent(in) :: steps                  !! Expected number of steps
       integer :: n

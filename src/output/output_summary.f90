@@ -188,7 +188,7 @@ contains
    !> Memory of particle and node fields for each particle [byte].
    real(wp) function bytes_per_particle(simulation, particles) result(bytes)
       type(simulation_t), intent(inout) :: simulation
-      integer(int64), intent(in) :: particles        !! On all ranks
+      integer(int64), intent(in) :: particles        !! Number of particles on all ranks
       type(node_tally_t) :: tally
       integer(int64) :: total(1)
       integer :: index
@@ -214,7 +214,7 @@ contains
    function balance_text(now, rate, whole_rate, bytes) result(text)
       type(balance_t), intent(in) :: now             !! Ledger entries and errors
       real(wp), intent(in) :: rate                   !! Particle updates a second of the steps
-      real(wp), intent(in) :: whole_rate             !! The same of the whole call, output included
+      real(wp), intent(in) :: whole_rate             !! Rate of the whole call, output included
       real(wp), intent(in) :: bytes                  !! A particle
       character(len=:), allocatable :: text
       character(len=200) :: line

@@ -73,7 +73,7 @@ contains
       class(stream_particles_t), intent(inout) :: self
       type(group_t), intent(in) :: group             !! Group &output
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! With fields, for the names; not changed
+      type(simulation_t), intent(inout) :: simulation !! Read for the names of fields; not changed
       type(named_shape_t), intent(in) :: shapes(:)
 
       call read_fields(group, deck, simulation, self, self%fields)
@@ -145,7 +145,7 @@ contains
    !> Expected size of a file [byte].
    pure real(wp) function particles_bytes_of_file(self, particles) result(bytes)
       class(stream_particles_t), intent(in) :: self
-      integer(int64), intent(in) :: particles        !! In all bodies
+      integer(int64), intent(in) :: particles        !! Number of particles in all bodies
 
       bytes = real(particles, wp)*snapshot_bytes
    end function particles_bytes_of_file

@@ -103,7 +103,7 @@ contains
    !> Make an empty block.
    pure subroutine start_block(thrown, disks)
       type(thrown_t), intent(out) :: thrown
-      class(disks_t), intent(in) :: disks              !! Its distance and width
+      class(disks_t), intent(in) :: disks              !! Disks with distance and width
 
       thrown%width = disks%width
       thrown%bins = max(int(real(disks%width, wp)/disks%distance), 1)
@@ -242,7 +242,7 @@ contains
 
    !> Blocks along each direction.
    pure function blocks_of(disks, grid) result(blocks)
-      class(disks_t), intent(in) :: disks              !! Their width
+      class(disks_t), intent(in) :: disks              !! Disks with their width
       type(grid_t), intent(in) :: grid
       integer :: blocks(3)
 

@@ -29,7 +29,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: bodies(:)
       integer(int64), allocatable, intent(out) :: key(:)       !! Tiles with particles, ascending
-      integer(int64), allocatable, intent(out) :: particles(:) !! Their particles
+      integer(int64), allocatable, intent(out) :: particles(:) !! (tile) Number of particles
       integer(int64), intent(out) :: body_count(:)    !! (body) Particles of each, on all ranks
       type(candidates_t) :: candidates
       integer(int64), allocatable :: own(:), pairs(:, :)
@@ -354,7 +354,7 @@ contains
       integer, intent(in) :: body
       integer, intent(in) :: tile
       integer(int64), intent(in) :: identity          !! Identity of the particle
-      integer, intent(in) :: home                     !! Its cell in the tile, from 0
+      integer, intent(in) :: home                     !! Cell of the particle in the tile, from 0
       real(wp), intent(in) :: position(3)             !! [m]
       real(wp), intent(in) :: volume                  !! [m3]
       type(store_t), intent(inout) :: store

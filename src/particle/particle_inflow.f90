@@ -30,8 +30,8 @@ module particle_inflow
       real(wp) :: length = 0.0_wp                    !! Length of the body along the flow [m]
       integer(int64) :: identities = 0               !! Added to an identity from copy to copy
       type(store_t) :: pattern                       !! Particles in the tiles of the body
-      integer, allocatable :: particle(:)            !! (entry) Those of the body
-      integer(int64), allocatable :: identity(:)     !! (entry) Their first identities
+      integer, allocatable :: particle(:)            !! (entry) Particle of the body
+      integer(int64), allocatable :: identity(:)     !! (entry) First identity of the copies
       real(wp), allocatable :: origin(:)             !! (entry) Positions along the axis [m]
    contains
       procedure :: travel => inflow_travel           !! Displacement of the flow

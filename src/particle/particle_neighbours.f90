@@ -26,7 +26,7 @@ module particle_neighbours
    type :: neighbour_table_t
       integer :: size = 0                            !! Entries in use, odd
       integer, allocatable :: entry(:)               !! Particle of the tile, 0 = empty
-      integer, allocatable :: body(:)                !! (particle of the tile) Its lattice
+      integer, allocatable :: body(:) !! (particle of the tile) Body, whose lattice is used
       integer(int64), allocatable :: key(:)          !! (particle of the tile) Its site, < 0 = none
    contains
       procedure :: lengths => table_lengths          !! Longest distances to lattice neighbours

@@ -42,8 +42,8 @@ contains
    pure type(solid_t) function cone(centre, axis, radius, upper_radius, height) result(shape)
       real(wp), intent(in) :: centre(3)                  !! Middle of the axis [m]
       real(wp), intent(in) :: axis(3)                    !! Direction, of any length
-      real(wp), intent(in) :: radius                     !! At the start of the axis [m]
-      real(wp), intent(in) :: upper_radius               !! At its end [m]
+      real(wp), intent(in) :: radius                     !! Radius at the start of the axis [m]
+      real(wp), intent(in) :: upper_radius               !! Radius at the end of the axis [m]
       real(wp), intent(in) :: height                     !! Length of the axis [m]
 
       shape%kind = is_cone

@@ -38,7 +38,7 @@ contains
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
       integer, intent(in) :: before(:)                !! (tile + 1) Rows of lower tiles
       integer, intent(in) :: row(:)                   !! Rows grouped by tile
-      integer, intent(in) :: home(:)                  !! (row) Their cells
+      integer, intent(in) :: home(:)                  !! (row) Cells of the rows
       type(store_sorter_t) :: store_sorter
       integer, allocatable :: first(:), cells(:)
       integer :: length
@@ -75,7 +75,7 @@ contains
       integer(int64), target, contiguous, intent(in) :: rows(:, :) !! (word, row) Newcomers
       integer, intent(in) :: before(:)                !! (tile + 1) Rows of lower tiles
       integer, intent(in) :: row(:)                   !! Rows grouped by tile
-      integer, intent(in) :: home(:)                  !! (row) Their cells
+      integer, intent(in) :: home(:)                  !! (row) Cells of the rows
       integer, intent(inout) :: source(:)             !! (particle) Old index > 0, row < 0
       integer, intent(inout) :: cells(:)              !! (particle) Cells
       type(tile_sorter_t) :: sorter

@@ -166,7 +166,7 @@ contains
       type(grid_t), intent(in) :: grid
       type(store_t), intent(in) :: store
       integer, allocatable, intent(out) :: particle(:) !! Indices
-      integer, allocatable, intent(out) :: edge(:)   !! Their longest edges
+      integer, allocatable, intent(out) :: edge(:)   !! Longest edge of each particle
       integer, allocatable, intent(out) :: new_count(:)   !! (tile) With the halves
       integer, allocatable :: longest(:)
       integer :: tile, p, n
@@ -267,7 +267,7 @@ contains
       logical, intent(in) :: flows                   !! Is the material without strength?
       type(store_t), intent(inout) :: store
       integer, intent(in) :: low                     !! The whole; becomes the half against the edge
-      integer, intent(in) :: high                    !! Its copy; becomes the half along the edge
+      integer, intent(in) :: high                    !! Copy that becomes the half along the edge
       integer, intent(in) :: edge
       real(wp), intent(in) :: opening                !! Rate at which it grows [1/s]
       real(wp), intent(out) :: gain !! Kinetic energy not taken from internal energy [J]

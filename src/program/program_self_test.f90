@@ -278,7 +278,7 @@ contains
    pure function arguments_of(test, scene, run, checkpoint) result(arguments)
       type(self_test_t), intent(in) :: test
       character(len=*), intent(in) :: scene          !! One of scene_names
-      character(len=*), intent(in) :: run            !! Its output folder
+      character(len=*), intent(in) :: run            !! Output folder of the run
       character(len=*), intent(in) :: checkpoint     !! Where it begins; empty: at the start
       type(text_t), allocatable :: arguments(:)
 

@@ -40,10 +40,10 @@ contains
    !> Run steps to the end of the run or of the allowed wall time. Costs are processor time, which
    !! other programs on the machine hardly change.
    subroutine run_trial(simulation, limits, patience, trial, from, to)
-      type(simulation_t), intent(inout) :: simulation !! In its first state, which is lost
+      type(simulation_t), intent(inout) :: simulation !! In its initial state, which is lost
       type(limits_t), intent(in) :: limits           !! End of the run
       real(wp), intent(in) :: patience               !! Allowed wall time [s]
-      type(trial_t), intent(out) :: trial            !! Their costs
+      type(trial_t), intent(out) :: trial            !! Costs of the steps
       real(wp), intent(in), optional :: from         !! Time of the first mark [s]
       real(wp), intent(in), optional :: to           !! Time of the middle one [s]
       type(error_t), allocatable :: error

@@ -79,7 +79,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: bodies(:)
-      type(survey_t), intent(in) :: survey           !! Their points
+      type(survey_t), intent(in) :: survey           !! Particles of the bodies
       integer :: n, other, pairs
 
       do n = 1, size(bodies)
@@ -134,7 +134,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(grid_t), intent(in) :: grid
       type(body_t), intent(in) :: body
-      integer, intent(in) :: place                   !! Its number in the deck
+      integer, intent(in) :: place                   !! Number of the body in the deck
       real(wp) :: low(3), high(3)
 
       call body%shape%bounds(low, high)
@@ -153,7 +153,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body
-      integer, intent(in) :: place                   !! Its number in the deck
+      integer, intent(in) :: place                   !! Number of the body in the deck
       real(wp) :: low(3), high(3)
       integer :: inside, outside, k
 
@@ -216,7 +216,7 @@ contains
       type(deck_t), intent(inout) :: deck            !! Collects errors
       type(simulation_t), intent(in) :: simulation   !! Grid and faces
       type(body_t), intent(in) :: body
-      integer, intent(in) :: place                   !! Its number in the deck
+      integer, intent(in) :: place                   !! Number of the body in the deck
       real(wp) :: low(3), high(3), cells
       logical :: first, last
       integer :: k

@@ -363,7 +363,7 @@ contains
    !> The law of a group.
    subroutine read_law(group, law)
       type(group_t), intent(in) :: group             !! &contact
-      type(pair_law_t), intent(out) :: law           !! From the deck
+      type(pair_law_t), intent(out) :: law           !! Contact law from the deck
       character(len=:), allocatable :: word
 
       call group%get("law", word)

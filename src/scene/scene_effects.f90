@@ -69,7 +69,7 @@ contains
    !> Read gravity, if it acts. Collective.
    subroutine read_gravity(deck, simulation)
       type(deck_t), intent(inout) :: deck            !! Collects errors
-      type(simulation_t), intent(inout) :: simulation !! Gets it; its grid is read
+      type(simulation_t), intent(inout) :: simulation !! Gets the effect; its grid is read
       type(group_t) :: group
       logical :: acts
       integer :: k
@@ -125,7 +125,7 @@ contains
    !! default.
    function switches_on(group, named) result(text)
       type(group_t), intent(in) :: group             !! &effects
-      logical, intent(in) :: named                   !! Those that the deck gives?
+      logical, intent(in) :: named                   !! Only effects that the deck gives?
       character(len=:), allocatable :: text
       logical :: on
       integer :: n

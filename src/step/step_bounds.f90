@@ -175,7 +175,7 @@ contains
       real(wp), intent(in) :: dt                     !! Time step [s]
       real(wp), intent(in) :: matters                !! Smaller |grad v| do not limit steps [1/s]
       real(wp), intent(inout) :: steepest            !! Square of |grad v| so far [1/s2]
-      integer(int64), intent(inout) :: who           !! Its particle
+      integer(int64), intent(inout) :: who           !! Particle with this gradient
       real(wp), parameter :: rounding = 1.0e-12_wp
       real(wp) :: most, enough
       integer :: p

@@ -165,7 +165,7 @@ contains
       type(material_t), intent(in) :: materials(:)
       type(store_t), intent(in) :: stores(:)
       type(machine_t), intent(in) :: machine
-      integer, intent(in) :: measure                 !! One of those above
+      integer, intent(in) :: measure                 !! One of the measures above
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
       real(wp) :: value, greatest
       integer :: index, tile, p
@@ -194,7 +194,7 @@ contains
       type(store_t), intent(in) :: store
       integer, intent(in) :: p
       real(wp), intent(in) :: density                !! Density of its material at rest [kg/m3]
-      integer, intent(in) :: measure                 !! One of those above
+      integer, intent(in) :: measure                 !! One of the measures above
       real(wp), intent(in) :: least_energy           !! Zero level of the energies [J/kg]
 
       value = -huge(1.0_wp)
@@ -223,7 +223,7 @@ contains
    integer(int64) function lowest_of(machine, value, own) result(identity)
       type(machine_t), intent(in) :: machine
       real(wp), intent(in) :: value                  !! Greatest of this rank
-      integer(int64), intent(in) :: own              !! Its particle
+      integer(int64), intent(in) :: own              !! Particle on this rank
       integer(int64) :: least(1)
 
       least = own

@@ -117,7 +117,7 @@ contains
    !> Give cells with nodes of two sides no weight, neither for the first side nor for the second.
    subroutine drop_cells(simulation, field, tile)
       type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(inout) :: field !! One of two sides
+      type(velocity_field_t), intent(inout) :: field !! One of the fields of two sides
       integer, intent(in) :: tile
 
       if (allocated(field%sides)) then
@@ -249,7 +249,7 @@ contains
       type(velocity_field_t), intent(in) :: field
       integer, intent(in) :: tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
-      type(packed_patch_t), intent(inout) :: gradient      !! Gets it [m3/s]
+      type(packed_patch_t), intent(inout) :: gradient      !! Gets the gradient [m3/s]
       real(wp) :: patch(9, space%grid%tile_nodes)
 
       call clear_patch(patch)

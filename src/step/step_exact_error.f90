@@ -27,7 +27,7 @@ contains
    !! Velocities may be behind positions, and the stress that is updated before the force is that of
    !! the last step; each is compared with the solution at its own time.
    subroutine measure_errors(simulation)
-      type(simulation_t), intent(inout) :: simulation !! With a solution
+      type(simulation_t), intent(inout) :: simulation !! With an exact solution
       type(exact_sum_t) :: sums(errors + 1)
       real(wp) :: part(errors + 1), farthest, times(errors)
       integer :: index, tile, n

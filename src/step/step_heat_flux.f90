@@ -302,7 +302,7 @@ contains
       integer, intent(in) :: cell                    !! Which cell of a tile, from 0
       integer, intent(in) :: direction               !! Direction of the edges
       real(wp), intent(in) :: local(3)               !! Local coordinate, 0 to 1
-      integer, intent(out) :: edges                  !! How many: 1, 2 or 4
+      integer, intent(out) :: edges                  !! Number of edges: 1, 2 or 4
       integer, intent(out) :: low(4)                 !! Node at their lower end
       real(wp), intent(out) :: weight(4)             !! At the position
       integer :: across, edge

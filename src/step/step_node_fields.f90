@@ -84,7 +84,7 @@ module step_node_fields
       type(node_boxes_t) :: weighted                 !! Nodes of cells with a weight
       real(wp), allocatable :: weight(:, :)          !! (cell, tile) Weights of cells
       type(packed_patch_t) :: share                  !! (1) Volume of the dual gradient [m3]
-      real(wp), allocatable :: volume(:, :, :)       !! (1) Its sum [m3]
+      real(wp), allocatable :: volume(:, :, :)       !! (1) Sum of volumes [m3]
       real(wp), allocatable :: filled(:, :, :)       !! (1) Volume of particles, if requested [m3]
       type(packed_patch_t) :: force                  !! (3) Force of the node stress [N]
       !> (9) Node gradient of strain, of the mid-step velocity, and, where the strain is the average
@@ -99,7 +99,7 @@ module step_node_fields
       !> Patch (3): momentum mapped a second time [kg m/s]; (4): with the mass in front
       real(wp), allocatable :: extra(:, :, :)
       real(wp), allocatable :: filtered(:, :, :)     !! (3) Sum of the series of velocities [m/s]
-      real(wp), allocatable :: term(:, :, :)         !! (3) Its last term [m/s]
+      real(wp), allocatable :: term(:, :, :)         !! (3) Last term of the series [m/s]
       real(wp), allocatable :: loss(:, :, :)         !! (1) Lost kinetic energy [J/kg]
    contains
       procedure :: count => count_series

@@ -31,7 +31,7 @@ module step_node_view
       real(wp), allocatable :: heat(:, :) !! (column, node) Fields gathered at the particles
       real(wp), allocatable :: scalar(:, :)          !! (1, node) Value of the nodes [J/kg]
       real(wp), allocatable :: turn(:, :) !! (3, node) Velocity from linear velocity fields [m/s]
-      real(wp), allocatable :: moments(:, :)         !! (9, node) Their moments [m2/s]
+      real(wp), allocatable :: moments(:, :)         !! (9, node) Moments of these [m2/s]
    end type loss_view_t
 
    !> Node fields of one tile that the particles need. Fields that are not needed are not allocated.

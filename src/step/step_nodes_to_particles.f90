@@ -376,7 +376,7 @@ contains
    !> Add the difference between the sides of nodes to a velocity gradient times the time step.
    subroutine add_gradient(simulation, field, scratch, index, tile, difference, dt)
       type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(in) :: field    !! With sides
+      type(velocity_field_t), intent(in) :: field    !! Field with two sides
       type(scratch_t), intent(inout) :: scratch !! Scratch memory of this thread, with the gradient
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile
@@ -413,7 +413,7 @@ contains
    subroutine add_values(simulation, field, shape, index, tile, factor, mine, theirs, before, &
       values)
       type(simulation_t), intent(in) :: simulation
-      type(velocity_field_t), intent(in) :: field    !! With sides
+      type(velocity_field_t), intent(in) :: field    !! Field with two sides
       type(shape_data_t), intent(in) :: shape        !! Shape data of the tile
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile

@@ -410,7 +410,7 @@ contains
    !! surface; more material than volume is always an error. Equation (Q.7).
    ! gate: long kernel because an edge needs all quantities of its integral
    pure subroutine find_edges(full, own, whole, rest, share, axisymmetric, factor)
-      real(wp), intent(in) :: full                   !! How far the cell is full, 0 to 1
+      real(wp), intent(in) :: full                   !! Filled fraction of the cell, 0 to 1
       real(wp), intent(in) :: own                    !! Fraction of its material in the scope
       real(wp), intent(in) :: whole(:)               !! (edge) Integral of its weight [m3]
       real(wp), intent(in) :: rest(:)                !! (edge) Fraction transmitted by nodes [1]

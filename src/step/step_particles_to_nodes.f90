@@ -215,7 +215,7 @@ contains
    !> Sums of both sides of a field on the parted nodes of a tile.
    subroutine scatter_other(simulation, field, scratch, tile, patch)
       type(simulation_t), intent(inout) :: simulation
-      type(velocity_field_t), intent(in) :: field    !! With sides
+      type(velocity_field_t), intent(in) :: field    !! Field with two sides
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread
       integer, intent(in) :: tile
       real(wp), contiguous, intent(inout) :: patch(:, :) !! (column, node) Patch of the first side
@@ -370,7 +370,7 @@ contains
 
    !> Body force of an exact solution, to columns 5 to 7.
    subroutine add_body_force(simulation, scratch, index, tile, patch)
-      type(simulation_t), intent(in) :: simulation   !! With a solution
+      type(simulation_t), intent(in) :: simulation   !! With an exact solution
       type(scratch_t), intent(inout) :: scratch      !! Private to this thread, particles located
       integer, intent(in) :: index                   !! Index of the material and of its store
       integer, intent(in) :: tile

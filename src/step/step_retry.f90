@@ -25,7 +25,7 @@ contains
    !! so, restore the state before the nodes moved, so that the step can be repeated with a shorter
    !! time step. Collective. Equation (S.7) of doc/theory/time_step.md.
    subroutine check_node_displacement(simulation, dt, again, error)
-      type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
+      type(simulation_t), intent(inout) :: simulation !! State after the nodes have moved
       real(wp), intent(inout) :: dt                  !! Time step [s]
       logical, intent(out) :: again                  !! Must the step be repeated?
       type(error_t), allocatable, intent(out) :: error !! No step is short enough
@@ -85,7 +85,7 @@ contains
 
    !> The node of this rank that exceeds the bounds most.
    subroutine find_worst(simulation, field, dt, worst)
-      type(simulation_t), intent(inout) :: simulation !! Its nodes just moved
+      type(simulation_t), intent(inout) :: simulation !! State after the nodes have moved
       type(velocity_field_t), intent(in) :: field
       real(wp), intent(in) :: dt                     !! Time step [s]
       type(reach_t), intent(out) :: worst

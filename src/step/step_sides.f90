@@ -19,7 +19,7 @@ module step_sides
    public :: find_sides
 
    integer, parameter :: sum_intact = 1              !! Intact volume
-   integer, parameter :: sum_slope = 2               !! Its gradient
+   integer, parameter :: sum_slope = 2               !! Gradient of the intact volume
    integer, parameter :: sum_axis = 3                !! Sums for the axes of the nodes
    integer, parameter :: sum_parts = 4               !! Sums for the separation of sides
    !> Rows of the sums

@@ -287,7 +287,7 @@ contains
       type(simulation_t), intent(in) :: simulation
       type(shape_data_t), intent(inout) :: shape        !! Shape data of the tile
       real(wp), contiguous, intent(in) :: velocity(:, :) !! (3, node) [m/s]
-      real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) On the nodes, if dual [1/s]
+      real(wp), allocatable, intent(in) :: gradient(:, :) !! (9, node) Node gradient, if dual [1/s]
       real(wp), contiguous, intent(inout) :: slopes(:, :) !! (particle of the tile, 9) [1/s]
 
       associate (grid => simulation%space%grid, method => simulation%scheme%method)

@@ -23,8 +23,8 @@ module tabulated_states
       real(wp), allocatable :: energy(:)             !! (node) [J/kg]
       real(wp), allocatable :: square(:)             !! Square of the sound speed (node) [m2/s2]
       real(wp) :: worst = 0.0_wp                     !! Greatest inconsistency of a cell [1]
-      real(wp) :: worst_density = 0.0_wp             !! In the middle of that cell [kg/m3]
-      real(wp) :: worst_temperature = 0.0_wp         !! In the middle of that cell [K]
+      real(wp) :: worst_density = 0.0_wp             !! Density in the worst cell [kg/m3]
+      real(wp) :: worst_temperature = 0.0_wp         !! Temperature in the worst cell [K]
    contains
       procedure :: complete => states_complete       !! Sound speeds and inconsistency
       procedure :: find_cells => states_find_cells !! Cells of states, and where in them

@@ -20,7 +20,7 @@ module tabulated_text
    type :: listing_t
       integer :: count = 0                           !! Lines of numbers
       real(wp), allocatable :: value(:, :)           !! (4, entry)
-      integer, allocatable :: line(:)                !! (entry) Its line in the file
+      integer, allocatable :: line(:)                !! (entry) Line in the file
    end type listing_t
 
 contains

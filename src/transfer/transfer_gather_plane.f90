@@ -127,7 +127,7 @@ contains
    !! so that a uniform field has slopes of exactly zero. The node field is a one-dimensional array.
    pure subroutine find_terms(along_x, along_z, numbers, nodes, scale, u)
       integer, intent(in) :: along_x                 !! Numbers to the next node along x
-      integer, intent(in) :: along_z                 !! The same along z
+      integer, intent(in) :: along_z                 !! Offset to the next node along z
       integer, intent(in) :: numbers                 !! Number of array elements of the tile
       real(wp), intent(in) :: nodes(numbers)         !! (component and node)
       real(wp), intent(in) :: scale                  !! Factor

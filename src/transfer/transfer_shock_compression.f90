@@ -31,7 +31,7 @@ contains
       type(grid_t), intent(in) :: grid
       integer, contiguous, intent(in) :: start(0:)           !! (0:cells) Particles before a cell
       real(wp), contiguous, intent(in) :: velocity(:, :)     !! (3, node) That strains [m/s]
-      real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) Its node gradient [1/s]
+      real(wp), contiguous, intent(in) :: gradient(:, :)     !! (9, node) Node gradient [1/s]
       real(wp), contiguous, intent(in) :: strain(:, :)       !! (particle, 9) Strain of the step [1]
       real(wp), contiguous, intent(inout) :: jump(:)         !! (particle) [1]
       real(wp) :: left

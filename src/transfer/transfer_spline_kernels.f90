@@ -24,10 +24,10 @@ module transfer_spline_kernels
    type :: lines_t
       integer :: before(batch)                       !! (particle) Numbers before the first node
       real(wp) :: x(batch, line)                     !! (particle, node) Functions along x
-      real(wp) :: slope_x(batch, line)               !! Their derivatives [1/m]
+      real(wp) :: slope_x(batch, line)               !! Derivatives along x [1/m]
       real(wp) :: yz(batch, line, line)              !! (particle, y, z) Products along y and z
-      real(wp) :: slope_y(batch, line, line)         !! The same with derivatives along y [1/m]
-      real(wp) :: slope_z(batch, line, line)         !! The same with derivatives along z [1/m]
+      real(wp) :: slope_y(batch, line, line)         !! Functions with derivatives along y [1/m]
+      real(wp) :: slope_z(batch, line, line)         !! Functions with derivatives along z [1/m]
    end type lines_t
 
 contains
