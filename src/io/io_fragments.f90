@@ -221,7 +221,7 @@ contains
    pure subroutine step_to(grid, map, cell, way, next, image)
       type(grid_t), intent(in) :: grid
       type(map_t), intent(in) :: map                     !! All cells
-      integer, intent(in) :: cell                        !! The cell
+      integer, intent(in) :: cell                        !! Index of the cell
       integer, intent(in) :: way(3)                      !! Direction: -1, 0 or 1 along each axis
       integer, intent(out) :: next                       !! Index of the neighbour
       integer, intent(out) :: image(3)                   !! Shift in periods

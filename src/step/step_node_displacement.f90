@@ -20,7 +20,7 @@ contains
    !> True if one node exceeds the bounds by more than another. Of equal nodes the first one of the
    !! grid is the worse one.
    elemental logical function worse(reach, other) result(is_worse)
-      type(reach_t), intent(in) :: reach             !! The node
+      type(reach_t), intent(in) :: reach             !! The node that may be worse
       type(reach_t), intent(in) :: other             !! The node that it is compared with
 
       is_worse = reach%excess > other%excess .or. (reach%node > 0 .and. &
